@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/handle_file.h> // before Qt
+
+#include "fcd_layers.h"
+
+#include <vcg/complex/allocate.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <typeindex>
+
+#include <QFile>
+#include <QRegularExpression>
+
+using vcg::fcd::Error;
+using vcg::fcd::Handles;
+using vcg::fcd::Index;
+using vcg::fcd::Motion;
+
+namespace {
+
+std::string text(const QString &s) { return s.toStdString(); }
+
+// --- tags ---
+
+/// The meaning of the tags, for messages.
+const char *const tagMeaning = "0 = fixed, 1 = free, 2, 3, ... = handles, negative = outside";
+
+/// Tags from a number per slot, where \p of(slot) gives the number. \p what names the numbers in messages.
+template <class NumberOf>
+std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const NumberOf &of) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<int> tag(mesh.vert.size(), 1);
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        if (mesh.vert[i].IsD())
+            continue;
+        const double number = of(i);
+        const double whole = std::round(number);
+        // The tolerance is for files that store numbers as text.
+        if (!(std::abs(number - whole) <= 1e-6) || std::abs(whole) > std::numeric_limits<int>::max()) {
+            std::ostringstream message;
+            message << "The " << what << " of vertex " << i << " is " << number
+                    << ", but tags are whole numbers: " << tagMeaning
+                    << ". Round them, or choose another source with 'handles'.";
+            throw Error(message.str());
+        }
+        tag[i] = int(whole);
+    }
+    return tag;
+}
+
+std::vector<int> tagsFromQuality(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    bool tagged = false;
+    if (layer.hasDataMask(MeshModel::MM_VERTQUALITY))
+        for (std::size_t i = 0; i < mesh.vert.size() && !tagged; ++i)
+            tagged = !mesh.vert[i].IsD() && mesh.vert[i].cQ() != 0;
+    if (!tagged)
+        throw Error(
+            std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
+                        "vertices yet. Set the quality to a tag per vertex (") +
+            tagMeaning +
+            "), for example with 'Per Vertex Quality Function' (compute_scalar_by_function_per_vertex), or select the "
+            "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
+    return tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
+}
+
+std::vector<int> tagsFromSelection(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<int> tag(mesh.vert.size(), 1);
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD() && face.IsS())
+            for (int k = 0; k < 3; ++k)
+                tag[vcg::tri::Index(mesh, face.cV(k))] = 0;
+    bool handle = false;
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!mesh.vert[i].IsD() && mesh.vert[i].IsS()) {
+            tag[i] = 2;
+            handle = true;
+        }
+    if (!handle)
+        throw Error(
+            "No handle: no vertex is selected. Select the vertices of the handle, and the faces of what stays fixed, "
+            "or choose another source with 'handles'.");
+    return tag;
+}
+
+std::vector<int> tagsFromAttribute(const MeshModel &layer, const QString &name) {
+    const CMeshO &mesh = layer.cm;
+    std::string others;
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
+        if (attribute._name != text(name)) {
+            if (!attribute._name.empty())
+                others += (others.empty() ? " It has: " : ", ") + attribute._name;
+            continue;
+        }
+        // The handle's own index, not its operator[]: that one refers to the container the attribute was made for.
+        const vcg::SimpleTempDataBase *data = attribute._handle;
+        const std::string what = "attribute '" + text(name) + "'";
+        if (attribute._type == typeid(float))
+            return tagsFrom(layer, what,
+                            [&](std::size_t i) { return double(*static_cast<const float *>(data->At(i))); });
+        if (attribute._type == typeid(double))
+            return tagsFrom(layer, what, [&](std::size_t i) { return *static_cast<const double *>(data->At(i)); });
+        if (attribute._type == typeid(int))
+            return tagsFrom(layer, what, [&](std::size_t i) { return double(*static_cast<const int *>(data->At(i))); });
+        throw Error("The vertex attribute '" + text(name) +
+                    "' does not hold one number per vertex. Use a scalar attribute (float, double or int).");
+    }
+    throw Error("This layer has no vertex attribute '" + text(name) +
+                "'. Add a scalar attribute of that name with a tag per vertex (" + tagMeaning +
+                "), or give its name as 'tag_attribute'." +
+                (others.empty() ? " It has no attributes at all." : others + "."));
+}
+
+std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
+    const CMeshO &mesh = layer.cm;
+    const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString());
+    if (listed.size() != std::size_t(mesh.vn))
+        throw Error(text(path) + " has " + std::to_string(listed.size()) + " tags, but the layer '" +
+                    text(layer.label()) + "' has " + std::to_string(mesh.vn) +
+                    " vertices. It must list one tag per vertex of this very mesh, in the order of the vertices.");
+    std::vector<int> tag(mesh.vert.size(), 1);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            tag[i] = listed[next++];
+    return tag;
+}
+
+// --- motions ---
+
+Eigen::Affine3d matrixOf(const MeshModel &layer) {
+    Eigen::Matrix4d matrix;
+    layer.cm.Tr.ToEigenMatrix(matrix);
+    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
+        !Eigen::FullPivLU<Eigen::Matrix3d>(matrix.topLeftCorner<3, 3>()).isInvertible())
+        throw Error("The matrix of the layer '" + text(layer.label()) +
+                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+    return Eigen::Affine3d(matrix);
+}
+
+Eigen::Vector3d coordinates(const CVertexO &vertex) {
+    return Eigen::Vector3d(vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]);
+}
+
+/// The motion that translation, rotation and matrix describe, in world coordinates. \p barycenter of the handle at
+/// rest, world coordinates.
+Eigen::Affine3d motionOf(const HandleParam &param, const Eigen::Vector3d &barycenter) {
+    Eigen::Affine3d motion(param.matrix);
+    if (param.rotationAngle != 0) {
+        const Eigen::Vector3d center = param.rotationCenter == HandleParam::Barycenter ? motion * barycenter
+                                       : param.rotationCenter == HandleParam::Point    ? param.rotationPoint
+                                                                                       : Eigen::Vector3d(0, 0, 0);
+        const double radians = param.rotationAngle * (std::acos(-1.0) / 180);
+        const Eigen::AngleAxisd rotation(radians, param.rotationAxis.normalized());
+        motion = Eigen::Translation3d(center) * rotation * Eigen::Translation3d(-center) * motion;
+    }
+    return Eigen::Translation3d(param.translation) * motion;
+}
+
+/// \p world, a motion in world coordinates, in the coordinates of a layer whose matrix is \p layerMatrix.
+Motion toLocal(const Eigen::Affine3d &world, const Eigen::Affine3d &layerMatrix) {
+    if (layerMatrix.matrix().isIdentity(0))
+        return Motion(world.matrix());
+    Eigen::Matrix4d local = (layerMatrix.inverse() * world * layerMatrix).matrix();
+    local.row(3) << 0, 0, 0, 1;
+    return Motion(local);
+}
+
+} // namespace
+
+Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark) {
+    const CMeshO &mesh = layer.cm;
+    Handles handles;
+    switch (param.source) {
+    case HandleParam::Quality: handles.tag = tagsFromQuality(layer); break;
+    case HandleParam::Selection: handles.tag = tagsFromSelection(layer); break;
+    case HandleParam::Attribute: handles.tag = tagsFromAttribute(layer, param.tagAttribute); break;
+    case HandleParam::Files: handles.tag = tagsFromFile(layer, param.tagFile); break;
+    }
+
+    const Eigen::Affine3d layerMatrix = matrixOf(layer);
+    struct Sum {
+        Eigen::Vector3d position = Eigen::Vector3d::Zero();
+        std::size_t count = 0;
+    };
+    std::map<int, Sum> sums; // per handle
+    for (std::size_t i = 0; i < handles.tag.size(); ++i)
+        if (!mesh.vert[i].IsD() && handles.tag[i] >= 2) {
+            Sum &sum = sums[handles.tag[i]];
+            sum.position += coordinates(mesh.vert[i]);
+            ++sum.count;
+        }
+
+    std::vector<Eigen::Matrix4d> listed;
+    if (!param.transformFile.isEmpty())
+        listed = vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString());
+
+    bool moves = false;
+    for (const auto &[tag, sum] : sums) {
+        const std::size_t place = std::size_t(tag) - 2;
+        Eigen::Affine3d world;
+        if (place < listed.size()) {
+            if (!listed[place].allFinite() || listed[place].row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+                throw Error(text(param.transformFile) + ": the matrix of handle " + std::to_string(tag) +
+                            " is not affine. Its last row must be 0 0 0 1 and all its entries finite numbers.");
+            world = listed[place];
+        } else {
+            world = motionOf(param, layerMatrix * (sum.position / double(sum.count)));
+            if (!listed.empty())
+                remark("Handle " + std::to_string(tag) + " has no matrix in " + text(param.transformFile) +
+                       ": translation, rotation and matrix of the dialog move it.");
+        }
+        moves = moves || !world.matrix().isIdentity(0);
+        handles.motion[tag] = toLocal(world, layerMatrix);
+    }
+
+    for (std::size_t place = 0; place < listed.size(); ++place)
+        if (!sums.count(int(place) + 2))
+            remark("No vertex has tag " + std::to_string(place + 2) + ": its matrix in " + text(param.transformFile) +
+                   " is not used.");
+    if (!sums.empty() && !moves)
+        remark("No handle moves: translation, rotation and matrix leave them where they are.");
+    return handles;
+}
+
+Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
+    if (!graph)
+        throw Error(
+            "'graph_layer' names no layer of this document. Choose the layer whose vertices are the nodes, or untick "
+            "'use_graph_layer'.");
+    if (graph == &layer)
+        throw Error(
+            "'graph_layer' is the layer to deform itself. Choose the layer whose vertices are the nodes (one that "
+            "'FCD: Build Deformation Graph' made, for example), or untick 'use_graph_layer'.");
+    if (graph->cm.vn == 0)
+        throw Error("The graph layer '" + text(graph->label()) +
+                    "' has no vertices, so there are no nodes. Choose another "
+                    "layer, or untick 'use_graph_layer'.");
+    const Eigen::Affine3d from = matrixOf(*graph), to = matrixOf(layer);
+    const bool same = from.matrix() == to.matrix();
+    const Eigen::Affine3d change = to.inverse() * from;
+    Eigen::Matrix3Xd nodes(3, graph->cm.vn);
+    Eigen::Index next = 0;
+    for (const CVertexO &vertex : graph->cm.vert)
+        if (!vertex.IsD()) {
+            const Eigen::Vector3d position = coordinates(vertex);
+            nodes.col(next++) = same ? position : change * position;
+        }
+    return nodes;
+}
+
+// --- new layers ---
+
+namespace {
+
+/// The label without what is, or looks like, the extension of a file.
+QString nameOf(const MeshModel &layer) {
+    QString name = layer.label().trimmed();
+    name.remove(QRegularExpression("\\.[A-Za-z][A-Za-z0-9]{0,4}$"));
+    return name.isEmpty() ? QString("mesh") : name;
+}
+
+/// \p label, or "LABEL(n)" where it is taken. MeshLab does so too, but takes a dot for the beginning of an extension.
+QString unusedLabel(const MeshDocument &document, const QString &label) {
+    const std::vector<const MeshModel *> layers = host::layers(document);
+    for (int n = 0;; ++n) {
+        const QString tried = n ? QString("%1(%2)").arg(label).arg(n) : label;
+        bool taken = false;
+        for (const MeshModel *layer : layers)
+            taken = taken || layer->label() == tried;
+        if (!taken)
+            return tried;
+    }
+}
+
+/// Makes attributes in a mesh, by the type of their values.
+struct AttributeMakers {
+    using Make = void (*)(CMeshO &, const std::string &);
+    std::map<std::type_index, Make> vertex, face;
+
+    AttributeMakers() {
+        add<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long, unsigned long,
+            long long, unsigned long long, float, double>();
+        add<vcg::Point2f, vcg::Point2d, vcg::Point2i, vcg::Point3f, vcg::Point3d, vcg::Point3i, vcg::Point4f,
+            vcg::Point4d, vcg::Color4b, vcg::Color4f, vcg::Matrix33f, vcg::Matrix33d, vcg::Matrix44f, vcg::Matrix44d,
+            std::string>();
+    }
+
+  private:
+    template <class... Types>
+    void add() {
+        (vertex.emplace(typeid(Types),
+                        [](CMeshO &mesh, const std::string &name) {
+                            vcg::tri::Allocator<CMeshO>::template AddPerVertexAttribute<Types>(mesh, name);
+                        }),
+         ...);
+        (face.emplace(typeid(Types),
+                      [](CMeshO &mesh, const std::string &name) {
+                          vcg::tri::Allocator<CMeshO>::template AddPerFaceAttribute<Types>(mesh, name);
+                      }),
+         ...);
+    }
+};
+
+/// Adds to \p to, empty, the attributes of \p from, without values. Tells about those of types that are not known.
+void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
+    const AttributeMakers makers;
+    const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
+        for (const vcg::PointerToAttribute &attribute : attributes) {
+            if (attribute._name.empty())
+                continue; // scratch data of some algorithm
+            const auto maker = makersOfKind.find(attribute._type);
+            if (maker == makersOfKind.end())
+                remark(std::string("The ") + kind + " attribute '" + attribute._name +
+                       "' has values of an unknown type; the new layer does not have it.");
+            else
+                maker->second(to, attribute._name);
+        }
+    };
+    add(from.vert_attr, makers.vertex, "vertex");
+    add(from.face_attr, makers.face, "face");
+}
+
+} // namespace
+
+NewLayers::NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark)
+    : document(document), base(base), remark(remark) {}
+
+NewLayers::~NewLayers() {
+    if (kept)
+        return;
+    for (auto layer = added.rbegin(); layer != added.rend(); ++layer)
+        host::removeLayer(document, *layer);
+    if (!added.empty() && document.mm() != &base)
+        document.setCurrentMesh(base.id());
+}
+
+void NewLayers::keep(const MeshModel &current) {
+    document.setCurrentMesh(current.id());
+    kept = true;
+}
+
+MeshModel &NewLayers::add(const QString &what) {
+    const QString label = unusedLabel(document, nameOf(base) + " " + what);
+    added.reserve(added.size() + 1); // nothing can fail between adding and remembering
+    MeshModel *layer = document.addNewMesh("", label, false);
+    added.push_back(layer);
+    layer->cm.Tr = base.cm.Tr;
+    return *layer;
+}
+
+MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
+    // Adjacencies are not copied; whoever needs them computes them.
+    const int elements = base.dataMask() & ~(MeshModel::MM_FACEFACETOPO | MeshModel::MM_VERTFACETOPO | withoutElements);
+    MeshModel &layer = add(what);
+    CMeshO &to = layer.cm;
+    const CMeshO &from = base.cm;
+    layer.updateDataMask(elements);
+    addAttributes(to, from, remark);
+    host::appendMesh(to, from);
+    to.sfn = from.sfn;
+    to.svn = from.svn;
+    to.pvn = from.pvn;
+    to.pfn = from.pfn;
+    to.shot = from.shot;
+    to.imark = from.imark;
+    to.bbox = from.bbox;
+    if (withoutElements & MeshModel::MM_WEDGTEXCOORD) {
+        to.textures.clear();
+    } else {
+        to.normalmaps = from.normalmaps;
+        host::copyTextures(layer, base);
+    }
+    return layer;
+}
+
+MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position) {
+    MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
+    auto vertex = layer.cm.vert.begin();
+    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
+        if (!base.cm.vert[i].IsD()) {
+            const auto p = position.col(Eigen::Index(i));
+            vertex->P() = Point3m(Scalarm(p[0]), Scalarm(p[1]), Scalarm(p[2]));
+            ++vertex;
+        }
+    host::updateBoxAndNormals(layer);
+    return layer;
+}
+
+MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,
+                                 const std::vector<vcg::Color4b> &color) {
+    MeshModel &layer = addCopy(what, MeshModel::MM_WEDGTEXCOORD | MeshModel::MM_VERTTEXCOORD | MeshModel::MM_FACECOLOR);
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
+    auto vertex = layer.cm.vert.begin();
+    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
+        if (!base.cm.vert[i].IsD()) {
+            const Index patch = patchOf[i];
+            vertex->Q() = CVertexO::QualityType(patch);
+            vertex->C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
+            ++vertex;
+        }
+    return layer;
+}
+
+MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph,
+                               const Eigen::Matrix3Xd &position) {
+    MeshModel &layer = add(what);
+    CMeshO &mesh = layer.cm;
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
+    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(position.cols()));
+    for (Eigen::Index i = 0; i < position.cols(); ++i) {
+        CVertexO &vertex = mesh.vert[std::size_t(i)];
+        vertex.P() = Point3m(Scalarm(position(0, i)), Scalarm(position(1, i)), Scalarm(position(2, i)));
+        vertex.N() = Point3m(0, 0, 0);
+        vertex.Q() = CVertexO::QualityType(graph.radius[i]);
+        vertex.C() = graph.color[std::size_t(i)];
+    }
+    auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, graph.edge.size());
+    for (const auto &ends : graph.edge) {
+        edge->V(0) = &mesh.vert[std::size_t(ends[0])];
+        edge->V(1) = &mesh.vert[std::size_t(ends[1])];
+        ++edge;
+    }
+    host::updateBoxAndNormals(layer);
+    return layer;
+}

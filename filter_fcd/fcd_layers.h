@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYERS_H
+#define FCD_LAYERS_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+
+#include "fcd_parameters.h"
+#include "meshlab_host.h"
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+/// Says something that is worth knowing but no error.
+using Remark = std::function<void(const std::string &)>;
+
+// --- layers -> vcg_ext ---
+
+/// Tags (per slot of the layer's vertex vector) and motions (in the layer's own coordinates) of the handles of \p
+/// layer. \throw vcg::fcd::Error when the tags or motions cannot be had: each message says what to do
+vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark);
+
+/// The vertices of \p graph in the coordinates of \p layer, 3 x k.
+/// \throw vcg::fcd::Error when \p graph is null, is \p layer itself or has no vertex
+Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph);
+
+// --- vcg_ext -> layers ---
+
+/// New layers that stay in the document all or none: those that were added are removed again, and the current layer is
+/// the one it was, unless keep() is reached.
+class NewLayers {
+  public:
+    /// \p base names the layers ("NAME what") and gives them its matrix.
+    NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark);
+    NewLayers(const NewLayers &) = delete;
+    NewLayers &operator=(const NewLayers &) = delete;
+    ~NewLayers();
+
+    /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour) and its
+    /// edges. \p position 3 x k in the base's coordinates: graph.position, or where the nodes were moved to.
+    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, const Eigen::Matrix3Xd &position);
+
+    /// "NAME what": the base coloured by patch, quality = patch number. \p patchOf per slot of the base's vertices, \p
+    /// color per patch. Textures and face colours, which would hide the colours, are left out.
+    MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
+                          const std::vector<vcg::Color4b> &color);
+
+    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices.
+    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position);
+
+    /// Keeps the layers; \p current becomes the current one.
+    void keep(const MeshModel &current);
+
+  private:
+    MeshModel &add(const QString &what);
+    MeshModel &addCopy(const QString &what, int withoutElements);
+
+    MeshDocument &document;
+    const MeshModel &base;
+    Remark remark;
+    std::vector<MeshModel *> added;
+    bool kept = false;
+};
+
+#endif

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fcd_parameters.h"
+
+#include <cmath>
+
+using host::addParameter;
+using host::Shown;
+using vcg::fcd::Error;
+
+namespace {
+
+Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
+
+Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
+
+Scalarm diagonal(const MeshDocument &document) {
+    const MeshModel *layer = document.mm();
+    const Scalarm length = layer && !layer->cm.bbox.IsNull() ? layer->cm.bbox.Diag() : 0;
+    return length > 0 && std::isfinite(length) ? length : 1;
+}
+
+/// The layer that is most likely meant as a deformation graph.
+const MeshModel *likelyGraph(const MeshDocument &document) {
+    const MeshModel *found = document.mm();
+    for (const MeshModel *layer : host::layers(document)) {
+        if (!found)
+            found = layer;
+        if (layer->label().endsWith(" graph") && !layer->label().endsWith(" deformed graph"))
+            found = layer;
+    }
+    return found;
+}
+
+// What both filters ask for the graph.
+
+void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document) {
+    addParameter<host::RichPercentageParam>(
+        list, Shown::Always, "target_radius", Scalarm(targetRadius), Scalarm(0), diagonal(document), "Patch radius",
+        "How far a patch reaches from its centre, in units of the layer, measured along the surface. Patches that grow "
+        "beyond it are split. <b>0</b> (the default) chooses it from the number of patches. <b>Raising it</b> gives "
+        "fewer "
+        "and larger patches: faster, and the deformation bends more stiffly. <b>Lowering it</b> gives more patches, "
+        "which "
+        "can follow tighter bends.");
+}
+
+void addInitialPatches(RichParameterList &list, int initialPatches) {
+    addParameter<RichInt>(
+        list, Shown::Always, "initial_patches", initialPatches, "Initial patches",
+        "Number of patches to start from; splitting adds to it. <b>Raising it</b> lets the deformation bend in finer "
+        "detail "
+        "and costs a little time; a few hundred are enough for most scans, whatever their number of vertices.");
+}
+
+void addRandomSeed(RichParameterList &list, unsigned randomSeed) {
+    addParameter<RichInt>(
+        list, Shown::Advanced, "random_seed", int(randomSeed), "Random seed",
+        "Chooses where the first patches are placed. The same seed on the same mesh gives exactly the same result; "
+        "another seed gives another, equally good, set of patches.");
+}
+
+vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
+    vcg::fcd::GraphParam param;
+    param.targetRadius = list.getAbsPerc("target_radius");
+    param.initialPatches = list.getInt("initial_patches");
+    param.randomSeed = unsigned(list.getInt("random_seed"));
+    return param;
+}
+
+/// The value of an enum parameter with \p count values.
+int enumValue(const RichParameterList &list, const char *name, int count) {
+    const int value = list.getEnum(name);
+    if (value < 0 || value >= count)
+        throw Error(std::string(name) + " is " + std::to_string(value) + "; it must be from 0 to " +
+                    std::to_string(count - 1) + ".");
+    return value;
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    addTargetRadius(list, param.graph.targetRadius, document);
+    addInitialPatches(list, param.graph.initialPatches);
+    addParameter<RichInt>(list, Shown::Advanced, "max_iterations", param.graph.maxIterations, "Maximum iterations",
+                          "The patches are improved until they hardly change, at most this often. <b>Raising it</b> "
+                          "matters only when the log "
+                          "says that they did not converge.");
+    addRandomSeed(list, param.graph.randomSeed);
+    addParameter<RichBool>(
+        list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
+        "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
+    return list;
+}
+
+BuildGraphParam buildGraphParam(const RichParameterList &list) {
+    BuildGraphParam param;
+    param.graph = graphParam(list);
+    param.graph.maxIterations = list.getInt("max_iterations");
+    param.patchesLayer = list.getBool("patches_layer");
+    param.graph.Validate();
+    return param;
+}
+
+RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document) {
+    const HandleParam &handles = param.handles;
+    const vcg::fcd::DeformationParam &deformation = param.deformation;
+    RichParameterList list;
+
+    // What moves.
+    addParameter<RichEnum>(list, Shown::Always, "handles", int(handles.source),
+                           QStringList() << "Vertex quality"
+                                         << "Selection"
+                                         << "Custom vertex attribute"
+                                         << "Files",
+                           "Handles from",
+                           "Where it is written what moves and what stays. Each vertex has a <b>tag</b>: <b>0</b> "
+                           "stays fixed, <b>1</b> is free "
+                           "and follows, <b>2, 3, ...</b> belongs to handle 2, 3, ... and moves as told, a "
+                           "<b>negative</b> tag lies outside the "
+                           "region of influence and is never moved."
+                           "<ul><li><i>Vertex quality</i>: the quality is the tag (set it for example with 'Per Vertex "
+                           "Quality Function').</li>"
+                           "<li><i>Selection</i>: the selected vertices are the handle, the vertices of selected faces "
+                           "stay fixed (where both "
+                           "are selected the handle wins), all else is free.</li>"
+                           "<li><i>Custom vertex attribute</i>: the attribute named below holds the tags.</li>"
+                           "<li><i>Files</i>: a .sel file holds the tags.</li></ul>");
+    addParameter<RichString>(
+        list, Shown::Advanced, "tag_attribute", handles.tagAttribute, "Attribute with the tags",
+        "Name of the per-vertex scalar attribute that holds the tags. Only read when the handles come "
+        "from a custom attribute.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "tag_file", handles.tagFile, QStringList("*.sel"), "File with the tags (.sel)",
+        "One tag per line for each vertex, in the order of the vertices; lines that begin with "
+        "# are comments. Only read when the handles come from files.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "transform_file", handles.transformFile, QStringList("*.def"),
+        "File with the motions (.def)",
+        "One 4x4 matrix per handle, in world coordinates: the first moves handle 2, the second handle 3, and so on. "
+        "May be "
+        "left empty, and may be given whatever the handles come from. Handles without a matrix in it move by the "
+        "translation, rotation and matrix below.");
+
+    // How it moves.
+    addParameter<host::RichPositionParam>(list, Shown::Always, "translation", toPoint(handles.translation),
+                                          "Translation",
+                                          "How far the handles move along x, y and z, in world units. Applied last.");
+    addParameter<host::RichDirectionParam>(list, Shown::Always, "rotation_axis", toPoint(handles.rotationAxis),
+                                           "Rotation axis",
+                                           "Axis that the handles turn about; only its direction counts.");
+    addParameter<RichFloat>(
+        list, Shown::Always, "rotation_angle", Scalarm(handles.rotationAngle), "Rotation angle (degrees)",
+        "How far the handles turn, in degrees, counterclockwise when the axis points at you. Applied "
+        "before the translation. Up to about 180 degrees in one go; use several handles for more.");
+    addParameter<RichEnum>(
+        list, Shown::Always, "rotation_center", int(handles.rotationCenter),
+        QStringList() << "Barycentre of the handle"
+                      << "Origin"
+                      << "Rotation point",
+        "Rotation centre",
+        "The point that stays in place when a handle turns: the mean of the handle's own vertices (where "
+        "the matrix below has put them), the origin of the world, or the point given below.");
+    addParameter<host::RichPositionParam>(
+        list, Shown::Advanced, "rotation_point", toPoint(handles.rotationPoint), "Rotation point",
+        "Centre of the rotation in world coordinates. Only read when the rotation centre "
+        "is 'Rotation point'.");
+    Matrix44m matrix;
+    matrix.FromEigenMatrix(handles.matrix);
+    addParameter<host::RichMatrixParam>(
+        list, Shown::Advanced, "TransformMatrix", matrix, "Matrix",
+        "A 4x4 affine matrix in world coordinates (last row 0 0 0 1) that moves the handles, "
+        "applied before rotation and translation. May also scale or shear them.");
+
+    // With which graph.
+    addParameter<RichBool>(
+        list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
+        "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
+        "drive several meshes, and nodes can be placed by hand.");
+    host::addLayerParameter(list, Shown::Advanced, "graph_layer",
+                            param.graphLayer ? param.graphLayer : likelyGraph(document), document, "Graph layer",
+                            "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked.");
+    addTargetRadius(list, deformation.graph.targetRadius, document);
+    addInitialPatches(list, deformation.graph.initialPatches);
+    addRandomSeed(list, deformation.graph.randomSeed);
+
+    // How it bends.
+    addParameter<RichFloat>(list, Shown::Always, "smoothness", Scalarm(deformation.smoothness), "Smoothness",
+                            "How strongly neighbouring parts must turn alike. <b>Raising it</b> spreads bends over "
+                            "more of the surface and stiffens "
+                            "it; <b>lowering it</b> keeps lengths better but lets bends become sharp near the handles. "
+                            "Useful values are 0.001 "
+                            "to 0.1.");
+    addParameter<RichInt>(
+        list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
+        "The shape is improved until it comes to rest, at most this often. <b>Raise it</b> when the log "
+        "says that it did not converge; a converged result does not change.");
+    addParameter<RichFloat>(list, Shown::Advanced, "tolerance", Scalarm(deformation.tolerance), "Tolerance",
+                            "At rest means that no node moves more than this fraction of the bounding box diagonal. "
+                            "<b>Raising it</b> ends sooner and less exactly.");
+    addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights),
+                           QStringList() << "Along the surface"
+                                         << "Euclidean",
+                           "Distances",
+                           "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close "
+                           "in space but not connected "
+                           "(fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: as in the paper, by "
+                           "straight distance.");
+    addParameter<RichFloat>(list, Shown::Advanced, "influence", Scalarm(deformation.influence), "Influence",
+                            "A node moves vertices up to this many times the radius of its patch. <b>Raising it</b> "
+                            "blends over more nodes: "
+                            "smoother and a little slower. Below about 2 the patches begin to show.");
+    addParameter<RichEnum>(list, Shown::Advanced, "loose_parts", int(deformation.looseParts),
+                           QStringList() << "Follow"
+                                         << "Stay",
+                           "Loose parts",
+                           "What becomes of parts that are not connected to any handle or fixed vertex: <i>Follow</i> "
+                           "the nearest part that is "
+                           "(a button follows the sleeve), or <i>Stay</i> where they are.");
+    addParameter<RichFloat>(
+        list, Shown::Always, "pose", Scalarm(deformation.pose), "Pose (percent)",
+        "How much of the motion of the handles is carried out: 0 is the mesh as it is, 100 the full motion; "
+        "it may exceed 100.");
+    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
+                           "Also adds the deformation graph at rest and deformed, as two layers.");
+    return list;
+}
+
+DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document) {
+    DeformMeshParam param;
+    HandleParam &handles = param.handles;
+    handles.source = HandleParam::Source(enumValue(list, "handles", 4));
+    handles.tagAttribute = list.getString("tag_attribute");
+    handles.tagFile = list.getOpenFileName("tag_file");
+    handles.transformFile = list.getOpenFileName("transform_file");
+    handles.translation = toVector(list.getPoint3m("translation"));
+    handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
+    handles.rotationAngle = list.getFloat("rotation_angle");
+    handles.rotationCenter = HandleParam::Center(enumValue(list, "rotation_center", 3));
+    handles.rotationPoint = toVector(list.getPoint3m("rotation_point"));
+    const Matrix44m matrix = host::matrixParameter(list, "TransformMatrix");
+    matrix.ToEigenMatrix(handles.matrix);
+    handles.validate();
+
+    param.useGraphLayer = list.getBool("use_graph_layer");
+    if (param.useGraphLayer)
+        param.graphLayer = host::layerParameter(list, "graph_layer", document);
+
+    vcg::fcd::DeformationParam &deformation = param.deformation;
+    deformation.graph = graphParam(list);
+    deformation.smoothness = list.getFloat("smoothness");
+    deformation.maxIterations = list.getInt("max_iterations");
+    deformation.tolerance = list.getFloat("tolerance");
+    deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
+    deformation.influence = list.getFloat("influence");
+    deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
+    deformation.pose = list.getFloat("pose");
+    deformation.Validate();
+
+    param.graphLayers = list.getBool("graph_layers");
+    return param;
+}
+
+void HandleParam::validate() const {
+    if (!translation.allFinite() || !rotationAxis.allFinite() || !rotationPoint.allFinite() ||
+        !std::isfinite(rotationAngle))
+        throw Error("translation, rotation_axis, rotation_angle and rotation_point must be finite numbers.");
+    if (rotationAngle != 0 && !(rotationAxis.norm() > 0))
+        throw Error("rotation_axis is 0 0 0, which is no direction. Give an axis, or set rotation_angle to 0.");
+    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw Error("TransformMatrix is not affine: its last row must be 0 0 0 1 and all its entries finite numbers.");
+    if (source == Attribute && tagAttribute.isEmpty())
+        throw Error("tag_attribute is empty. Give the name of the per-vertex attribute that holds the tags.");
+    if (source == Files && tagFile.isEmpty())
+        throw Error(
+            "tag_file is empty. Give the .sel file with one tag per vertex, or choose another source of handles.");
+}

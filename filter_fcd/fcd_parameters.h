@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_PARAMETERS_H
+#define FCD_PARAMETERS_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+
+#include "meshlab_host.h"
+
+#include <Eigen/Core>
+
+/// What "FCD: Build Deformation Graph" is asked for.
+struct BuildGraphParam {
+    vcg::fcd::GraphParam graph;
+    bool patchesLayer = true; ///< also a copy of the mesh coloured by patch
+};
+
+/// Where tags and motions of the handles come from. Motions are in world coordinates: as seen on the screen, that is
+/// after the layer's matrix.
+struct HandleParam {
+    enum Source { Quality, Selection, Attribute, Files };
+    enum Center { Barycenter, Origin, Point };
+
+    Source source = Quality;
+    QString tagAttribute = "fcd_tag"; ///< per-vertex scalar attribute (Attribute)
+    QString tagFile;                  ///< .sel (Files)
+    QString transformFile;            ///< .def, may be empty; read with every source
+
+    // The motion of handles that the transform file does not move: first matrix, then rotation, then translation.
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    Eigen::Vector3d rotationAxis = Eigen::Vector3d::UnitZ(); ///< any length but 0
+    double rotationAngle = 0;                                ///< degrees
+    Center rotationCenter = Barycenter;
+    Eigen::Vector3d rotationPoint = Eigen::Vector3d::Zero(); ///< centre of rotation (Point)
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// What "FCD: Deform Mesh" is asked for.
+struct DeformMeshParam {
+    HandleParam handles;
+    vcg::fcd::DeformationParam deformation; ///< without nodes
+    bool useGraphLayer = false;             ///< take the nodes from graphLayer
+    const MeshModel *graphLayer = nullptr;
+    bool graphLayers = true; ///< keep the rest and the deformed graph as layers
+};
+
+/// The parameters of the filters as the host shows them. Lengths are relative to the current layer, if there is one.
+RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
+
+/// The way back. \throw vcg::fcd::Error when a value makes no sense
+BuildGraphParam buildGraphParam(const RichParameterList &list);
+DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document);
+
+#endif

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fcd_layers.h"
+#include "fcd_parameters.h"
+#include "filter_fcd.h"
+
+#include <sstream>
+
+using vcg::fcd::Error;
+using vcg::fcd::Progress;
+
+namespace {
+
+const char *const reference =
+    "<br>See: <br><i>A. Morsucci, M. Centin, A. Signoroni</i><br><b>\"Fast centroidal deformation for large mesh "
+    "models\"</b><br>STAG: Smart Tools and Applications in Graphics, 2018, "
+    "<a href='https://doi.org/10.2312/stag.20181302'>DOI 10.2312/stag.20181302</a>";
+
+/// The current layer. \throw Error when there is none or it is empty
+const MeshModel &input(MeshDocument &document) {
+    const MeshModel *layer = document.mm();
+    if (!layer)
+        throw Error("There is no layer. Open a mesh first.");
+    if (layer->cm.vn == 0)
+        throw Error("The layer '" + layer->label().toStdString() +
+                    "' has no vertices. Make the mesh the current layer.");
+    return *layer;
+}
+
+/// What the surface is like, in words. Mentions only what was met.
+std::string describe(const vcg::fcd::SurfaceReport &surface) {
+    std::ostringstream line;
+    line << (surface.pointCloud ? "Point cloud" : "Surface") << " of " << surface.vertices << " vertices";
+    const auto mention = [&](vcg::fcd::Index count, const char *what) {
+        if (count > 0)
+            line << ", " << count << " " << what;
+    };
+    mention(surface.components, surface.components == 1 ? "connected part" : "connected parts");
+    mention(surface.welded, "vertices at the place of another (treated as one)");
+    mention(surface.isolated, "isolated vertices");
+    mention(surface.nonManifoldEdges, "non-manifold edges");
+    mention(surface.degenerateFaces, "degenerate faces");
+    return line.str() + ".";
+}
+
+} // namespace
+
+FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh}); }
+
+QString FilterFcd::name() const { return "FilterFCD"; }
+
+QString FilterFcd::filterName(int id) const {
+    switch (id) {
+    case BuildGraph: return "FCD: Build Deformation Graph";
+    case DeformMesh: return "FCD: Deform Mesh";
+    }
+    return QString();
+}
+
+QString FilterFcd::scriptName(int id) const {
+    switch (id) {
+    case BuildGraph: return "generate_fcd_deformation_graph";
+    case DeformMesh: return "generate_fcd_deformed_mesh";
+    }
+    return QString();
+}
+
+QString FilterFcd::filterInfo(int id) const {
+    switch (id) {
+    case BuildGraph:
+        return QString(
+                   "Divides the surface into a few hundred round patches of similar size and connects the centres of "
+                   "neighbouring patches: this is the <b>deformation graph</b> that 'FCD: Deform Mesh' bends in place "
+                   "of "
+                   "the mesh, which makes the time it takes to bend independent of the size of the mesh.<br>"
+                   "'FCD: Deform Mesh' builds such a graph by itself; this filter is for looking at it, and for using "
+                   "one "
+                   "graph several times.<br>"
+                   "Works on any mesh and on point clouds. The current layer is not changed. New layers: the graph (a "
+                   "vertex per patch at its centre, quality = radius of the patch, in the colour of the patch, and an "
+                   "edge "
+                   "between neighbours) and, if wanted, the mesh coloured by patch.") +
+               reference;
+    case DeformMesh:
+        return QString(
+                   "Bends a mesh of any size smoothly, with all its detail. Mark a region that <b>stays</b> and one or "
+                   "more "
+                   "<b>handles</b>, say how the handles move, and the rest of the surface follows. Fixed regions stay "
+                   "and "
+                   "handles go exactly where they are told.<br>"
+                   "How it works: the surface is divided into a few hundred round patches, whose centres form a "
+                   "<b>deformation graph</b>. Only this small graph is bent, so that each part of it turns as rigidly "
+                   "and as "
+                   "much like its neighbours as the handles allow; then every vertex of the mesh follows a smooth "
+                   "blend of "
+                   "the nodes near it.<br>"
+                   "Works on scans as they are (unwelded, non-manifold, in many pieces) and on point clouds. The "
+                   "current "
+                   "layer is not changed: the result is a new layer with everything that the mesh carries (colours, "
+                   "textures, attributes). All motions are in world coordinates.") +
+               reference;
+    }
+    return QString();
+}
+
+HostFilterPlugin::FilterClass FilterFcd::menus(int) const { return Smoothing; }
+
+RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) const {
+    switch (id) {
+    case BuildGraph: return toRichParameters(BuildGraphParam(), document);
+    case DeformMesh: return toRichParameters(DeformMeshParam(), document);
+    }
+    return RichParameterList();
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
+                                                vcg::CallBackPos *callback) {
+    switch (id) {
+    case BuildGraph: return buildGraph(parameters, document, callback);
+    case DeformMesh: return deformMesh(parameters, document, callback);
+    }
+    throw Error("Unknown filter.");
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
+                                                       vcg::CallBackPos *callback) {
+    const MeshModel &layer = input(document);
+    const BuildGraphParam param = buildGraphParam(parameters);
+    const vcg::fcd::CentroidalGraph graph =
+        vcg::tri::BuildCentroidalGraph(layer.cm, param.graph, Progress(callback, 0, 90));
+
+    const Progress progress(callback, 90, 100);
+    progress(0, "Adding layers...");
+    const Remark remark = [this](const std::string &line) { logLine(line); };
+    NewLayers layers(document, layer, remark);
+    layers.addGraph("graph", graph.geometry, graph.geometry.position);
+    if (param.patchesLayer)
+        layers.addPatches("patches", graph.patchOf, graph.geometry.color);
+    progress(1, "Done");
+    layers.keep(layer);
+
+    const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
+    logLine(describe(graph.surface));
+    std::ostringstream line;
+    line << patches << " patches, " << edges << " edges, patch radius at most " << graph.targetRadius << ", "
+         << graph.iterations << " iterations, " << graph.seconds << " s.";
+    logLine(line.str());
+    if (!graph.converged)
+        logLine("The patches did not converge: raise max_iterations if they look uneven.", GLLogStream::WARNING);
+    return {{"patches", patches},
+            {"edges", edges},
+            {"iterations", graph.iterations},
+            {"converged", graph.converged},
+            {"cost", graph.cost},
+            {"target_radius", graph.targetRadius},
+            {"average_edge", graph.averageEdge},
+            {"seconds", graph.seconds}};
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &parameters, MeshDocument &document,
+                                                       vcg::CallBackPos *callback) {
+    const MeshModel &layer = input(document);
+    DeformMeshParam param = deformMeshParam(parameters, document);
+    const Remark remark = [this](const std::string &line) { logLine(line); };
+    const vcg::fcd::Handles handles = readHandles(layer, param.handles, remark);
+    if (param.useGraphLayer)
+        param.deformation.nodes = readNodes(layer, param.graphLayer);
+    const vcg::fcd::DeformationResult result =
+        vcg::tri::DeformCentroidal(layer.cm, handles, param.deformation, Progress(callback, 0, 90));
+
+    const Progress progress(callback, 90, 100);
+    progress(0, "Adding layers...");
+    NewLayers layers(document, layer, remark);
+    if (param.graphLayers) {
+        layers.addGraph("graph", result.rest, result.rest.position);
+        layers.addGraph("deformed graph", result.rest, result.deformedNodes);
+    }
+    const MeshModel &deformed = layers.addDeformed("deformed", result.position);
+    progress(1, "Done");
+    layers.keep(deformed);
+
+    const int nodes = int(result.rest.position.cols());
+    logLine(describe(result.surface));
+    std::ostringstream line;
+    line << result.tags.fixed << " fixed, " << result.tags.handle << " handle, " << result.tags.free << " free, "
+         << result.tags.outside << " outside vertices; " << nodes << " nodes, " << result.iterations << " iterations; "
+         << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, " << result.secondsMap
+         << " s for the mesh.";
+    logLine(line.str());
+    if (!result.converged)
+        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
+                "a time.",
+                GLLogStream::WARNING);
+    if (layer.cm.fn == 0)
+        logLine("The normals of a point cloud cannot be recomputed from faces; the new layer has those of the input.");
+    return {{"nodes", nodes},
+            {"iterations", result.iterations},
+            {"fixed_vertices", result.tags.fixed},
+            {"handle_vertices", result.tags.handle},
+            {"free_vertices", result.tags.free},
+            {"outside_vertices", result.tags.outside},
+            {"converged", result.converged},
+            {"energy", result.energy},
+            {"seconds_graph", result.secondsGraph},
+            {"seconds_solve", result.secondsSolve},
+            {"seconds_map", result.secondsMap}};
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FILTER_FCD_H
+#define FILTER_FCD_H
+
+#include "meshlab_host.h"
+
+/// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
+class FilterFcd : public HostFilterPlugin {
+    Q_OBJECT
+    FCD_PLUGIN_METADATA
+
+  public:
+    enum Filter { BuildGraph, DeformMesh };
+
+    FilterFcd();
+
+    QString name() const override;
+    QString filterName(int id) const override;
+    QString scriptName(int id) const override;
+    QString filterInfo(int id) const override;
+    FilterClass menus(int id) const override;
+    RichParameterList parameters(int id, const MeshDocument &document) const override;
+    ReturnedValues run(int id, const RichParameterList &parameters, MeshDocument &document,
+                       vcg::CallBackPos *callback) override;
+
+    // The host's own overloads for QAction stay visible.
+    using HostFilterPlugin::filterInfo;
+    using HostFilterPlugin::filterName;
+
+  private:
+    ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+};
+
+#endif

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_MESHLAB_HOST_H
+#define FCD_MESHLAB_HOST_H
+
+/// \file
+/// The only place that knows which MeshLab the plugin is built for. The rest of the plugin derives from
+/// HostFilterPlugin and calls the functions in namespace host; both look the same for every host.
+///
+/// FCD_MESHLAB_2020 is defined (by CMake) for MeshLab 2020.09, whose filters are MeshFilterInterface; later hosts have
+/// FilterPlugin. FCD_MESHLAB_2022_PARAMETERS is defined where some parameter classes have the names of 2022.02.
+
+#ifdef FCD_MESHLAB_2020
+#include <common/interfaces.h>
+#include <common/mlexception.h>
+#else
+#include <common/plugins/interfaces/filter_plugin.h>
+#endif
+
+#include <vcg/complex/append.h>
+
+#include <exception>
+#include <functional>
+#include <initializer_list>
+#include <map>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <QObject>
+#include <QVariant>
+
+namespace host {
+
+// --- parameters ---
+
+#if defined(FCD_MESHLAB_2020)
+using RichPositionParam = RichPoint3f;
+using RichDirectionParam = RichPoint3f;
+#else
+using RichPositionParam = RichPosition;
+using RichDirectionParam = RichDirection;
+#endif
+
+#if defined(FCD_MESHLAB_2020) || defined(FCD_MESHLAB_2022_PARAMETERS)
+using RichPercentageParam = RichAbsPerc;
+using RichMatrixParam = RichMatrix44f;
+using RichFileParam = RichOpenFile;
+#else
+using RichPercentageParam = RichPercentage;
+using RichMatrixParam = RichMatrix44;
+using RichFileParam = RichFileOpen;
+#endif
+
+/// Where the dialog shows a parameter, where the host makes the difference (2022.02 on).
+enum class Shown { Always, Advanced };
+
+/// Appends a Rich parameter made from \p arguments: all of the constructor's up to the tool tip.
+template <class Rich, class... Arguments>
+void addParameter(RichParameterList &list, Shown shown, const Arguments &...arguments) {
+#ifdef FCD_MESHLAB_2020
+    (void)shown;
+    list.addParam(Rich(arguments...));
+#else
+    list.addParam(Rich(arguments..., shown == Shown::Advanced));
+#endif
+}
+
+/// Appends a parameter that names a layer; \p layer is the default, null for none (a document without layers).
+inline void addLayerParameter(RichParameterList &list, Shown shown, const QString &name, const MeshModel *layer,
+                              const MeshDocument &document, const QString &label, const QString &tip) {
+#ifdef FCD_MESHLAB_2020
+    (void)shown;
+    auto *owner = layer ? const_cast<MeshDocument *>(&document) : nullptr;
+    list.addParam(RichMesh(name, const_cast<MeshModel *>(layer), owner, label, tip));
+#else
+    list.addParam(RichMesh(name, layer ? layer->id() : 0, &document, label, tip, shown == Shown::Advanced));
+#endif
+}
+
+/// The layer that a layer parameter names, null when there is none.
+inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, MeshDocument &document) {
+#ifdef FCD_MESHLAB_2020
+    (void)document;
+    return list.getMesh(name);
+#else
+    return document.getMesh(list.getMeshId(name));
+#endif
+}
+
+/// The value of a 4x4 matrix parameter.
+inline Matrix44m matrixParameter(const RichParameterList &list, const QString &name) {
+#ifdef FCD_MESHLAB_2020
+    return list.getMatrix44m(name);
+#else
+    return list.getMatrix44(name);
+#endif
+}
+
+// --- layers ---
+
+/// All layers, in the document's order.
+inline std::vector<const MeshModel *> layers(const MeshDocument &document) {
+    std::vector<const MeshModel *> all;
+#ifdef FCD_MESHLAB_2020
+    for (const MeshModel *layer : document.meshList)
+        all.push_back(layer);
+#else
+    for (const MeshModel &layer : document.meshIterator())
+        all.push_back(&layer);
+#endif
+    return all;
+}
+
+/// Deletes a layer. The current layer may change.
+inline void removeLayer(MeshDocument &document, MeshModel *layer) {
+#ifdef FCD_MESHLAB_2020
+    document.delMesh(layer);
+#else
+    document.delMesh(layer->id());
+#endif
+}
+
+/// Bounding box and normals after the coordinates changed.
+inline void updateBoxAndNormals(MeshModel &layer) {
+#ifdef FCD_MESHLAB_2020
+    layer.UpdateBoxAndNormals();
+#else
+    layer.updateBoxAndNormals();
+#endif
+}
+
+/// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
+/// both have.
+inline void appendMesh(CMeshO &to, const CMeshO &from) {
+#ifdef FCD_MESHLAB_2020
+    vcg::tri::Append<CMeshO, CMeshO>::Mesh(to, const_cast<CMeshO &>(from)); // not const there, but only reads
+#else
+    vcg::tri::Append<CMeshO, CMeshO>::MeshAppendConst(to, from);
+#endif
+}
+
+/// Gives \p to the texture images of \p from. In 2020.09 a layer has names of files only.
+inline void copyTextures(MeshModel &to, const MeshModel &from) {
+#ifdef FCD_MESHLAB_2020
+    (void)to;
+    (void)from;
+#else
+    for (const auto &texture : from.getTextures())
+        to.addTexture(texture.first, texture.second);
+#endif
+}
+
+} // namespace host
+
+// --- the filter interface ---
+
+#ifdef FCD_MESHLAB_2020
+#define FCD_PLUGIN_METADATA Q_PLUGIN_METADATA(IID MESH_FILTER_INTERFACE_IID)
+#else
+#define FCD_PLUGIN_METADATA Q_PLUGIN_METADATA(IID FILTER_PLUGIN_IID)
+#endif
+
+/// Base class of a filter plugin for any host: the pure functions below are all that a plugin has to give.
+///
+/// Nothing but what the host expects leaves a filter, since any other exception would end the program: errors reach the
+/// user as one message.
+class HostFilterPlugin : public QObject,
+#ifdef FCD_MESHLAB_2020
+                         public MeshFilterInterface
+#else
+                         public FilterPlugin
+#endif
+{
+    Q_OBJECT
+#ifdef FCD_MESHLAB_2020
+    Q_INTERFACES(MeshFilterInterface)
+#else
+    Q_INTERFACES(FilterPlugin)
+#endif
+
+  public:
+    /// Name and value (int, double, float or bool; other types are lost on the way to a script).
+    using ReturnedValues = std::map<std::string, QVariant>;
+
+    /// The parameters of filter \p id with their defaults. Cheap, and valid on a document without any layer.
+    virtual RichParameterList parameters(int id, const MeshDocument &document) const = 0;
+
+    /// Runs filter \p id. \throw any exception derived from std::exception; its text is the message for the user.
+    /// Leaves the document as it was when it throws.
+    virtual ReturnedValues run(int id, const RichParameterList &parameters, MeshDocument &document,
+                               vcg::CallBackPos *callback) = 0;
+
+    /// Name of filter \p id in scripts.
+    virtual QString scriptName(int id) const = 0;
+
+    /// Bits of FilterClass: the menus that show filter \p id.
+    virtual FilterClass menus(int id) const = 0;
+
+    /// Name of the plugin.
+    virtual QString name() const = 0;
+
+  protected:
+    /// Announces the filters; a plugin calls this once, in its constructor.
+    void announce(std::initializer_list<int> ids) {
+        for (int id : ids) {
+            typeList.push_back(id);
+            actionList.push_back(new QAction(filterName(id), this));
+        }
+    }
+
+    /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it.
+    void logLine(std::string line, GLLogStream::Levels level = GLLogStream::FILTER) const {
+        for (char &c : line)
+            c = c == '<' ? '[' : c == '>' ? ']' : c;
+#ifdef FCD_MESHLAB_2020
+        const_cast<HostFilterPlugin *>(this)->Log(level, line.c_str());
+#else
+        log(level, line);
+#endif
+    }
+
+  private:
+    /// Runs \p work. Returns an empty text, or what went wrong.
+    static QString errorOf(const std::function<void()> &work) {
+        QString error;
+        try {
+            work();
+            return error;
+        } catch (const std::bad_alloc &) {
+            error =
+                "Out of memory: this mesh needs more memory than is free. Nothing was changed. Close other layers or "
+                "programs, or simplify the mesh first.";
+        } catch (const std::exception &e) {
+            error = QString::fromUtf8(e.what());
+        } catch (...) {
+            error = "Something that is not a standard exception was thrown.";
+        }
+        return error.isEmpty() ? QString("Unknown error.") : error;
+    }
+
+  public: // what the host calls
+#ifdef FCD_MESHLAB_2020
+    QString pluginName() const override { return name(); }
+    FilterClass getClass(QAction *action) override { return menus(ID(action)); }
+    FILTER_ARITY filterArity(QAction *) const override { return SINGLE_MESH; }
+    int getPreConditions(QAction *) const override { return MeshModel::MM_NONE; }
+    int postCondition(QAction *) const override { return MeshModel::MM_NONE; }
+
+    void initParameterSet(QAction *action, MeshDocument &document, RichParameterList &list) override {
+        list.join(parameters(ID(action), document));
+    }
+
+    bool applyFilter(QAction *action, MeshDocument &document, const RichParameterList &list,
+                     vcg::CallBackPos *callback) override {
+        ReturnedValues values;
+        errorMessage = errorOf([&] { values = run(ID(action), list, document, callback); });
+        // This host does not return values, and meshlabserver does not print error messages: tell both.
+        for (const auto &value : values)
+            logLine(value.first + " = " + value.second.toString().toStdString());
+        if (!errorMessage.isEmpty())
+            logLine(errorMessage.toStdString(), GLLogStream::WARNING);
+        return errorMessage.isEmpty();
+    }
+#else
+    QString pluginName() const override { return name(); }
+    QString vendor() const override { return "FCD"; }
+    std::pair<std::string, bool> getMLVersion() const override {
+        return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
+    }
+    QString pythonFilterName(ActionIDType id) const override { return scriptName(id); }
+    FilterClass getClass(const QAction *action) const override { return menus(ID(action)); }
+    FilterArity filterArity(const QAction *) const override { return SINGLE_MESH; }
+    int getPreConditions(const QAction *) const override { return MeshModel::MM_NONE; }
+    int postCondition(const QAction *) const override { return MeshModel::MM_NONE; }
+
+    RichParameterList initParameterList(const QAction *action, const MeshDocument &document) override {
+        return parameters(ID(action), document);
+    }
+
+    ReturnedValues applyFilter(const QAction *action, const RichParameterList &list, MeshDocument &document,
+                               unsigned int &, vcg::CallBackPos *callback) override {
+        ReturnedValues values;
+        const QString error = errorOf([&] { values = run(ID(action), list, document, callback); });
+        if (!error.isEmpty())
+            throw MLException(error);
+        return values;
+    }
+#endif
+};
+
+#endif

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// graph_benchmark FILE...
+//
+// Builds the deformation graph of each mesh and prints a CSV line with the figures of the paper's figure 2 (m, d_avg,
+// k0, t0, D, k1, t1, N, kN, tN; times in ms), how they compare with the plain algorithm (a full growth over the mesh in
+// every iteration, same D and tolerance), and what it takes per vertex. Two runs, the faster one counts; plain runs
+// once, and not beyond ten million vertices.
+#include <vcg_ext/deformation_graph.h>
+#include <vcg_ext/surface_graph.h>
+
+#include <wrap/io_trimesh/import.h>
+
+#include <cstdio>
+#include <sys/resource.h>
+
+namespace {
+
+class Vertex;
+class Edge;
+class Face;
+struct Types : vcg::UsedTypes<vcg::Use<Vertex>::AsVertexType, vcg::Use<Edge>::AsEdgeType, vcg::Use<Face>::AsFaceType> {
+};
+// As large as MeshLab's own.
+class Vertex : public vcg::Vertex<Types, vcg::vertex::Coord3d, vcg::vertex::BitFlags, vcg::vertex::Normal3d,
+                                  vcg::vertex::Qualityd, vcg::vertex::Color4b> {};
+class Edge : public vcg::Edge<Types, vcg::edge::VertexRef, vcg::edge::BitFlags> {};
+class Face : public vcg::Face<Types, vcg::face::VertexRef, vcg::face::Normal3d, vcg::face::BitFlags> {};
+class Mesh : public vcg::tri::TriMesh<std::vector<Vertex>, std::vector<Edge>, std::vector<Face>> {};
+
+double peakMegabytes() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss / 1024.0;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    using namespace vcg::fcd;
+    std::printf("mesh,m,d_avg,k0,t0_ms,D,k1,t1_ms,N,kN,tN_ms,graph_ms,ns_per_vertex,extra_bytes_per_vertex,"
+                "plain_ms,speedup,cost_over_plain,plain_kN,area_cv\n");
+    for (int a = 1; a < argc; ++a) {
+        Mesh mesh;
+        if (vcg::tri::io::Importer<Mesh>::Open(mesh, argv[a]) != 0) {
+            std::fprintf(stderr, "graph_benchmark: cannot read '%s'\n", argv[a]);
+            return 1;
+        }
+        const double before = peakMegabytes();
+        SurfaceGraph surface;
+        Patches patches;
+        PatchParam param;
+        double surfaceSeconds = 0, total = 1e300;
+        for (int run = 0; run < 2; ++run) {
+            surface = SurfaceGraph();
+            patches = Patches();
+            const Stopwatch watch;
+            surface = vcg::tri::BuildSurfaceGraph(mesh);
+            const double read = watch.Seconds();
+            param.targetRadius =
+                0.7 * surface.averageEdge * std::sqrt(double(surface.graph.Size()) / param.initialPatches);
+            patches = SamplePatches(surface.graph, {}, param);
+            MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border);
+            if (watch.Seconds() < total) {
+                total = watch.Seconds();
+                surfaceSeconds = read;
+            }
+        }
+        const double extra = (peakMegabytes() - before) * 1048576 / surface.report.vertices;
+        double mean = 0, square = 0;
+        std::vector<double> size(patches.Size(), 0);
+        for (Index p : patches.patchOf)
+            ++size[p];
+        for (double s : size) {
+            mean += s / patches.Size();
+            square += s * s / patches.Size();
+        }
+        const double scale = surface.frame.scale;
+        std::printf("%s,%d,%g,%d,%.1f,%g,%d,%.1f,%d,%d,%.1f,%.1f,%.1f,%.0f,", argv[a], surface.report.vertices,
+                    surface.averageEdge * scale, param.initialPatches, surfaceSeconds * 1e3, param.targetRadius * scale,
+                    patches.history.size() > 1 ? patches.history[1].patches : patches.Size(),
+                    patches.history[0].seconds * 1e3, patches.iterations, patches.Size(),
+                    patches.history.back().seconds * 1e3, total * 1e3, total * 1e9 / surface.report.vertices, extra);
+        if (surface.report.vertices > 10000000)
+            std::printf(",,,,");
+        else {
+            const std::vector<Index> noTags;
+            std::vector<SamplingStep> history;
+            const Stopwatch watch;
+            vcg::fcd::detail::Lloyd plain(surface.graph, noTags, 1);
+            for (Index u : vcg::fcd::detail::RandomSample(surface.graph.Size(), param.initialPatches, param.randomSeed))
+                plain.center.push_back({u, surface.graph.position.col(u)});
+            plain.Iterate(param, history, Progress());
+            const double seconds = watch.Seconds();
+            plain.Measure();
+            std::printf("%.1f,%.1f,%.3f,%zu,", seconds * 1e3, (surfaceSeconds + seconds) / total,
+                        patches.cost / plain.cost, plain.center.size());
+        }
+        std::printf("%.3f\n", std::sqrt(std::max(0.0, square / (mean * mean) - 1)));
+        std::fflush(stdout);
+    }
+}

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the host tests share: the sample meshes that pymeshlab ships, and the optional benchmark meshes beside the checkout."""
+import os
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+
+SAMPLES = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+QUALITY_TAGS = "(x < 0.25) ? 0 : ((x > 0.75) ? 2 : 1)"  # of bone.ply, which lies along x from 0.03 to 0.98
+
+
+@pytest.fixture
+def shared():
+    """The folder with benchmark meshes; a test that needs it is skipped where it is absent."""
+    if not (SHARED / "meshes").is_dir():
+        pytest.skip(f"no benchmark meshes ({SHARED / 'meshes'} is absent)")
+    return SHARED
+
+
+def rotation(axis, degrees):
+    """3 x 3 rotation matrix (Rodrigues)."""
+    a = np.asarray(axis, float) / np.linalg.norm(axis)
+    k = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+    t = np.radians(degrees)
+    return np.eye(3) + np.sin(t) * k + (1 - np.cos(t)) * k @ k
+
+
+def about(center, linear):
+    """4 x 4 matrix of a linear map about a point."""
+    m = np.eye(4)
+    m[:3, :3] = linear
+    m[:3, 3] = np.asarray(center) - linear @ np.asarray(center)
+    return m
+
+
+def translation(t):
+    m = np.eye(4)
+    m[:3, 3] = t
+    return m
+
+
+def transformed(m, points):
+    return points @ m[:3, :3].T + m[:3, 3]
+
+
+def write_tags(path, tags):
+    path.write_text("# tags\n" + "".join(f"{t}\n" for t in tags))
+    return str(path)
+
+
+def write_transforms(path, *matrices):
+    path.write_text("".join(" ".join(repr(float(x)) for x in row) + "\n" for m in matrices for row in m))
+    return str(path)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plugin inside MeshLab 2020.09's meshlabserver, which runs filter scripts. FCD_MESHLABSERVER names the program; it needs
+a display (xvfb-run). Layers are read back with pymeshlab."""
+import os
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from conftest import SAMPLES, about, rotation, transformed, translation, write_tags, write_transforms
+
+SERVER = os.environ["FCD_MESHLABSERVER"]
+
+BONE_TAGS = "(x &lt; 0.25) ? 0 : ((x &gt; 0.75) ? 2 : 1)"
+
+
+def parameter(kind, name, **values):
+    return f'<Param type="Rich{kind}" name="{name}" ' + " ".join(f'{k}="{v}"' for k, v in values.items()) + "/>"
+
+
+def choice(name, value, count):
+    return parameter("Enum", name, value=value, enum_cardinality=count, **{f"enum_val{i}": i for i in range(count)})
+
+
+def point(name, p):
+    return parameter("Point3f", name, x=p[0], y=p[1], z=p[2])
+
+
+def boolean(name, value):
+    return parameter("Bool", name, value="true" if value else "false")
+
+
+def quality_filter(expression):
+    return ('<filter name="Per Vertex Quality Function">' + parameter("String", "q", value=expression) +
+            boolean("normalize", False) + boolean("map", False) + boolean("onselected", False) + "</filter>")
+
+
+def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, random_seed=1, patches_layer=True):
+    return ('<filter name="FCD: Build Deformation Graph">' +
+            parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
+            parameter("Int", "initial_patches", value=initial_patches) +
+            parameter("Int", "max_iterations", value=max_iterations) + parameter("Int", "random_seed", value=random_seed) +
+            boolean("patches_layer", patches_layer) + "</filter>")
+
+
+def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", translation=(0, 0, 0),
+                  rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
+                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.005,
+                  max_iterations=1000, tolerance=1e-5, weights=0, influence=3.5, loose_parts=0, pose=100, graph_layers=True):
+    return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
+            parameter("String", "tag_attribute", value=tag_attribute) +
+            parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
+            parameter("OpenFile", "transform_file", value=transform_file, exts_cardinality=1, exts_val0="*.def") +
+            point("translation", translation) + point("rotation_axis", rotation_axis) +
+            parameter("Float", "rotation_angle", value=rotation_angle) + choice("rotation_center", rotation_center, 3) +
+            point("rotation_point", rotation_point) +
+            parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.ravel(matrix))}) +
+            boolean("use_graph_layer", use_graph_layer) + parameter("Mesh", "graph_layer", value=graph_layer) +
+            parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
+            parameter("Int", "initial_patches", value=initial_patches) + parameter("Int", "random_seed", value=random_seed) +
+            parameter("Float", "smoothness", value=smoothness) + parameter("Int", "max_iterations", value=max_iterations) +
+            parameter("Float", "tolerance", value=tolerance) + choice("weights", weights, 2) +
+            parameter("Float", "influence", value=influence) + choice("loose_parts", loose_parts, 2) +
+            parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) + "</filter>")
+
+
+class Run:
+    """A filter script on a mesh: the log, and the layers (label without blanks -> mesh) that were there at the end."""
+
+    def __init__(self, folder, mesh, *filters):
+        shutil.copy(mesh, folder)
+        script = folder / "script.mlx"
+        script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>" + "\n".join(filters) + "</FilterScript>\n")
+        runtime = folder / "runtime"
+        runtime.mkdir(mode=0o700)
+        done = subprocess.run(
+            ["xvfb-run", "-a", SERVER, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
+            cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
+            env={**os.environ, "XDG_RUNTIME_DIR": str(runtime)})
+        self.log, self.code = done.stdout, done.returncode
+        self.meshes, self.sets = {}, []  # a mesh lives as long as its set
+        for path in sorted(folder.glob("*_out.*")):
+            if path.suffix in (".ply", ".obj"):
+                self.sets.append(pymeshlab.MeshSet())
+                self.sets[-1].load_new_mesh(str(path))
+                self.meshes[path.stem[:-len("_out")]] = self.sets[-1].current_mesh()
+
+    def value(self, name):
+        return re.search(rf"^{name} = (.*)$", self.log, re.MULTILINE).group(1)
+
+
+BONE = SAMPLES / "bone.ply"
+
+
+def test_graph(tmp_path):
+    run = Run(tmp_path, BONE, graph_filter())
+    assert run.code == 0, run.log
+    assert set(run.meshes) == {"bone", "bonegraph", "bonepatches"}, run.log
+    assert run.meshes["bonegraph"].vertex_number() == int(run.value("patches"))
+    number = run.meshes["bonepatches"].vertex_scalar_array().astype(int)
+    assert set(number) == set(range(int(run.value("patches"))))
+    colors = run.meshes["bonegraph"].vertex_color_matrix()
+    assert np.abs(run.meshes["bonepatches"].vertex_color_matrix() - colors[number]).max() < 1e-6
+
+
+def test_deformation(tmp_path):
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS),
+              deform_filter(translation=(0, 0, 0.25), rotation_axis=(0, 1, 0), rotation_angle=-45))
+    assert run.code == 0, run.log
+    assert set(run.meshes) == {"bone", "bonegraph", "bonedeformedgraph", "bonedeformed"}, run.log
+    rest, tags = run.meshes["bone"].vertex_matrix(), run.meshes["bone"].vertex_scalar_array()
+    points = run.meshes["bonedeformed"].vertex_matrix()
+    assert np.isfinite(points).all()
+    assert (points[tags == 0] == rest[tags == 0]).all()
+    motion = translation([0, 0, 0.25]) @ about(rest[tags == 2].mean(0), rotation([0, 1, 0], -45))
+    assert np.abs(points[tags == 2] - transformed(motion, rest[tags == 2])).max() < 1e-6  # the host has single precision
+    assert np.linalg.norm(points - rest, axis=1)[tags == 1].max() > 0.05
+    nodes = run.meshes["bonegraph"].vertex_number()
+    assert nodes == run.meshes["bonedeformedgraph"].vertex_number() == int(run.value("nodes"))
+    assert int(run.value("fixed_vertices")) == (tags == 0).sum()
+    assert run.value("converged") == "true"
+
+
+def test_files_and_graph_layer(tmp_path):
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(BONE))
+    rest = ms.current_mesh().vertex_matrix()
+    tags = np.where(rest[:, 0] < 0.25, 0, np.where(rest[:, 0] > 0.75, 2, 1))
+    run = Run(tmp_path, BONE, graph_filter(initial_patches=60, patches_layer=False),
+              deform_filter(handles=3, tag_file=write_tags(tmp_path / "t.sel", tags),
+                            transform_file=write_transforms(tmp_path / "t.def", translation([0, 0, 0.25])),
+                            use_graph_layer=True, graph_layer=1, graph_layers=False))
+    assert run.code == 0, run.log
+    assert set(run.meshes) == {"bone", "bonegraph", "bonedeformed"}, run.log
+    assert int(run.value("nodes")) >= int(run.value("patches"))
+    points = run.meshes["bonedeformed"].vertex_matrix()
+    assert (points[tags == 0] == rest[tags == 0]).all()
+    assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-6
+
+
+def test_textures_and_colors_survive(tmp_path):
+    source = tmp_path / "source"
+    source.mkdir()
+    ms = pymeshlab.MeshSet()  # the host's own OBJ importer stops at this file, hence PLY
+    ms.load_new_mesh(str(SAMPLES / "bunny10k_textured.obj"))
+    ms.apply_filter("compute_color_by_function_per_vertex", x="x*10+128", y="y*10", z="z*10+128")
+    ms.save_current_mesh(str(source / "bunny.ply"), save_vertex_color=True, save_wedge_texcoord=True, save_textures=True)
+    shutil.copy(SAMPLES / "TextureDouble_A.png", tmp_path)
+    run = Run(tmp_path, source / "bunny.ply", quality_filter("(x &lt; 0) ? 0 : ((x &gt; 5) ? 2 : 1)"),
+              deform_filter(translation=(0, 0, 2), graph_layers=False))
+    assert set(run.meshes) == {"bunny", "bunnydeformed"}, run.log
+    rest, deformed = run.meshes["bunny"], run.meshes["bunnydeformed"]
+    assert rest.has_wedge_tex_coord() and deformed.has_wedge_tex_coord()
+    assert (deformed.wedge_tex_coord_matrix() == rest.wedge_tex_coord_matrix()).all()
+    assert deformed.texture_number() == rest.texture_number() == 1
+    assert (deformed.vertex_color_matrix() == rest.vertex_color_matrix()).all()
+    assert (deformed.vertex_scalar_array() == rest.vertex_scalar_array()).all()
+
+
+@pytest.mark.parametrize("quality, parameters, word", [
+    ("0", {}, "nobody has tagged"),
+    ("x*10", {}, "whole numbers"),
+    ("(x &lt; 0.5) ? 0 : 2", {}, "free"),
+    (BONE_TAGS, {"handles": 3, "tag_file": "/no/such.sel"}, "/no/such.sel"),
+    (BONE_TAGS, {"initial_patches": 0}, "patches"),
+])
+def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, word):
+    run = Run(tmp_path, BONE, quality_filter(quality), deform_filter(**parameters))
+    assert word in run.log
+    assert "terminate called" not in run.log and run.code >= 0
+    assert set(run.meshes) <= {"bone"}

@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Sets the machine up, builds, and runs every test. The last line is the sum: "N passed, N failed, N skipped".
+# Host tests that cannot run count as skipped, as failed where CI=true.
+#
+#   bash tests/run.sh
+set -uo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root" || exit 1
+build=$root/build
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
+results=$build/results
+rm -rf "$results"
+mkdir -p "$results"
+passed=0 failed=0 skipped=0
+
+# count FILE: adds up a JUnit file of ctest or pytest.
+count() {
+    local p f s
+    read -r p f s < <("$build/venv/bin/python" - "$1" <<'PYTHON'
+import sys
+import xml.etree.ElementTree as tree
+cases = list(tree.parse(sys.argv[1]).iter("testcase"))
+failed = [c for c in cases if c.find("failure") is not None or c.find("error") is not None]
+skipped = [c for c in cases if c not in failed and (c.find("skipped") is not None or c.get("status") in ("notrun", "disabled"))]
+print(len(cases) - len(failed) - len(skipped), len(failed), len(skipped))
+PYTHON
+    )
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+}
+fail() {
+    echo "FAILED: $1" >&2
+    failed=$((failed + 1))
+}
+finish() {
+    echo "$passed passed, $failed failed, $skipped skipped"
+    [ "$failed" = 0 ]
+    exit
+}
+
+if ! bash tests/setup.sh; then
+    fail "setup"
+    finish
+fi
+
+# unit NAME CMAKE-ARGUMENT...: the unit tests, built one way.
+unit() {
+    local name=$1 directory=$build/unit-$1
+    shift
+    echo "== unit tests ($name)"
+    if ! { cmake -G Ninja -S . -B "$directory" -DFCD_BUILD_TESTS=ON -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" "$@" &&
+        nice ninja -C "$directory"; } >"$results/unit-$name.log" 2>&1; then
+        grep -m 5 -E 'error|Error' "$results/unit-$name.log" || tail -n 5 "$results/unit-$name.log"
+        fail "building the unit tests ($name), see $results/unit-$name.log"
+        return
+    fi
+    ctest --test-dir "$directory" --output-on-failure --output-junit "$results/unit-$name.xml" -j 2 2>&1 |
+        tee -a "$results/unit-$name.log" | grep -vE '^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start '
+    if [ -s "$results/unit-$name.xml" ]; then count "$results/unit-$name.xml"; else fail "unit tests ($name) gave no result"; fi
+}
+
+# host NAME PYTHON FILE: host tests with the Python of a pymeshlab.
+host() {
+    local name=$1 python=$2 file=$3
+    echo "== host tests ($name)"
+    "$python" -m pytest -q -ra -p no:cacheprovider --junitxml="$results/host-$name.xml" "$file" 2>&1 |
+        tee "$results/host-$name.log"
+    if [ -s "$results/host-$name.xml" ]; then count "$results/host-$name.xml"; else fail "host tests ($name) ended early"; fi
+}
+# without NAME REASON: host tests that cannot run.
+without() {
+    if [ "${CI:-}" = true ]; then
+        fail "host tests ($1): $2"
+    else
+        echo "SKIPPED: host tests ($1): $2" >&2
+        skipped=$((skipped + 1))
+    fi
+}
+
+unit release -DCMAKE_BUILD_TYPE=Release
+unit sanitized -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
+
+for version in 2025.7:venv 2022.2:venv-2022; do
+    host=pymeshlab-${version%:*} python=$build/${version#*:}/bin/python
+    export FCD_PLUGIN=$build/plugins/$host/libfilter_fcd.so
+    if [ ! -e "$FCD_PLUGIN" ]; then
+        without "$host" "there is no $FCD_PLUGIN"
+    elif ! "$python" -c 'import pymeshlab' 2>"$results/$host.log"; then
+        without "$host" "$(tail -n 1 "$results/$host.log")"
+    else
+        host "$host" "$python" tests/host_pymeshlab.py
+    fi
+done
+
+export FCD_MESHLABSERVER=$build/meshlab-2020.09/meshlabserver
+if [ ! -x "$FCD_MESHLABSERVER" ] || [ ! -e "$build/plugins/meshlab-2020.09/libfilter_fcd.so" ]; then
+    without meshlab-2020.09 "there is no meshlabserver or no plugin for it"
+elif ! xvfb-run -a true 2>"$results/xvfb.log"; then
+    without meshlab-2020.09 "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
+else
+    host meshlab-2020.09 "$build/venv/bin/python" tests/host_meshlabserver.py
+fi
+
+finish

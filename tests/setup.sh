@@ -1,0 +1,179 @@
+#!/usr/bin/env bash
+# Brings a Debian 12 machine (root, or a user with sudo) to where everything here builds and runs: packages, MeshLab sources,
+# Python environments, and the plugin for three hosts. Only does what is missing; a second run takes a second or two.
+#
+#   bash tests/setup.sh
+#
+# Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/meshlab-2020.09 (private copy of the
+# distribution's MeshLab that loads our plugin), build/plugins/HOST/libfilter_fcd.so. Downloads are kept in
+# ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree. Log: build/setup.log.
+set -Eeuo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
+log=$build/setup.log
+python=/usr/bin/python3
+mkdir -p "$build" "$cache"
+: >"$log"
+
+step="starting"
+failed() {
+    # The compiler's first error says more than the build's last line.
+    local reason
+    reason=$(grep -m 1 -iE '(^E: |error:|CMake Error)' "$log" || grep -v '^[[:space:]]*$' "$log" | tail -n 1 || true)
+    echo "setup failed while $step: $reason (log: $log)" >&2
+}
+trap failed ERR
+begin() {
+    step=$1
+    echo "setup: $step"
+    echo "== $step" >>"$log"
+}
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+# One setup at a time: cache and build tree are shared.
+exec 9>"$cache/lock"
+flock 9
+
+# --- packages -----------------------------------------------------------------------------------------------------------
+
+packages=(build-essential cmake ninja-build dpkg-dev xz-utils ca-certificates python3 python3-venv
+    qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev
+    meshlab xvfb xauth
+    libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0)
+
+missing=()
+for package in "${packages[@]}"; do
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+done
+if [ ${#missing[@]} -gt 0 ]; then
+    begin "installing packages: ${missing[*]}"
+    install() {
+        as_root env DEBIAN_FRONTEND=noninteractive \
+            apt-get install -y --no-install-recommends -o Acquire::Retries=3 "${missing[@]}" >>"$log" 2>&1
+    }
+    if ! install; then
+        as_root apt-get update -o Acquire::Retries=3 >>"$log" 2>&1
+        install
+    fi
+fi
+
+# --- MeshLab sources ----------------------------------------------------------------------------------------------------
+
+# name, Debian suites to look in, Debian version, tarball, its SHA-256
+sources=(
+    "2020.09 bookworm 2020.09+dfsg1-2 meshlab_2020.09+dfsg1.orig.tar.xz d6715352ff65caffdec0292858d4263eb0c3cbbf3b1e5c2e2bab218e3f234630"
+    "2022.02 trixie 2022.02+dfsg1-1 meshlab_2022.02+dfsg1.orig.tar.xz 11da26ec46c3fbbbc806d410a3221542ec21ec13fdcc55d624304600029435fd"
+    "2025.07 sid,forky 2025.07~dfsg-4 meshlab_2025.07~dfsg.orig.tar.xz d22c98d362f2a284e481af8dbfc272b2222f5b9c67b3cf8bec57d1c3161886f4"
+)
+
+# The archive this machine itself gets bookworm from.
+archive() {
+    apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages' | awk '$2 == "bookworm" { print $1; exit }'
+}
+
+# download SUITE VERSION DIRECTORY: the tarball, by apt with a configuration of its own, so that the machine's stays as it is.
+download() {
+    local uri apt=$3/apt
+    uri=$(archive)
+    if [ -z "$uri" ]; then
+        as_root apt-get update >>"$log" 2>&1
+        uri=$(archive)
+    fi
+    [ -n "$uri" ] || {
+        echo "this machine has no package source for Debian bookworm" >>"$log"
+        return 1
+    }
+    mkdir -p "$apt/lists/partial" "$apt/parts"
+    echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $uri $1 main" >"$apt/sources.list"
+    local options=(-o "Dir::Etc::SourceList=$apt/sources.list" -o "Dir::Etc::SourceParts=$apt/parts"
+        -o "Dir::State::Lists=$apt/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
+        -o Acquire::Check-Valid-Until=false -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Sandbox::User=root)
+    # Only the tarball is asked for: a suite may no longer serve the packaging beside it.
+    apt-get "${options[@]}" update >>"$log" 2>&1 &&
+        (cd "$3" && apt-get "${options[@]}" source --download-only --tar-only "meshlab=$2" >>"$log" 2>&1)
+}
+
+for source in "${sources[@]}"; do
+    read -r name suites version tarball sha256 <<<"$source"
+    tree=$cache/meshlab-$name
+    [ ! -e "$tree/ML_VERSION" ] || continue
+    check() { echo "$sha256  $cache/$tarball" | sha256sum --check --quiet >>"$log" 2>&1; }
+    if [ ! -e "$cache/$tarball" ] || ! check; then
+        begin "downloading the source of MeshLab $name"
+        work=$(mktemp -d "$cache/download.XXXXXX")
+        for suite in ${suites//,/ }; do
+            if download "$suite" "$version" "$work"; then break; fi
+        done
+        if [ ! -e "$work/$tarball" ]; then
+            echo "the Debian archive does not serve meshlab $version in $suites" >>"$log"
+            false
+        fi
+        mv "$work/$tarball" "$cache/"
+        rm -rf "$work"
+        check
+    fi
+    begin "unpacking the source of MeshLab $name"
+    work=$(mktemp -d "$cache/unpack.XXXXXX")
+    tar -xf "$cache/$tarball" -C "$work" --strip-components=1 >>"$log" 2>&1
+    rm -rf "$tree"
+    mv "$work" "$tree"
+done
+
+# --- Python -------------------------------------------------------------------------------------------------------------
+
+# environment DIRECTORY REQUIREMENT...
+environment() {
+    local directory=$1
+    shift
+    if [ "$(cat "$directory/requirements" 2>/dev/null)" != "$*" ]; then
+        begin "making ${directory#"$root"/} with $*"
+        rm -rf "$directory"
+        "$python" -m venv "$directory" >>"$log" 2>&1
+        "$directory/bin/pip" install --disable-pip-version-check --no-input --quiet --retries 5 "$@" >>"$log" 2>&1
+        echo "$*" >"$directory/requirements"
+    fi
+}
+environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
+environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
+
+# --- plugins ------------------------------------------------------------------------------------------------------------
+
+# plugin HOST SOURCE LIBRARY SCALAR
+plugin() {
+    local directory=$build/cmake/$1
+    step="building the plugin for $1"
+    local arguments=(-DCMAKE_BUILD_TYPE=Release -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" -DFCD_MESHLAB_LIBRARY="$3"
+        -DFCD_MESHLAB_SCALAR="$4" -DFCD_MESHLAB_VERSION="$2" -DFCD_OUTPUT_DIR="$build/plugins/$1")
+    if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$root ${arguments[*]}" ]; then
+        begin "configuring the plugin for $1"
+        rm -rf "$directory"
+        cmake -G Ninja -S "$root" -B "$directory" "${arguments[@]}" >>"$log" 2>&1
+        echo "$root ${arguments[*]}" >"$directory/arguments"
+    fi
+    if ! ninja -C "$directory" -n | grep -q 'no work to do'; then
+        begin "building the plugin for $1"
+        nice ninja -C "$directory" >>"$log" 2>&1
+    fi
+}
+wheel=lib/python3.11/site-packages/pymeshlab/lib/libmeshlab-common.so
+system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
+plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
+plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
+plugin meshlab-2020.09 2020.09 "$system/libmeshlab-common.so" float
+
+# --- MeshLab 2020.09 with the plugin ---------------------------------------------------------------------------------------
+
+# A program of MeshLab takes the folder "plugins" beside it before the system's. Scripts that set the library path start them.
+step="making a private copy of MeshLab 2020.09"
+private=$build/meshlab-2020.09
+mkdir -p "$private/plugins"
+ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09/libfilter_fcd.so" "$private/plugins/"
+for program in meshlab meshlabserver; do
+    cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
+    printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \
+        "$system" "$program" >"$private/$program"
+    chmod +x "$private/$program"
+done

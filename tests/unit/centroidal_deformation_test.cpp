@@ -1,0 +1,591 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "centroidal_deformation.h"
+#include "test_support.h"
+
+#include <limits>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using vcg::tri::BuildCentroidalGraph;
+using vcg::tri::DeformCentroidal;
+
+static const Affine3d bend =
+    Eigen::Translation3d(1.5, 0.5, -0.5) * Eigen::AngleAxisd(1, Vector3d(1, 0.3, 0.2).normalized());
+
+struct Case {
+    Shape shape;
+    Handles handles;
+};
+
+template <class Tag>
+static Case CaseOf(const Shape &shape, const Tag &tagAt, const Affine3d &motion = bend) {
+    Case c{shape, {}};
+    for (const Vector3d &p : shape.position)
+        c.handles.tag.push_back(tagAt(p));
+    c.handles.motion[2] = Motion(motion.matrix());
+    return c;
+}
+
+static Case TubeCase() {
+    return CaseOf(Jittered(Tube(40, 16), 0.02), [](const Vector3d &p) { return TubeTag(p); });
+}
+static Case GridCase() {
+    return CaseOf(Grid(25, 25, 0.25), [](const Vector3d &p) {
+        return p[0] < 1 ? 0 : p[0] > 5 ? 2 : p[1] < 0.7 ? -1 : 1;
+    });
+}
+static Case SphereCase() {
+    return CaseOf(Sphere(24, 32), [](const Vector3d &p) {
+        return p[2] < -0.7 ? 0 : p[2] > 0.7 ? 2 : p[0] > 0.9 ? 3 : 1;
+    });
+}
+
+static DeformationParam Param(int patches = 40) {
+    DeformationParam param;
+    param.graph.initialPatches = patches;
+    return param;
+}
+
+template <class Mesh>
+static Matrix3Xd PositionsOf(const Mesh &mesh) {
+    Matrix3Xd x(3, mesh.vert.size());
+    for (int i = 0; i < int(mesh.vert.size()); ++i)
+        x.col(i) = mesh.At(i);
+    return x;
+}
+
+static Matrix3Xd Deformed(const Case &c, const DeformationParam &param = Param()) {
+    return DeformCentroidal(MeshD(c.shape), c.handles, param).position;
+}
+
+/// Promise 1, for every vertex of the mesh; motion at 100 percent.
+template <class Mesh>
+static void ExpectHeldExact(const Mesh &mesh, const Handles &handles, const Matrix3Xd &result) {
+    const Matrix3Xd rest = PositionsOf(mesh);
+    ASSERT_EQ(result.cols(), rest.cols());
+    EXPECT_TRUE(result.allFinite());
+    const double size = rest.cwiseAbs().maxCoeff();
+    for (int i = 0; i < int(rest.cols()); ++i) {
+        const int tag = handles.tag[i];
+        if (tag <= 0 || mesh.vert[i].IsD()) {
+            EXPECT_TRUE(SameBits(Vector3d(result.col(i)), Vector3d(rest.col(i)))) << "vertex " << i;
+        } else if (tag >= 2) {
+            const auto m = handles.motion.find(tag);
+            const Affine3d motion(m == handles.motion.end() ? Eigen::Matrix4d::Identity() : m->second.matrix);
+            EXPECT_LE((result.col(i) - motion * Vector3d(rest.col(i))).norm(), 1e-12 * (1 + size)) << "vertex " << i;
+        }
+    }
+}
+
+TEST(DeformCentroidal, HeldVerticesAreExact) {
+    for (const Case &c : {TubeCase(), GridCase(), SphereCase()})
+        for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
+            DeformationParam param = Param();
+            param.weights = weights;
+            const MeshD mesh(c.shape);
+            const DeformationResult r = DeformCentroidal(mesh, c.handles, param);
+            EXPECT_TRUE(r.converged);
+            ExpectHeldExact(mesh, c.handles, r.position);
+        }
+}
+
+TEST(DeformCentroidal, OneRigidMotionMovesTheWholeMesh) {
+    for (Case c : {TubeCase(), SphereCase()})
+        for (unsigned seed = 1; seed <= 3; ++seed) {
+            const Affine3d rigid = RandomRigid(seed);
+            for (int &tag : c.handles.tag)
+                tag = tag == 0 ? 4 : tag;
+            for (int tag : {2, 3, 4})
+                c.handles.motion[tag] = Motion(rigid.matrix());
+            DeformationParam param = Param();
+            param.tolerance = 1e-9;
+            const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+            EXPECT_LE((Deformed(c, param) - rigid * rest).cwiseAbs().maxCoeff(), 1e-6);
+        }
+}
+
+TEST(DeformCentroidal, NoMotionIsTheRestPose) {
+    for (Case c : {TubeCase(), GridCase(), SphereCase()}) {
+        const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+        DeformationParam param = Param();
+        param.pose = 0;
+        EXPECT_LE((Deformed(c, param) - rest).cwiseAbs().maxCoeff(), 1e-7);
+        c.handles.motion.clear(); // a handle without a motion stays where it is
+        EXPECT_LE((Deformed(c) - rest).cwiseAbs().maxCoeff(), 1e-7);
+    }
+}
+
+TEST(DeformCentroidal, PoseIsAPercentageOfTheMotion) {
+    const Case c = TubeCase();
+    DeformationParam param = Param();
+    for (double pose : {50.0, 150.0}) {
+        param.pose = pose;
+        Case part = c;
+        Vector3d center = Vector3d::Zero();
+        int count = 0;
+        for (int i = 0; i < c.shape.Size(); ++i)
+            if (c.handles.tag[i] == 2) {
+                center += c.shape.position[i];
+                ++count;
+            }
+        part.handles.motion[2] = Motion(c.handles.motion.at(2).At(pose, center / count));
+        EXPECT_LE((Deformed(c, param) - Deformed(part)).cwiseAbs().maxCoeff(), 1e-5);
+    }
+}
+
+TEST(DeformCentroidal, ScalingTheSceneScalesTheAnswer) {
+    for (double scale : {std::ldexp(1.0, -30), std::ldexp(1.0, 20)}) {
+        Case c = TubeCase();
+        const Matrix3Xd once = Deformed(c);
+        Eigen::Matrix4d motion = bend.matrix();
+        motion.topRightCorner<3, 1>() *= scale;
+        c.handles.motion[2] = Motion(motion);
+        c.shape = Moved(c.shape, Affine3d(Eigen::Scaling(scale)));
+        EXPECT_LE((Deformed(c) / scale - once).cwiseAbs().maxCoeff(), 1e-9);
+    }
+}
+
+TEST(DeformCentroidal, MovingTheSceneMovesTheAnswer) {
+    for (double far : {100.0, 1e6}) {
+        Case c = CaseOf(Grid(33, 33, 0.25), [](const Vector3d &p) { return p[0] < 1 ? 0 : p[0] > 7 ? 2 : 1; });
+        const Matrix3Xd once = Deformed(c);
+        const Affine3d there(Eigen::Translation3d(far, -far, far / 2));
+        c.shape = Moved(c.shape, there);
+        c.handles.motion[2] = Motion((there * bend * there.inverse()).matrix());
+        EXPECT_LE((there.inverse() * Deformed(c) - once).cwiseAbs().maxCoeff(), 1e-13 * far + 1e-6) << far;
+    }
+}
+
+TEST(DeformCentroidal, DoesNotDependOnTheThreads) {
+    for (const Case &c :
+         {TubeCase(),
+          CaseOf(Jittered(Grid(150, 150), 0.2), [](const Vector3d &p) { return p[0] < 9     ? 0
+                                                                               : p[0] > 140 ? 2
+                                                                                            : 1; }),
+          CaseOf(PointCloud(3000), [](const Vector3d &p) { return p[0] < 0.2   ? 0
+                                                                  : p[0] > 0.8 ? 2
+                                                                               : 1; })}) {
+        const MeshD mesh(c.shape);
+        const DeformationResult one = DeformCentroidal(mesh, c.handles, Param(), Threads(1));
+        for (unsigned threads : {2u, 7u}) {
+            const DeformationResult same = DeformCentroidal(mesh, c.handles, Param(), Threads(threads));
+            EXPECT_TRUE(SameBits(same.position, one.position));
+            EXPECT_TRUE(SameBits(same.deformedNodes, one.deformedNodes));
+            EXPECT_EQ(same.energy, one.energy);
+            EXPECT_EQ(same.rest.edge, one.rest.edge);
+        }
+    }
+}
+
+TEST(DeformCentroidal, ReadsTheMeshOnly) {
+    const Case c = TubeCase();
+    const MeshD mesh(c.shape);
+    const std::vector<VertexD> vert = mesh.vert;
+    const std::vector<FaceD> face = mesh.face;
+    auto expectUntouched = [&] {
+        EXPECT_EQ(std::memcmp(vert.data(), mesh.vert.data(), vert.size() * sizeof vert[0]), 0);
+        EXPECT_EQ(std::memcmp(face.data(), mesh.face.data(), face.size() * sizeof face[0]), 0);
+        EXPECT_TRUE(mesh.vert_attr.empty() && mesh.face_attr.empty() && mesh.mesh_attr.empty());
+    };
+    DeformCentroidal(mesh, c.handles, Param());
+    expectUntouched();
+    BuildCentroidalGraph(mesh, Param().graph);
+    expectUntouched();
+    CallbackLog log(5);
+    EXPECT_THROW(DeformCentroidal(mesh, c.handles, Param(), log.Progress()), Cancelled);
+    expectUntouched();
+}
+
+TEST(DeformCentroidal, SeamsStayTogether) {
+    const Case c = CaseOf(Unwelded(Jittered(Tube(30, 14), 0.02)), [](const Vector3d &p) { return TubeTag(p); });
+    const MeshD mesh(c.shape);
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
+    ExpectHeldExact(mesh, c.handles, r.position);
+    std::map<std::array<double, 3>, int> first;
+    for (int i = 0; i < c.shape.Size(); ++i) {
+        const Vector3d &p = c.shape.position[i];
+        const int twin = first.emplace(std::array<double, 3>{p[0], p[1], p[2]}, i).first->second;
+        EXPECT_TRUE(SameBits(Vector3d(r.position.col(i)), Vector3d(r.position.col(twin)))) << i;
+    }
+    EXPECT_EQ(int(first.size()), 30 * 14);
+}
+
+TEST(DeformCentroidal, SeamsWithDifferentTagsStayTogether) {
+    // Fixed beats a handle, both beat free, and both sides go to the same place.
+    for (const auto &pair : {std::make_pair(2, 1), std::make_pair(0, 1), std::make_pair(-1, 1), std::make_pair(0, 2),
+                             std::make_pair(3, 2), std::make_pair(-1, 0)}) {
+        Case c = TubeCase();
+        const int n = c.shape.Size();
+        c.shape = Join(c.shape, c.shape);
+        c.handles.tag.insert(c.handles.tag.end(), c.handles.tag.begin(), c.handles.tag.end());
+        for (int i = 320; i < 330; ++i) {
+            c.handles.tag[i] = pair.first;
+            c.handles.tag[n + i] = pair.second;
+        }
+        const Matrix3Xd x = Deformed(c);
+        EXPECT_TRUE(SameBits(Matrix3Xd(x.leftCols(n)), Matrix3Xd(x.rightCols(n)))) << pair.first << ", " << pair.second;
+    }
+}
+
+TEST(DeformCentroidal, AHandleThatIsFixedEverywhereDoesNotMove) {
+    Case c = TubeCase();
+    const int n = c.shape.Size();
+    c.shape.position.push_back(c.shape.position[0]); // tag 0
+    c.handles.tag.push_back(5);
+    c.handles.motion[5] = Motion(bend.matrix());
+    EXPECT_TRUE(SameBits(Vector3d(Deformed(c).col(n)), c.shape.position[n]));
+}
+
+TEST(DeformCentroidal, CanBeCancelledAnywhere) {
+    for (bool given : {false, true}) {
+        const Case c = TubeCase();
+        const MeshD mesh(c.shape);
+        DeformationParam param = Param(20);
+        if (given)
+            param.nodes = PositionsOf(mesh).leftCols(30);
+        CallbackLog all;
+        DeformCentroidal(mesh, c.handles, param, all.Progress(2));
+        EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+        EXPECT_EQ(all.percent.front(), 0);
+        EXPECT_EQ(all.percent.back(), 100);
+        for (const std::thread::id &id : all.thread)
+            EXPECT_EQ(id, std::this_thread::get_id());
+        const std::size_t calls = all.percent.size();
+        for (std::size_t i = 0; i < calls; ++i) {
+            CallbackLog log(i);
+            EXPECT_THROW(DeformCentroidal(mesh, c.handles, param, log.Progress(2)), Cancelled) << i;
+            EXPECT_EQ(log.percent.size(), i + 1) << "called again after the cancel";
+        }
+    }
+}
+
+template <class Change>
+static std::string ParamError(const Change &change) {
+    DeformationParam param = Param();
+    change(param);
+    const Case c = TubeCase();
+    return MessageOf<Error>([&] { DeformCentroidal(MeshD(c.shape), c.handles, param); });
+}
+
+TEST(DeformCentroidal, RefusesParametersOutOfRange) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+    auto contains = [](const std::string &message, const char *word) {
+        EXPECT_NE(message.find(word), std::string::npos) << message;
+    };
+    for (double bad : {-1.0, nan, inf}) {
+        contains(ParamError([&](DeformationParam &p) { p.graph.targetRadius = bad; }), "radius");
+        contains(ParamError([&](DeformationParam &p) { p.graph.tolerance = bad; }), "tolerance");
+        contains(ParamError([&](DeformationParam &p) { p.smoothness = bad; }), "smoothness");
+        contains(ParamError([&](DeformationParam &p) { p.tolerance = bad; }), "tolerance");
+        contains(ParamError([&](DeformationParam &p) { p.influence = bad; }), "influence");
+    }
+    for (double bad : {nan, inf, -inf}) {
+        contains(ParamError([&](DeformationParam &p) { p.pose = bad; }), "pose");
+        contains(ParamError([&](DeformationParam &p) { p.nodes = Matrix3Xd::Constant(3, 2, bad); }), "finite");
+    }
+    for (int bad : {0, -1}) {
+        contains(ParamError([&](DeformationParam &p) { p.graph.initialPatches = bad; }), "patches");
+        contains(ParamError([&](DeformationParam &p) { p.graph.maxIterations = bad; }), "iterations");
+        contains(ParamError([&](DeformationParam &p) { p.maxIterations = bad; }), "iterations");
+    }
+    contains(ParamError([](DeformationParam &p) { p.influence = 1; }), "influence");
+    contains(ParamError([](DeformationParam &p) { p.tolerance = 0; }), "tolerance");
+    contains(ParamError([](DeformationParam &p) { p.graph.tolerance = 1; }), "tolerance");
+    EXPECT_NO_THROW(DeformationParam().Validate());
+}
+
+static std::string CaseError(const Case &c) {
+    return MessageOf<Error>([&] { DeformCentroidal(MeshD(c.shape), c.handles, Param()); });
+}
+
+TEST(DeformCentroidal, RefusesWhatCannotBeDeformed) {
+    const Case good = TubeCase();
+    auto tagged = [&](auto change) {
+        Case c = good;
+        for (int &tag : c.handles.tag)
+            tag = change(tag);
+        return CaseError(c);
+    };
+    EXPECT_NE(tagged([](int t) { return std::min(t, 1); }).find("no handle"), std::string::npos);
+    EXPECT_NE(tagged([](int t) { return t == 1 ? 0 : t; }).find("free"), std::string::npos);
+    EXPECT_NE(tagged([](int t) { return t == 1 ? -1 : t; }).find("free"), std::string::npos);
+    for (int more : {-1, 1}) {
+        Case c = good;
+        c.handles.tag.resize(c.handles.tag.size() + more);
+        EXPECT_NE(CaseError(c).find("one tag per vertex"), std::string::npos);
+    }
+    Case c = good;
+    c.shape.position[7][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NE(CaseError(c).find("Vertex 7"), std::string::npos);
+    EXPECT_THROW(DeformCentroidal(MeshD(), {}, {}), Error);
+}
+
+static void DeleteVertexAndFaces(MeshD &mesh, int vertex) {
+    for (int f = 0; f < int(mesh.face.size()); ++f)
+        for (int c = 0; c < 3; ++c)
+            if (!mesh.face[f].IsD() && mesh.face[f].V(c) == &mesh.vert[vertex])
+                mesh.DeleteFace(f);
+    mesh.DeleteVertex(vertex);
+}
+
+TEST(DeformCentroidal, DeletedElementsAreLeftAlone) {
+    Case c = TubeCase();
+    c.shape.position.emplace_back(std::numeric_limits<double>::quiet_NaN(), 1, 1);
+    c.handles.tag.push_back(2);
+    MeshD mesh(c.shape);
+    mesh.DeleteVertex(c.shape.Size() - 1);
+    DeleteVertexAndFaces(mesh, 0);
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
+    EXPECT_EQ(r.surface.vertices, mesh.vn);
+    EXPECT_EQ(r.position.cols(), c.shape.Size());
+    EXPECT_TRUE(r.position.leftCols(c.shape.Size() - 1).allFinite());
+    EXPECT_TRUE(SameBits(Vector3d(r.position.col(0)), c.shape.position[0]));
+    EXPECT_EQ(r.tags.handle, DeformCentroidal(MeshD(TubeCase().shape), TubeCase().handles, Param()).tags.handle);
+}
+
+/// A tube and, beside its handle, a button that nothing holds.
+static Case SleeveAndButton() {
+    const Shape button = Moved(Sphere(6, 8), Affine3d(Eigen::Translation3d(1.5, 0, 5.5) * Eigen::Scaling(0.2)));
+    return CaseOf(Join(Tube(40, 16), button), [](const Vector3d &p) { return p[0] > 1.1 ? 1 : TubeTag(p); });
+}
+
+TEST(DeformCentroidal, LoosePartsFollowOrStay) {
+    const Case c = SleeveAndButton();
+    const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+    const int button = 40 * 16;
+    DeformationParam param = Param();
+    const Matrix3Xd followed = Deformed(c, param);
+    param.looseParts = LooseParts::Stay;
+    const Matrix3Xd stayed = Deformed(c, param);
+    for (int i = button; i < c.shape.Size(); ++i) {
+        EXPECT_LE((followed.col(i) - bend * Vector3d(rest.col(i))).norm(), 1e-6);
+        EXPECT_LE((stayed.col(i) - rest.col(i)).norm(), 1e-6);
+    }
+    EXPECT_LE((followed - stayed).leftCols(button).norm(), 1e-12);
+}
+
+TEST(DeformCentroidal, UsesGivenNodes) {
+    const Case c = TubeCase();
+    const MeshD mesh(c.shape);
+    const CentroidalGraph graph = BuildCentroidalGraph(mesh, Param().graph);
+    DeformationParam param = Param();
+    param.nodes = graph.geometry.position;
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, param);
+    ExpectHeldExact(mesh, c.handles, r.position);
+    for (int j = 0; j < int(param.nodes.cols()); ++j) {
+        const double nearest = (r.rest.position.colwise() - param.nodes.col(j)).colwise().norm().minCoeff();
+        EXPECT_LE(nearest, 1e-5);
+    }
+    param.nodes.conservativeResize(3, 1); // one for the whole mesh: every tag still gets its patch
+    ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
+    param.nodes = Matrix3Xd::Constant(3, 5, 1e9); // far off, and all the same
+    ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
+    param.nodes = PositionsOf(mesh); // all of them
+    ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
+}
+
+TEST(DeformCentroidal, TakesPointClouds) {
+    Case c = TubeCase();
+    c.shape = Points(c.shape);
+    const MeshD mesh(c.shape);
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
+    EXPECT_TRUE(r.surface.pointCloud);
+    ExpectHeldExact(mesh, c.handles, r.position);
+    // It bends like the tube it was taken from.
+    EXPECT_LE((r.position - Deformed(TubeCase())).colwise().norm().maxCoeff(), 0.5);
+}
+
+TEST(DeformCentroidal, TakesFloatMeshes) {
+    const Case c = GridCase();
+    const MeshF mesh(c.shape);
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
+    ExpectHeldExact(mesh, c.handles, r.position);
+    EXPECT_LE((r.position - Deformed(c)).cwiseAbs().maxCoeff(), 1e-9); // float holds these coordinates
+}
+
+/// Tags 2, 1, 0, 1 around and around.
+static Handles TagsInTurn(int n) {
+    Handles h;
+    for (int i = 0; i < n; ++i)
+        h.tag.push_back(std::array<int, 4>{2, 1, 0, 1}[i % 4]);
+    h.motion[2] = Motion(bend.matrix());
+    return h;
+}
+
+static void ExpectFinite(const Shape &shape, const Handles &handles) {
+    const MeshD mesh(shape);
+    for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean})
+        for (LooseParts loose : {LooseParts::Follow, LooseParts::Stay})
+            for (double radius : {0.0, 1e-3, 1e3}) {
+                DeformationParam param;
+                param.weights = weights;
+                param.looseParts = loose;
+                param.graph.targetRadius = radius;
+                param.maxIterations = 50;
+                const DeformationResult r = DeformCentroidal(mesh, handles, param);
+                ExpectHeldExact(mesh, handles, r.position);
+                EXPECT_TRUE(r.deformedNodes.allFinite());
+                EXPECT_TRUE(std::isfinite(r.energy));
+            }
+}
+
+TEST(DeformCentroidal, TakesOneTriangle) {
+    std::vector<int> tag{0, 1, 2};
+    do
+        ExpectFinite(Triangle(), {tag, {{2, Motion(bend.matrix())}}});
+    while (std::next_permutation(tag.begin(), tag.end()));
+}
+
+TEST(DeformCentroidal, TakesACollinearStrip) {
+    Shape strip = Strip(50);
+    for (Vector3d &p : strip.position)
+        p[0] += 0.5 * p[1], p[1] = 0;
+    const Case c = CaseOf(strip, [](const Vector3d &p) { return p[0] < 10 ? 0 : p[0] > 40 ? 2 : 1; });
+    ExpectFinite(c.shape, c.handles);
+}
+
+TEST(DeformCentroidal, TakesFacesWithoutArea) {
+    Shape shape = Points(Grid(10, 10));
+    for (int i = 0; i + 1 < 100; ++i)
+        shape.face.push_back({i, i + 1, i % 2 ? i : i + 1});
+    ExpectFinite(shape, TagsInTurn(100));
+}
+
+TEST(DeformCentroidal, TakesAllVerticesAtOnePlace) {
+    Shape shape = Triangle();
+    for (Vector3d &p : shape.position)
+        p = Vector3d(1, 2, 3);
+    const Matrix3Xd x = DeformCentroidal(MeshD(shape), {{2, 1, 1}, {{2, Motion(bend.matrix())}}}, {}).position;
+    for (int i = 0; i < 3; ++i)
+        EXPECT_LE((x.col(i) - bend * Vector3d(1, 2, 3)).norm(), 1e-12);
+}
+
+TEST(DeformCentroidal, TakesAFanOfAThousandFaces) { ExpectFinite(Fan(1000), TagsInTurn(1002)); }
+
+TEST(DeformCentroidal, TakesAThousandComponents) {
+    Shape shape = Triangle();
+    for (int i = 1; i < 1000; ++i) {
+        const double turn = 0.1 * i;
+        shape = Join(std::move(shape), Moved(Triangle(), Eigen::Translation3d(i % 30 * 2, i / 30 * 2, std::sin(turn)) *
+                                                             Affine3d(Eigen::AngleAxisd(turn, Vector3d::UnitX()))));
+    }
+    Handles handles;
+    handles.tag.assign(3000, 1);
+    for (int i = 0; i < 30; ++i)
+        handles.tag[100 * i] = i % 2 * 2;
+    handles.motion[2] = Motion(bend.matrix());
+    ExpectFinite(shape, handles);
+}
+
+TEST(DeformCentroidal, TakesIsolatedVertices) {
+    Case c = TubeCase();
+    for (int i = 0; i < 12; ++i) {
+        c.shape.position.emplace_back(3 + 0.1 * i, 0, 3);
+        c.handles.tag.push_back(i % 3);
+    }
+    ExpectFinite(c.shape, c.handles);
+}
+
+TEST(DeformCentroidal, TakesNonManifoldAndDuplicateFaces) {
+    Case c = TubeCase();
+    std::mt19937 random(1);
+    for (int i = 0; i < 60; ++i) {
+        c.shape.face.push_back(c.shape.face[random() % 1000]);
+        c.shape.face.push_back({int(random() % 640), int(random() % 640), int(random() % 640)});
+    }
+    ExpectFinite(c.shape, c.handles);
+}
+
+TEST(DeformCentroidal, TakesHugeAndTinyCoordinates) {
+    for (double scale : {1e-30, 1e12, 1e30, 1e100}) {
+        Case c = TubeCase();
+        c.shape = Moved(c.shape, Affine3d(Eigen::Scaling(scale)));
+        Eigen::Matrix4d motion = bend.matrix();
+        motion.topRightCorner<3, 1>() *= scale;
+        c.handles.motion[2] = Motion(motion);
+        const Matrix3Xd x = Deformed(c);
+        EXPECT_TRUE(x.allFinite());
+        EXPECT_LE((x / scale - Deformed(TubeCase())).cwiseAbs().maxCoeff(), 0.5) << scale;
+    }
+}
+
+TEST(DeformCentroidal, TakesHandlesThatScale) {
+    Case c = TubeCase();
+    Affine3d large = bend;
+    large.linear() *= 1.5;
+    c.handles.motion[2] = Motion(large.matrix());
+    const MeshD mesh(c.shape);
+    ExpectHeldExact(mesh, c.handles, Deformed(c));
+}
+
+TEST(DeformCentroidal, ReportsWhatItDid) {
+    const Case c = TubeCase();
+    const DeformationResult r = DeformCentroidal(MeshD(c.shape), c.handles, Param());
+    EXPECT_TRUE(r.converged);
+    EXPECT_GT(r.iterations, 0);
+    EXPECT_GT(r.energy, 0);
+    EXPECT_EQ(r.surface.components, 1);
+    EXPECT_EQ(r.surface.vertices, c.shape.Size());
+    EXPECT_EQ(r.tags.fixed + r.tags.free + r.tags.handle + r.tags.outside, c.shape.Size());
+    EXPECT_EQ(r.deformedNodes.cols(), r.rest.position.cols());
+    EXPECT_EQ(r.rest.color.size(), std::size_t(r.rest.position.cols()));
+}
+
+TEST(BuildCentroidalGraph, DescribesThePatchesInMeshUnits) {
+    const double scale = 100;
+    Shape shape =
+        Moved(Jittered(Tube(60, 40), 0.02), Affine3d(Eigen::Translation3d(1e3, 0, 0) * Eigen::Scaling(scale)));
+    MeshD mesh(shape);
+    DeleteVertexAndFaces(mesh, 0);
+    GraphParam param;
+    param.initialPatches = 50;
+    param.targetRadius = 0.7 * scale;
+    const CentroidalGraph g = BuildCentroidalGraph(mesh, param);
+    EXPECT_TRUE(g.converged);
+    EXPECT_NEAR(g.targetRadius, param.targetRadius, 1e-9 * scale);
+    EXPECT_EQ(g.surface.components, 1);
+    ASSERT_EQ(Index(g.patchOf.size()), shape.Size());
+    EXPECT_EQ(g.patchOf[0], -1);
+    Eigen::VectorXd radius = Eigen::VectorXd::Zero(g.geometry.radius.size());
+    double cost = 0;
+    for (int i = 1; i < shape.Size(); ++i) {
+        const double d = (mesh.At(i) - g.geometry.position.col(g.patchOf[i])).norm();
+        radius[g.patchOf[i]] = std::max(radius[g.patchOf[i]], d);
+        cost += d * d;
+    }
+    EXPECT_LE((radius - g.geometry.radius).cwiseAbs().maxCoeff(), 1e-4 * scale);
+    EXPECT_LE(radius.maxCoeff(), param.targetRadius * (1 + 1e-5));
+    EXPECT_NEAR(g.cost, cost, 1e-4 * cost);
+    EdgeSet expected, found;
+    for (const auto &f : mesh.face)
+        for (int c = 0; c < 3 && !f.IsD(); ++c)
+            Insert(expected, g.patchOf[f.cV(c) - &mesh.vert[0]], g.patchOf[f.cV((c + 1) % 3) - &mesh.vert[0]]);
+    for (const auto &e : g.geometry.edge) {
+        EXPECT_LT(e[0], e[1]);
+        Insert(found, e[0], e[1]);
+    }
+    EXPECT_EQ(found, expected);
+}
+
+TEST(BuildCentroidalGraph, CanBeCancelledAnywhere) {
+    const MeshD mesh(Grid(40, 40));
+    CallbackLog all;
+    BuildCentroidalGraph(mesh, Param().graph, all.Progress(2));
+    EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+    EXPECT_EQ(all.percent.back(), 100);
+    const std::size_t calls = all.percent.size();
+    for (std::size_t i = 0; i < calls; ++i) {
+        CallbackLog log(i);
+        EXPECT_THROW(BuildCentroidalGraph(mesh, Param().graph, log.Progress(2)), Cancelled);
+    }
+}
+
+TEST(BuildCentroidalGraph, RefusesParametersOutOfRange) {
+    GraphParam param;
+    param.initialPatches = 0;
+    EXPECT_THROW(BuildCentroidalGraph(MeshD(Grid(3, 3)), param), Error);
+    EXPECT_THROW(BuildCentroidalGraph(MeshD(), {}), Error);
+}

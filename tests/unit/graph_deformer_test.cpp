@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "graph_deformer.h"
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using vcg::fcd::detail::FitRotation;
+using vcg::fcd::detail::RotationOf;
+
+static void ExpectBestRotation(const Matrix3d &s, std::mt19937 &random) {
+    const Matrix3d r = FitRotation(s);
+    ASSERT_TRUE(r.allFinite()) << s;
+    EXPECT_TRUE((r * r.transpose()).isIdentity(1e-12)) << s;
+    EXPECT_NEAR(r.determinant(), 1, 1e-12) << s;
+    const double best = (r * s).trace();
+    for (int i = 0; i < 300; ++i) {
+        const double angle = std::pow(10.0, -(i % 4)); // near it and anywhere
+        const Matrix3d other =
+            i % 5 ? Matrix3d(Eigen::AngleAxisd(angle, RandomVector(random).normalized()) * r) : RandomRotation(random);
+        ASSERT_GE(best, (other * s).trace() - 1e-12 * s.norm()) << s;
+    }
+}
+
+TEST(FitRotation, MaximisesTheTrace) {
+    std::mt19937 random(1);
+    for (int i = 0; i < 50; ++i) {
+        Matrix3d s;
+        for (int c = 0; c < 3; ++c)
+            s.col(c) = RandomVector(random);
+        ExpectBestRotation(s, random);
+        ExpectBestRotation(1e-20 * s, random);
+        ExpectBestRotation(1e20 * s, random);
+        Matrix3d flat = s;
+        flat.col(2) = s.col(0) + 2 * s.col(1); // rank 2
+        ExpectBestRotation(flat, random);
+        ExpectBestRotation(s.col(0) * s.col(1).transpose(), random); // rank 1
+    }
+}
+
+TEST(FitRotation, OfSpecialMatrices) {
+    std::mt19937 random(1);
+    for (const Vector3d &d :
+         {Vector3d(1, 1, 1), Vector3d(0, 0, 0), Vector3d(-1, 1, 1), Vector3d(-1, -1, -1), Vector3d(1, 1, 0),
+          Vector3d(2, 2, -2), Vector3d(1, 0, 0), Vector3d(1, 1e-9, -1e-9), Vector3d(0, -3, 0)})
+        for (int i = 0; i < 5; ++i) {
+            const Matrix3d turn = i ? RandomRotation(random) : Matrix3d(Matrix3d::Identity());
+            ExpectBestRotation(turn * d.asDiagonal(), random);
+            ExpectBestRotation(turn * d.asDiagonal() * turn.transpose(), random);
+        }
+}
+
+TEST(FitRotation, InvertsARotation) {
+    std::mt19937 random(1);
+    for (int i = 0; i < 50; ++i) {
+        const Matrix3d r = RandomRotation(random);
+        EXPECT_TRUE(FitRotation(r.transpose()).isApprox(r, 1e-12));
+        EXPECT_TRUE(RotationOf(r).isApprox(r, 1e-12));
+        const Matrix3d stretch = r * Vector3d(3, 2, 0.5).asDiagonal() * r.transpose();
+        const Matrix3d turn = RandomRotation(random);
+        EXPECT_TRUE(RotationOf(turn * stretch).isApprox(turn, 1e-12));
+    }
+}
+
+static Rig TubeRig() {
+    return Rig(Jittered(Tube(40, 16), 0.05), 0.6, [](const Vector3d &p) { return TubeTag(p); });
+}
+
+static const Matrix3d turn = Eigen::AngleAxisd(1.2, Vector3d(1, 0.3, 0.5).normalized()).toRotationMatrix();
+
+static Affine3d BendTube(Index tag) {
+    return tag == 0 ? Affine3d::Identity() : Affine3d(Eigen::Translation3d(2, 1, 0) * turn);
+}
+
+static SolverParam Iterations(int n) {
+    SolverParam param;
+    param.maxIterations = n;
+    param.tolerance = 0;
+    return param;
+}
+
+/// Eq. 2, the difference of two rotations counted once an edge.
+static double Energy(const DeformationGraph &g, const GraphPose &pose, double smooth) {
+    double energy = 0;
+    const Csr &adjacency = g.graph.adjacency;
+    for (Index i = 0; i < g.Size(); ++i)
+        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {
+            const Index j = adjacency.item[e];
+            const Vector3d rest = (g.graph.position.col(i).cast<double>() - g.graph.position.col(j).cast<double>());
+            energy += g.weight[e] * (pose.position.col(i) - pose.position.col(j) - pose.linear[i] * rest).squaredNorm();
+            energy += g.weight[e] * smooth * 0.5 * (pose.linear[i] - pose.linear[j]).squaredNorm();
+        }
+    return energy;
+}
+
+TEST(GraphDeformer, ReportsTheEnergy) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    for (double smoothness : {0.0, 0.005, 1.0})
+        for (int n : {1, 2, 30}) {
+            SolverParam param = Iterations(n);
+            param.smoothness = smoothness;
+            const GraphPose pose = deformer.Solve(motion, param);
+            const double energy = Energy(rig.graph, pose, smoothness * rig.surface.area);
+            EXPECT_NEAR(pose.energy, energy, 1e-6 * energy) << smoothness << ", " << n << " iterations";
+        }
+}
+
+TEST(GraphDeformer, ReproducesARigidMotion) {
+    SolverParam tight;
+    tight.maxIterations = 5000;
+    tight.tolerance = 1e-9;
+    for (const Shape &shape : {Tube(40, 16), Join(Grid(30, 30, 0.2), Tube(40, 16))}) {
+        const Rig rig(shape, 0.6, [](const Vector3d &p) { return TubeTag(p); });
+        for (unsigned seed = 1; seed <= 3; ++seed) {
+            const Affine3d rigid = RandomRigid(seed);
+            const std::vector<Affine3d> motion = rig.NodeMotion([&](Index) { return rigid; });
+            const GraphPose pose = GraphDeformer(rig.graph, rig.constrained, rig.surface.area).Solve(motion, tight);
+            for (Index j = 0; j < rig.graph.Size(); ++j) {
+                const Vector3d expected = motion[j] * rig.graph.graph.position.col(j).cast<double>();
+                EXPECT_LE((pose.position.col(j) - expected).norm(), 1e-6);
+                EXPECT_LE((pose.linear[j] - rigid.linear()).norm(), 1e-5);
+            }
+            EXPECT_LE(pose.energy, 1e-10);
+        }
+    }
+}
+
+TEST(GraphDeformer, EnergyFallsMonotonically) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    Affine3d large = BendTube(2);
+    large.linear() *= 1.7; // a handle that is scaled
+    for (const Affine3d &last : {BendTube(2), large})
+        for (double smoothness : {0.0, 0.005, 0.5}) {
+            double previous = std::numeric_limits<double>::infinity();
+            for (int n = 1; n <= 25; ++n) {
+                SolverParam param = Iterations(n);
+                param.smoothness = smoothness;
+                const GraphPose pose =
+                    deformer.Solve(rig.NodeMotion([&](Index t) { return t ? last : Affine3d::Identity(); }), param);
+                EXPECT_EQ(pose.iterations, n);
+                ASSERT_LE(pose.energy, previous * (1 + 1e-12)) << "alpha " << smoothness << ", iteration " << n;
+                previous = pose.energy;
+            }
+        }
+}
+
+TEST(GraphDeformer, ConvergesToAStationaryPoint) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    for (double smoothness : {0.0, 0.005, 0.5}) {
+        SolverParam param;
+        param.smoothness = smoothness;
+        param.maxIterations = 20000;
+        param.tolerance = 1e-10;
+        const GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), param);
+        ASSERT_TRUE(pose.converged);
+        const double smooth = smoothness * rig.surface.area, least = Energy(rig.graph, pose, smooth);
+        std::mt19937 random(1);
+        for (Index j = 0; j < rig.graph.Size(); ++j) {
+            if (rig.constrained[j])
+                continue;
+            const Vector3d step = 1e-4 * RandomVector(random).normalized();
+            for (double sign : {-1.0, 1.0}) {
+                GraphPose other = pose;
+                other.position.col(j) += sign * step;
+                EXPECT_GE(Energy(rig.graph, other, smooth), least) << "position of " << j << ", alpha " << smoothness;
+                other = pose;
+                other.linear[j] = Eigen::AngleAxisd(sign * 1e-4, step.normalized()) * pose.linear[j];
+                EXPECT_GE(Energy(rig.graph, other, smooth), least * (1 - 1e-12))
+                    << "rotation of " << j << ", alpha " << smoothness;
+            }
+        }
+    }
+}
+
+TEST(GraphDeformer, ConstrainedNodesAreExact) {
+    const Rig rig = TubeRig();
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    const GraphPose pose = GraphDeformer(rig.graph, rig.constrained, rig.surface.area).Solve(motion, {});
+    EXPECT_TRUE(pose.converged);
+    for (Index j = 0; j < rig.graph.Size(); ++j)
+        if (rig.constrained[j]) {
+            EXPECT_LE((pose.position.col(j) - motion[j] * rig.graph.graph.position.col(j).cast<double>()).norm(),
+                      1e-15);
+            EXPECT_EQ(pose.linear[j], motion[j].linear());
+        } else {
+            EXPECT_TRUE((pose.linear[j] * pose.linear[j].transpose()).isIdentity(1e-12));
+            EXPECT_GT(pose.linear[j].determinant(), 0);
+        }
+}
+
+TEST(GraphDeformer, UnconstrainedComponentsStayAtRest) {
+    const Shape shape = Join(Tube(40, 16), Moved(Sphere(8, 12), Affine3d(Eigen::Translation3d(4, 0, 3))));
+    const Rig rig(shape, 0.6, [](const Vector3d &p) { return p[0] > 2 ? 1 : TubeTag(p); });
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    const GraphPose rest = deformer.Solve(motion, {});
+    GraphPose followed = rest;
+    FollowNearest(rig.graph, deformer, followed);
+    const Eigen::Matrix3Xd x = rig.graph.graph.position.cast<double>();
+    Index loose = 0, leader = -1;
+    double nearest = 1;
+    for (Index i = 0; i < rig.graph.Size(); ++i) {
+        if (deformer.IsHeld(i)) {
+            EXPECT_EQ(followed.position.col(i), rest.position.col(i));
+            continue;
+        }
+        ++loose;
+        EXPECT_EQ(rest.position.col(i), x.col(i));
+        EXPECT_EQ(rest.linear[i], Matrix3d::Identity());
+        for (Index j = 0; j < rig.graph.Size(); ++j)
+            if (deformer.IsHeld(j) && (x.col(i) - x.col(j)).norm() < nearest) {
+                nearest = (x.col(i) - x.col(j)).norm();
+                leader = j;
+            }
+    }
+    ASSERT_GT(loose, 0);
+    ASSERT_GE(leader, 0);
+    for (Index i = 0; i < rig.graph.Size(); ++i)
+        if (!deformer.IsHeld(i)) {
+            const Vector3d expected = rest.position.col(leader) + rest.linear[leader] * (x.col(i) - x.col(leader));
+            EXPECT_LE((followed.position.col(i) - expected).norm(), 1e-6);
+            EXPECT_LE((followed.linear[i] - rest.linear[leader]).norm(), 1e-12);
+        }
+}
+
+TEST(FollowNearest, ChangesNothingWhereAllOrNoneIsHeld) {
+    for (int tag : {1, 2}) {
+        const Rig rig(TwoSheets(8, 1), 2, [&](const Vector3d &) { return tag; });
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+        GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), {});
+        const Eigen::Matrix3Xd before = pose.position;
+        FollowNearest(rig.graph, deformer, pose);
+        EXPECT_TRUE(SameBits(before, pose.position));
+    }
+}
+
+TEST(FollowNearest, TakesASingleHeldNode) {
+    Shape shape = Points(Grid(4, 1)); // no neighbours: each node is a component
+    shape.edge = {{0, 0}};
+    const Rig rig(shape, 1, [](const Vector3d &p) { return p[0] < 0.5 ? 2 : 1; });
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    GraphPose pose = deformer.Solve(motion, {});
+    FollowNearest(rig.graph, deformer, pose);
+    const auto held = std::find(rig.constrained.begin(), rig.constrained.end(), true) - rig.constrained.begin();
+    for (Index i = 0; i < rig.graph.Size(); ++i)
+        EXPECT_LE((pose.position.col(i) - motion[held] * rig.graph.graph.position.col(i).cast<double>()).norm(), 1e-6);
+}
+
+TEST(GraphDeformer, IsScaleInvariant) {
+    Rig rig = TubeRig();
+    const double scale = 1024;
+    DeformationGraph large = rig.graph;
+    large.graph.position *= float(scale);
+    std::vector<Affine3d> motion = rig.NodeMotion(BendTube), largeMotion = motion;
+    for (Affine3d &m : largeMotion)
+        m.translation() *= scale;
+    const GraphPose small = GraphDeformer(rig.graph, rig.constrained, rig.surface.area).Solve(motion, {});
+    const GraphPose big =
+        GraphDeformer(large, rig.constrained, rig.surface.area * scale * scale).Solve(largeMotion, {});
+    EXPECT_EQ(small.iterations, big.iterations);
+    EXPECT_LE((big.position / scale - small.position).norm(), 1e-9);
+    EXPECT_NEAR(big.energy / (scale * scale), small.energy, 1e-9 * small.energy);
+}
+
+TEST(GraphDeformer, GivesTheSameBitsAgain) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    const GraphPose first = deformer.Solve(rig.NodeMotion(BendTube), {});
+    const GraphPose again = deformer.Solve(rig.NodeMotion(BendTube), {});
+    const GraphPose other =
+        GraphDeformer(rig.graph, rig.constrained, rig.surface.area).Solve(rig.NodeMotion(BendTube), {});
+    EXPECT_TRUE(SameBits(first.position, again.position));
+    EXPECT_TRUE(SameBits(first.position, other.position));
+}
+
+TEST(GraphDeformer, SmoothnessEvensTheRotations) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    auto roughest = [&](double smoothness) {
+        SolverParam param = Iterations(300);
+        param.smoothness = smoothness;
+        const GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), param);
+        double sum = 0;
+        for (const auto &e : EdgesOf(rig.graph.graph.adjacency))
+            sum += (pose.linear[e.first] - pose.linear[e.second]).squaredNorm();
+        return sum;
+    };
+    EXPECT_LT(roughest(0.1), roughest(0));
+}
+
+TEST(GraphDeformer, CanBeCancelled) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    CallbackLog all;
+    deformer.Solve(rig.NodeMotion(BendTube), Iterations(100), all.Progress());
+    EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+    const std::size_t calls = all.percent.size();
+    ASSERT_GT(calls, 1u);
+    for (std::size_t i = 0; i < calls; ++i) {
+        CallbackLog log(i);
+        EXPECT_THROW(deformer.Solve(rig.NodeMotion(BendTube), Iterations(100), log.Progress()), Cancelled);
+    }
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "graph_mapping.h"
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+using Motions = std::map<Index, Affine3d>; // of each tag, in the frame
+
+static const MappingWeights both[] = {MappingWeights::Surface, MappingWeights::Euclidean};
+
+/// Where the nodes of the surface go.
+static Matrix3Xd Mapped(const Rig &rig, MappingWeights weights, const GraphPose &pose, const Motions &motion,
+                        double influence = 3.5) {
+    const GraphMapping mapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, weights, influence,
+                               rig.param.targetRadius);
+    const auto map = mapping.At(pose, motion);
+    Matrix3Xd result(3, rig.surface.graph.Size());
+    for (Index u = 0; u < rig.surface.graph.Size(); ++u)
+        result.col(u) = map(u, rig.surface.graph.position.col(u).cast<double>());
+    return result;
+}
+
+static GraphPose Solved(const Rig &rig, const Motions &motion) {
+    std::vector<Affine3d> nodeMotion;
+    for (Index c : rig.patches.center)
+        nodeMotion.push_back(rig.tag[c] == 1 ? Affine3d::Identity() : motion.at(rig.tag[c]));
+    return GraphDeformer(rig.graph, rig.constrained, rig.surface.area).Solve(nodeMotion, {});
+}
+
+/// Every node of the graph makes the same motion.
+static GraphPose PoseOf(const Rig &rig, const Affine3d &motion) {
+    GraphPose pose;
+    pose.position = motion * rig.graph.graph.position.cast<double>();
+    pose.linear.assign(rig.graph.Size(), motion.linear());
+    return pose;
+}
+
+static Matrix3Xd Rest(const Rig &rig) { return rig.surface.graph.position.cast<double>(); }
+
+static Rig TubeRig() {
+    return Rig(Jittered(Tube(40, 16), 0.02), 0.6, [](const Vector3d &p) { return TubeTag(p); });
+}
+
+static Motions Bend() {
+    Affine3d bend(Eigen::AngleAxisd(1, Vector3d(1, 0.2, 0).normalized()));
+    bend.translation() = Vector3d(0.1, 0.2, 0);
+    return {{0, Affine3d::Identity()}, {2, bend}};
+}
+
+TEST(GraphMapping, HeldNodesAreExact) {
+    const Rig rig = TubeRig();
+    const Motions motion = Bend();
+    const GraphPose pose = Solved(rig, motion);
+    for (MappingWeights weights : both) {
+        const Matrix3Xd mapped = Mapped(rig, weights, pose, motion), rest = Rest(rig);
+        EXPECT_TRUE(mapped.allFinite());
+        for (Index u = 0; u < rig.surface.graph.Size(); ++u)
+            if (rig.tag[u] != 1) {
+                EXPECT_EQ(mapped.col(u), motion.at(rig.tag[u]) * Vector3d(rest.col(u)));
+            }
+    }
+}
+
+TEST(GraphMapping, ReproducesTheIdentityAndRigidMotions) {
+    std::vector<Rig> rigs{TubeRig()};
+    for (const Shape &shape : {Grid(30, 30), Fan(50), PointCloud(300), Triangle(), TwoSheets(10, 0.3)})
+        rigs.emplace_back(shape, 0.25, [](const Vector3d &p) { return p[0] < 0.3 ? 0 : p[0] > 0.8 ? 2 : 1; });
+    for (const Rig &rig : rigs)
+        for (MappingWeights weights : both)
+            for (double influence : {1.01, 3.5, 20.0})
+                for (unsigned seed = 0; seed < 3; ++seed) {
+                    const Affine3d rigid = seed ? RandomRigid(seed) : Affine3d::Identity();
+                    const Matrix3Xd mapped =
+                        Mapped(rig, weights, PoseOf(rig, rigid), {{0, rigid}, {2, rigid}}, influence);
+                    ASSERT_TRUE(mapped.allFinite());
+                    EXPECT_LE((mapped - rigid * Rest(rig)).cwiseAbs().maxCoeff(), 1e-9);
+                }
+}
+
+TEST(GraphMapping, IsFiniteWhereBallsAreTiny) {
+    Shape isolated = Join(Grid(4, 4), Points(Moved(Grid(2, 2), Affine3d(Eigen::Translation3d(9, 0, 0)))));
+    Shape speck =
+        Join(Grid(4, 4), Moved(Triangle(), Affine3d(Eigen::Translation3d(1.5, 1.5, 0) * Eigen::Scaling(1e-25))));
+    for (const Shape &shape : {isolated, speck, Triangle()})
+        for (MappingWeights weights : both)
+            for (double influence : {std::nextafter(1.0, 2.0), 3.5}) {
+                const Rig rig(shape, 2, [](const Vector3d &) { return 1; });
+                const Affine3d rigid = RandomRigid(1);
+                const Matrix3Xd mapped = Mapped(rig, weights, PoseOf(rig, rigid), {}, influence);
+                ASSERT_TRUE(mapped.allFinite());
+                EXPECT_LE((mapped - rigid * Rest(rig)).cwiseAbs().maxCoeff(), 1e-9);
+            }
+}
+
+TEST(GraphMapping, IsContinuous) {
+    // The same patch radius over a finer grid: neighbours come together as the edges get shorter.
+    auto largestJump = [](int n, MappingWeights weights) {
+        const Rig rig(Grid(n, n, 8.0 / (n - 1)), 1, [](const Vector3d &p) { return p[0] < 1 ? 0 : p[0] > 7 ? 2 : 1; });
+        const Motions motion = Bend();
+        const Matrix3Xd mapped = Mapped(rig, weights, Solved(rig, motion), motion), rest = Rest(rig);
+        double largest = 0;
+        for (const auto &e : EdgesOf(rig.surface.graph.adjacency))
+            largest = std::max(largest, (mapped.col(e.first) - mapped.col(e.second)).norm());
+        return largest;
+    };
+    for (MappingWeights weights : both) {
+        const double coarse = largestJump(33, weights), fine = largestJump(129, weights);
+        EXPECT_LT(fine, 0.45 * coarse) << "a jump would stay as it is, a slope goes down to a quarter";
+    }
+}
+
+TEST(GraphMapping, AlongTheSurfaceAnotherSheetDoesNotPull) {
+    const int n = 30;
+    // Two parallel sheets, the upper one's middle moved: only it may follow.
+    const Rig rig(TwoSheets(n, 0.3), 3, [](const Vector3d &p) {
+        const bool middle = std::hypot(p[0] - 14.5, p[1] - 14.5) < 4;
+        return p[2] > 0.15 ? (middle ? 2 : 1) : (p[0] < 1.5 ? 0 : 1);
+    });
+    const Motions motion{{0, Affine3d::Identity()}, {2, Affine3d(Eigen::Translation3d(0, 0, 0.2))}};
+    const GraphPose pose = Solved(rig, motion);
+    const Matrix3Xd rest = Rest(rig);
+    auto lowerSheetMoves = [&](MappingWeights weights) {
+        const Matrix3Xd mapped = Mapped(rig, weights, pose, motion);
+        double most = 0;
+        for (Index u = 0; u < rig.surface.graph.Size(); ++u)
+            if (rest(2, u) < 0)
+                most = std::max(most, (mapped.col(u) - rest.col(u)).norm());
+        return most;
+    };
+    EXPECT_LE(lowerSheetMoves(MappingWeights::Surface), 1e-9);
+    EXPECT_GT(lowerSheetMoves(MappingWeights::Euclidean), 0.02);
+}
+
+TEST(GraphMapping, RunsSmoothlyIntoHeldRegions) {
+    // Displacement of free nodes next to a held region comes close to the region's own.
+    const Rig rig(Grid(129, 129, 8.0 / 128), 1, [](const Vector3d &p) { return p[0] < 1 ? 0 : p[0] > 7 ? 2 : 1; });
+    const Motions motion = Bend();
+    const GraphPose pose = Solved(rig, motion);
+    const Matrix3Xd mapped = Mapped(rig, MappingWeights::Surface, pose, motion), rest = Rest(rig);
+    for (const auto &e : EdgesOf(rig.surface.graph.adjacency))
+        for (const auto &[held, free] : {e, std::make_pair(e.second, e.first)})
+            if (rig.tag[held] != 1 && rig.tag[free] == 1) {
+                const Vector3d own = motion.at(rig.tag[held]) * Vector3d(rest.col(free));
+                EXPECT_LE((mapped.col(free) - own).norm(), 2e-3 * rig.param.targetRadius);
+            }
+}
+
+TEST(GraphMapping, KernelFallsFromOneToZero) {
+    EXPECT_EQ(GraphMapping::Kernel(1), 1);
+    EXPECT_EQ(GraphMapping::Kernel(0), 0);
+    for (double u = 0; u < 1; u += 0.01)
+        EXPECT_LT(GraphMapping::Kernel(u), GraphMapping::Kernel(u + 0.01));
+}
+
+TEST(GraphMapping, CanBeCancelledAnywhere) {
+    const Rig rig = TubeRig();
+    auto prepare = [&](const CallbackLog &log) {
+        GraphMapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
+                     rig.param.targetRadius, log.Progress());
+    };
+    CallbackLog all;
+    prepare(all);
+    EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+    const std::size_t calls = all.percent.size();
+    ASSERT_GT(calls, 0u);
+    for (std::size_t i = 0; i < calls; ++i) {
+        CallbackLog log(i);
+        EXPECT_THROW(prepare(log), Cancelled);
+    }
+}

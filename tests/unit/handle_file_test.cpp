@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "handle_file.h"
+#include "test_support.h"
+
+#include <clocale>
+#include <filesystem>
+#include <limits>
+#include <locale>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+
+/// A file of its own for each test, gone at its end.
+class HandleFile : public testing::Test {
+  protected:
+    const std::string path = (std::filesystem::temp_directory_path() /
+                              (std::string("fcd_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+                               "_" + std::to_string(std::random_device()()) + ".txt"))
+                                 .string();
+
+    void TearDown() override { std::filesystem::remove(path); }
+
+    const std::string &Written(const std::string &text) const {
+        std::ofstream(path, std::ios::binary) << text;
+        return path;
+    }
+    std::vector<int> Tags(const std::string &text) const { return ReadTagFile(Written(text)); }
+    std::string TagError(const std::string &text) const {
+        return MessageOf<Error>([&] { Tags(text); });
+    }
+    std::string TransformError(const std::string &text) const {
+        return MessageOf<Error>([&] { ReadTransformFile(Written(text)); });
+    }
+    void ExpectNames(const std::string &message, int line, const std::string &word = {}) const {
+        EXPECT_NE(message.find(path), std::string::npos) << message;
+        EXPECT_NE(message.find("line " + std::to_string(line) + ":"), std::string::npos) << message;
+        EXPECT_NE(message.find(word), std::string::npos) << message;
+    }
+};
+
+static const std::string identity = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+
+static std::vector<Eigen::Matrix4d> RandomMatrices(int n) {
+    std::mt19937_64 random(1);
+    std::vector<Eigen::Matrix4d> matrices(n);
+    for (Eigen::Matrix4d &m : matrices)
+        for (int i = 0; i < 16; ++i)
+            do { // any bits that are a normal number
+                const std::uint64_t bits = random();
+                std::memcpy(&m(i), &bits, sizeof bits);
+            } while (!std::isnormal(m(i)));
+    return matrices;
+}
+
+TEST_F(HandleFile, TagsComeBack) {
+    const std::vector<int> tag{
+        0, 1, 2, -1, 7, 12345, std::numeric_limits<int>::max(), std::numeric_limits<int>::min(), 1000, 1};
+    WriteTagFile(path, tag);
+    EXPECT_EQ(ReadTagFile(path), tag);
+}
+
+TEST_F(HandleFile, TransformsComeBackToTheBit) {
+    std::vector<Eigen::Matrix4d> written = RandomMatrices(100);
+    written[0](0) = -0.0;
+    written[0](1) = std::numeric_limits<double>::max();
+    written[0](2) = std::numeric_limits<double>::denorm_min();
+    written[0](3) = 1e22;
+    WriteTransformFile(path, written);
+    const std::vector<Eigen::Matrix4d> read = ReadTransformFile(path);
+    ASSERT_EQ(read.size(), written.size());
+    for (std::size_t i = 0; i < read.size(); ++i)
+        EXPECT_TRUE(SameBits(read[i], written[i]));
+}
+
+TEST_F(HandleFile, TransformsAreRowByRow) {
+    const auto m = ReadTransformFile(Written("1 2 3 4\n5 6 7 8\n9 10 11 12\n13 14 15 16\n" + identity));
+    ASSERT_EQ(m.size(), 2u);
+    EXPECT_EQ(m[0](0, 3), 4);
+    EXPECT_EQ(m[0](3, 0), 13);
+    EXPECT_EQ(m[1], Eigen::Matrix4d::Identity());
+}
+
+TEST_F(HandleFile, TakesAnyWhitespaceAndComments) {
+    const std::vector<int> expected{0, 1, 2, -1};
+    for (const char *text : {"0\n1\n2\n-1\n", "0 1 2 -1", "0\r\n1\r\n2\r\n-1\r\n", "\n\n0\t1 \t 2\n\n-1\n\n",
+                             "# tags\n0 1 # two of them\n#\n2 -1#", "0#x\n1#1 1 1\n2\n-1 # end",
+                             "\xEF\xBB\xBF"
+                             "0 1 2 -1",
+                             "\xEF\xBB\xBF# with a mark\r\n0 1\r\n2 -1", "+0 +1 +2 -1", "0\f1\v2\n-1"})
+        EXPECT_EQ(Tags(text), expected) << text;
+}
+
+TEST_F(HandleFile, TakesNumbersOfAnyForm) {
+    const auto m = ReadTransformFile(Written("+1 1e0 1.0e+0 1E-2 .5 5. -0 1e-310 " + std::string("0 0 0 0 0 0 0 1")));
+    ASSERT_EQ(m.size(), 1u);
+    const Eigen::Matrix<double, 1, 8> expected =
+        (Eigen::Matrix<double, 1, 8>() << 1, 1, 1, 0.01, 0.5, 5, 0, 1e-310).finished();
+    for (int i = 0; i < 8; ++i)
+        EXPECT_EQ(m[0](i / 4, i % 4), expected[i]);
+}
+
+TEST_F(HandleFile, NamesTheFileThatIsMissing) {
+    for (const auto &message :
+         {MessageOf<Error>([&] { ReadTagFile(path); }), MessageOf<Error>([&] { ReadTransformFile(path); })})
+        EXPECT_NE(message.find(path), std::string::npos) << message;
+}
+
+TEST_F(HandleFile, RefusesAFolder) {
+    const std::string folder = std::filesystem::temp_directory_path().string();
+    EXPECT_THROW(ReadTagFile(folder), Error);
+    EXPECT_THROW(ReadTransformFile(folder), Error);
+    EXPECT_THROW(WriteTagFile(folder, {1}), Error);
+}
+
+TEST_F(HandleFile, RefusesAnEmptyFile) {
+    for (const char *text : {"", "\n\n", "# nothing\n", "\xEF\xBB\xBF", "#"}) {
+        EXPECT_NE(TagError(text).find(path), std::string::npos);
+        EXPECT_NE(TransformError(text).find(path), std::string::npos);
+    }
+}
+
+TEST_F(HandleFile, NamesTheLineOfAWordThatIsNoTag) {
+    ExpectNames(TagError("0 1\n\n# x\n2 two\n"), 4, "'two'");
+    ExpectNames(TagError("nonsense"), 1, "'nonsense'");
+    ExpectNames(TagError("1\r\n1.5\r\n"), 2, "'1.5'");
+    ExpectNames(TagError("1\n99999999999\n"), 2, "'99999999999'");
+    for (const char *bad : {"1x", "0x1", "+", "-", "--1", "+-1", "++1", "1,2", "nan", "1e3", "\xFF\xFE"})
+        ExpectNames(TagError(std::string("1 1\n1 ") + bad + " 1\n"), 2, bad);
+}
+
+TEST_F(HandleFile, NamesTheLineOfAWordThatIsNoNumber) {
+    ExpectNames(TransformError("1 0 0 0\n0 one 0 0\n"), 2, "'one'");
+    for (const char *bad : {"1,5", "0x1p3", "1e", "1e999", "-1e999", "1.2.3", "+-1", "--1"})
+        ExpectNames(TransformError(std::string("1 0 0 0\n") + bad + " 0 0 0\n"), 2, bad);
+}
+
+TEST_F(HandleFile, CutsALongWordShort) { EXPECT_LT(TagError(std::string(100000, 'x')).size(), path.size() + 200); }
+
+TEST_F(HandleFile, RefusesBinaryData) {
+    std::string text;
+    for (int i = 0; i < 1000; ++i)
+        text += char(i * 7);
+    ExpectNames(TagError(text), 1);
+}
+
+TEST_F(HandleFile, NamesTheEndOfATruncatedMatrix) {
+    ExpectNames(TransformError("1 0 0 0\n0 1 0 0\n0 0 1 0\n"), 4, "12 numbers");
+    ExpectNames(TransformError(identity + "1 0 0"), 5, "19 numbers");
+}
+
+TEST_F(HandleFile, RefusesToWriteWhereItCannot) {
+    const std::string nowhere = path + ".folder/file.sel";
+    EXPECT_NE(MessageOf<Error>([&] { WriteTagFile(nowhere, {1}); }).find(nowhere), std::string::npos);
+    EXPECT_NE(MessageOf<Error>([&] { WriteTransformFile(nowhere, {}); }).find(nowhere), std::string::npos);
+}
+
+static void ExpectExact(const std::string &path) {
+    const std::vector<int> tag{1, 12345678, -1};
+    WriteTagFile(path, tag);
+    EXPECT_EQ(ReadTagFile(path), tag);
+    const std::vector<Eigen::Matrix4d> written = RandomMatrices(3);
+    WriteTransformFile(path, written);
+    const std::vector<Eigen::Matrix4d> read = ReadTransformFile(path);
+    ASSERT_EQ(read.size(), written.size());
+    for (std::size_t i = 0; i < read.size(); ++i)
+        EXPECT_TRUE(SameBits(read[i], written[i]));
+}
+
+TEST_F(HandleFile, DoesNotDependOnTheLocaleOfTheStreams) {
+    struct Comma : std::numpunct<char> {
+        char do_decimal_point() const override { return ','; }
+        char do_thousands_sep() const override { return '.'; }
+        std::string do_grouping() const override { return "\3"; }
+    };
+    const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
+    ExpectExact(path);
+    std::locale::global(before);
+}
+
+TEST_F(HandleFile, DoesNotDependOnTheLocaleOfTheProgram) {
+    const std::string before = std::setlocale(LC_ALL, nullptr);
+    const char *found = nullptr;
+    for (const char *name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "it_IT.UTF-8"})
+        if (!found)
+            found = std::setlocale(LC_ALL, name);
+    if (!found)
+        GTEST_SKIP() << "no locale with a decimal comma is installed";
+    ExpectExact(path);
+    std::setlocale(LC_ALL, before.c_str());
+}

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "handles.h"
+#include "test_support.h"
+
+#include <limits>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::AngleAxisd;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+static Matrix4d Affine(const Eigen::Matrix3d &linear, const Vector3d &translation = Vector3d::Zero()) {
+    Matrix4d m = Matrix4d::Identity();
+    m.topLeftCorner<3, 3>() = linear;
+    m.topRightCorner<3, 1>() = translation;
+    return m;
+}
+
+static Vector3d Apply(const Matrix4d &m, const Vector3d &p) { return (m * p.homogeneous()).head<3>(); }
+
+/// Turn by \p angle about an axis through \p point.
+static Matrix4d TurnAbout(const Vector3d &point, const Vector3d &axis, double angle) {
+    const Eigen::Matrix3d r = AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+    return Affine(r, point - r * point);
+}
+
+static const Vector3d center(0.3, -2, 5);
+
+TEST(Motion, IsTheIdentityByDefault) { EXPECT_EQ(Motion().matrix, Matrix4d::Identity()); }
+
+TEST(Motion, RefusesNumbersThatAreNotFinite) {
+    for (double bad : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+        for (int i = 0; i < 16; ++i) {
+            Matrix4d m = Matrix4d::Identity();
+            m(i) = bad;
+            EXPECT_NE(MessageOf<Error>([&] { Motion{m}; }).find("finite"), std::string::npos);
+        }
+}
+
+TEST(Motion, RefusesProjections) {
+    for (int c = 0; c < 4; ++c) {
+        Matrix4d m = Matrix4d::Identity();
+        m(3, c) += 0.1;
+        EXPECT_NE(MessageOf<Error>([&] { Motion{m}; }).find("affine"), std::string::npos);
+    }
+}
+
+TEST(Motion, RefusesMirrorsAndFlattening) {
+    for (const Vector3d &scale :
+         {Vector3d(-1, 1, 1), Vector3d(-1, -1, -1), Vector3d(1, 1, 0), Vector3d(0, 0, 0), Vector3d(1, 1, 1e-14)})
+        EXPECT_NE(MessageOf<Error>([&] { Motion{Affine(scale.asDiagonal())}; }).find("determinant"), std::string::npos);
+}
+
+TEST(Motion, TakesRotationsTranslationsAndScalingsOfAnySize) {
+    std::mt19937 random(1);
+    for (double scale : {1e-30, 1e-3, 1.0, 1e3, 1e30})
+        EXPECT_NO_THROW(Motion{Affine(scale * RandomRotation(random), 1e6 * RandomVector(random))});
+    EXPECT_NO_THROW(Motion{Affine(Vector3d(3, 0.2, 1).asDiagonal())});
+}
+
+TEST(Motion, WholeIsTheMatrixToTheBit) {
+    for (unsigned seed = 1; seed < 50; ++seed) {
+        const Matrix4d m = RandomRigid(seed).matrix();
+        EXPECT_TRUE(SameBits(Motion(m).At(100, center), m));
+    }
+}
+
+TEST(Motion, NoneIsTheIdentity) {
+    for (unsigned seed = 1; seed < 50; ++seed) {
+        Matrix4d m = RandomRigid(seed).matrix();
+        m.topLeftCorner<3, 3>() *= 1 + 0.1 * seed;
+        EXPECT_TRUE(Motion(m).At(0, center).isApprox(Matrix4d::Identity(), 1e-13));
+    }
+}
+
+TEST(Motion, ComesCloseToTheWholeContinuously) {
+    for (unsigned seed = 1; seed < 50; ++seed) {
+        Matrix4d m = RandomRigid(seed).matrix();
+        m.topLeftCorner<3, 3>() *= Eigen::DiagonalMatrix<double, 3>(1, 1.5, 0.7);
+        EXPECT_TRUE(Motion(m).At(100 - 1e-9, center).isApprox(m, 1e-9));
+    }
+}
+
+TEST(Motion, HalfOfATurnTwiceIsTheTurn) {
+    std::mt19937 random(1);
+    for (double angle : {1e-10, 1e-7, 1e-3, 0.5, 2.0, 3.1})
+        for (int i = 0; i < 20; ++i) {
+            const Matrix4d whole = TurnAbout(3 * RandomVector(random), RandomVector(random), angle);
+            const Matrix4d half = Motion(whole).At(50, center);
+            EXPECT_LE((half * half - whole).norm(), 1e-7) << angle;
+            EXPECT_TRUE((half.topLeftCorner<3, 3>() * half.topLeftCorner<3, 3>().transpose()).isIdentity(1e-12));
+        }
+}
+
+TEST(Motion, HalfOfAScrewTwiceIsTheScrew) {
+    for (unsigned seed = 1; seed < 100; ++seed) {
+        const Matrix4d whole = RandomRigid(seed).matrix();
+        const Matrix4d half = Motion(whole).At(50, center);
+        EXPECT_LE((half * half - whole).norm(), 1e-9) << seed;
+    }
+}
+
+TEST(Motion, ATurnKeepsTheDistanceFromItsAxis) {
+    const Vector3d pivot(10, -4, 2), axis = Vector3d(1, 2, -1).normalized();
+    const Motion turn(TurnAbout(pivot, axis, 2.5));
+    auto off = [&](const Vector3d &p) { return (p - pivot).cross(axis).norm(); };
+    for (double percent : {-20.0, 10.0, 33.0, 75.0, 150.0, 300.0}) {
+        const Matrix4d part = turn.At(percent, center);
+        EXPECT_TRUE(part.isApprox(TurnAbout(pivot, axis, 2.5 * percent / 100), 1e-12)) << percent;
+        EXPECT_NEAR(off(Apply(part, center)), off(center), 1e-12);
+    }
+}
+
+TEST(Motion, HalfOfAHalfTurnIsAQuarter) {
+    for (const Vector3d &axis : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(1, 1, 0)}) {
+        const Matrix4d whole = TurnAbout(Vector3d(1, 2, 3), axis, M_PI), half = Motion(whole).At(50, center);
+        EXPECT_LE((half * half - whole).norm(), 1e-9);
+        EXPECT_NEAR(AngleAxisd(Eigen::Matrix3d(half.topLeftCorner<3, 3>())).angle(), M_PI / 2, 1e-9);
+    }
+}
+
+TEST(Motion, TranslatesLinearly) {
+    const Vector3d t(3, -1, 1000);
+    const Motion motion(Affine(Eigen::Matrix3d::Identity(), t));
+    for (double percent : {-50.0, 0.0, 25.0, 50.0, 150.0})
+        EXPECT_TRUE(motion.At(percent, center).isApprox(Affine(Eigen::Matrix3d::Identity(), percent / 100 * t), 1e-14));
+}
+
+TEST(Motion, ScalesByThePower) {
+    const Motion motion(Affine(8 * Eigen::Matrix3d::Identity(), Vector3d(1, 2, 3)));
+    const Vector3d moved = Apply(motion.matrix, center) - center;
+    for (double percent : {0.0, 50.0, 100.0 / 3, 150.0}) {
+        const Matrix4d part = motion.At(percent, center);
+        EXPECT_TRUE(
+            (part.topLeftCorner<3, 3>()).isApprox(std::pow(8, percent / 100) * Eigen::Matrix3d::Identity(), 1e-12));
+        EXPECT_LE((Apply(part, center) - center - percent / 100 * moved).norm(), 1e-12) << "the centre goes straight";
+    }
+}
+
+TEST(Motion, StretchesAlongItsOwnAxes) {
+    std::mt19937 random(1);
+    const Eigen::Matrix3d axes = RandomRotation(random);
+    const Motion motion(Affine(axes * Vector3d(4, 1, 0.25).asDiagonal() * axes.transpose()));
+    const Eigen::Matrix3d half = axes * Vector3d(2, 1, 0.5).asDiagonal() * axes.transpose();
+    EXPECT_TRUE((motion.At(50, center).topLeftCorner<3, 3>()).isApprox(half, 1e-12));
+}
+
+TEST(NodeTags, HeldBeatsFreeAndFixedBeatsAHandle) {
+    const std::vector<std::pair<std::vector<int>, int>> cases{
+        {{1, 1}, 1},  {{1, 2}, 2}, {{2, 1}, 2}, {{0, 1}, 0},  {{1, 0}, 0},    {{2, 0}, 0}, {{0, 2}, 0},   {{1, -1}, 0},
+        {{-3, 2}, 0}, {{3, 2}, 2}, {{2, 3}, 2}, {{-1, 0}, 0}, {{1, 3, 2}, 2}, {{5}, 5},    {{3, 1, 0}, 0}};
+    for (const auto &c : cases) {
+        Shape shape = Triangle(); // whose first vertex is there several times
+        std::vector<int> tag{c.first[0], 1, 7};
+        for (std::size_t i = 1; i < c.first.size(); ++i) {
+            shape.position.push_back(shape.position[0]);
+            tag.push_back(c.first[i]);
+        }
+        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
+        const std::vector<Index> node = NodeTags(s, tag);
+        ASSERT_EQ(node.size(), 3u);
+        EXPECT_EQ(node[s.nodeOf[0]], c.second);
+        EXPECT_EQ(node[s.nodeOf[1]], 1);
+        EXPECT_EQ(node[s.nodeOf[2]], 7);
+    }
+}
+
+TEST(NodeTags, DeletedVerticesHaveNoSay) {
+    MeshD mesh(Join(Points(Triangle()), Points(Triangle())));
+    mesh.DeleteVertex(0);
+    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(mesh);
+    EXPECT_EQ(NodeTags(s, {0, 1, 1, 2, 1, 1})[s.nodeOf[3]], 2);
+}
+
+TEST(CountTags, CountsLiveVertices) {
+    MeshD mesh(Points(Grid(5, 2)));
+    mesh.DeleteVertex(0);
+    mesh.DeleteVertex(9);
+    const TagCount count = vcg::tri::CountTags(mesh, {0, 0, 1, 1, 1, 2, 7, -1, -5, 2});
+    EXPECT_EQ(count.fixed, 1);
+    EXPECT_EQ(count.free, 3);
+    EXPECT_EQ(count.handle, 2);
+    EXPECT_EQ(count.outside, 2);
+}
+
+TEST(CountTags, RefusesAWrongNumberOfTags) {
+    const MeshD mesh(Grid(3, 3));
+    for (std::size_t n : {0, 8, 10}) {
+        const std::string message = MessageOf<Error>([&] { vcg::tri::CountTags(mesh, std::vector<int>(n, 1)); });
+        EXPECT_NE(message.find(std::to_string(n) + " tags for 9 vertices"), std::string::npos) << message;
+    }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parallel.h"
+
+#include <gtest/gtest.h>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+using vcg::fcd::ParallelFor;
+using Ranges = std::multiset<std::pair<std::size_t, std::size_t>>;
+
+static Ranges RangesOf(unsigned threads, std::size_t n, std::size_t grain) {
+    Ranges ranges;
+    std::mutex lock;
+    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        std::lock_guard<std::mutex> guard(lock);
+        ranges.emplace(first, last);
+    });
+    return ranges;
+}
+
+TEST(ParallelFor, CoversEverythingOnceInTheSameRanges) {
+    for (std::size_t n : {0, 1, 2, 15, 16, 17, 1000})
+        for (std::size_t grain : {1, 3, 16, 5000}) {
+            Ranges expected;
+            for (std::size_t first = 0; first < n; first += grain)
+                expected.emplace(first, std::min(n, first + grain));
+            for (unsigned threads : {0u, 1u, 2u, 7u, 64u})
+                EXPECT_EQ(RangesOf(threads, n, grain), expected) << n << " by " << grain << ", " << threads;
+        }
+}
+
+TEST(ParallelFor, DoesNothingForNoItems) {
+    ParallelFor(3, 0, 10, [](std::size_t, std::size_t) { FAIL(); });
+}
+
+TEST(ParallelFor, RethrowsTheFirstException) {
+    try {
+        ParallelFor(1, 100, 1, [](std::size_t first, std::size_t) {
+            if (first >= 10)
+                throw std::out_of_range(std::to_string(first));
+        });
+        FAIL();
+    } catch (const std::out_of_range &e) {
+        EXPECT_STREQ(e.what(), "10");
+    }
+}
+
+TEST(ParallelFor, RethrowsOneOfSeveralExceptions) {
+    for (unsigned threads : {2u, 7u})
+        for (int round = 0; round < 50; ++round)
+            EXPECT_THROW(
+                ParallelFor(threads, 100, 1, [](std::size_t, std::size_t) { throw std::length_error("range"); }),
+                std::length_error);
+}
+
+TEST(ParallelFor, StopsAfterAnException) {
+    int calls = 0;
+    EXPECT_THROW(ParallelFor(1, 100, 1,
+                             [&](std::size_t, std::size_t) {
+                                 ++calls;
+                                 throw std::runtime_error("stop");
+                             }),
+                 std::runtime_error);
+    EXPECT_EQ(calls, 1);
+}
+
+TEST(ParallelFor, MayBeNested) {
+    std::atomic<int> items{0};
+    ParallelFor(3, 8, 1, [&](std::size_t, std::size_t) {
+        ParallelFor(3, 10, 4, [&](std::size_t first, std::size_t last) { items += int(last - first); });
+    });
+    EXPECT_EQ(items, 80);
+}

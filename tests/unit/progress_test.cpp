@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "progress.h"
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using fcd_test::CallbackLog;
+
+TEST(Progress, WithoutCallbackDoesNothing) { EXPECT_NO_THROW(Progress()(0.5, "stage")); }
+
+TEST(Progress, ReportsPercentOfItsSlice) {
+    CallbackLog log;
+    const Progress all = log.Progress();
+    for (double f : {0.0, 0.25, 0.5, 1.0})
+        all(f, "stage");
+    EXPECT_EQ(log.percent, (std::vector<int>{0, 25, 50, 100}));
+}
+
+TEST(Progress, SlicesNest) {
+    CallbackLog log;
+    const Progress inner = log.Progress().Slice(0.2, 0.6).Slice(0.5, 1);
+    for (double f : {0.0, 0.5, 1.0})
+        inner(f, "stage");
+    EXPECT_EQ(log.percent, (std::vector<int>{40, 50, 60}));
+}
+
+TEST(Progress, SlicesInRowAreMonotone) {
+    CallbackLog log;
+    const Progress all = log.Progress();
+    for (int slice = 0; slice < 7; ++slice)
+        for (double f = 0; f <= 1; f += 0.05)
+            all.Slice(slice / 7.0, (slice + 1) / 7.0)(f, "stage");
+    EXPECT_TRUE(std::is_sorted(log.percent.begin(), log.percent.end()));
+    EXPECT_EQ(log.percent.front(), 0);
+}
+
+TEST(Progress, StaysInItsSlice) {
+    CallbackLog log;
+    const Progress slice = log.Progress().Slice(0.25, 0.75);
+    slice(-3, "stage");
+    slice(42, "stage");
+    EXPECT_EQ(log.percent, (std::vector<int>{25, 75}));
+}
+
+TEST(Progress, SliceKeepsTheThreads) {
+    Progress progress;
+    progress.threads = 5;
+    EXPECT_EQ(progress.Slice(0, 0.5).Slice(0, 0.5).threads, 5u);
+}
+
+TEST(Progress, ThrowsWhenTheCallbackCancels) {
+    CallbackLog log(1);
+    const Progress slice = log.Progress().Slice(0.1, 0.2);
+    EXPECT_NO_THROW(slice(0, "stage"));
+    EXPECT_THROW(slice(0.5, "stage"), Cancelled);
+}
+
+TEST(Progress, PassesTheStageOn) {
+    static std::string told;
+    const Progress progress(+[](const int, const char *stage) {
+        told = stage;
+        return true;
+    });
+    progress(0, "Growing patches");
+    EXPECT_EQ(told, "Growing patches");
+}

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "test_support.h"
+
+#include <limits>
+#include <map>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using vcg::tri::BuildSurfaceGraph;
+
+/// Nodes and edges against those read off the mesh: live vertices at equal positions are one node.
+template <class Mesh>
+static void ExpectConnectivity(const Mesh &mesh, const SurfaceGraph &s) {
+    std::map<std::array<double, 3>, Index> nodeAt;
+    ASSERT_EQ(s.nodeOf.size(), mesh.vert.size());
+    for (int i = 0; i < int(mesh.vert.size()); ++i) {
+        if (mesh.vert[i].IsD()) {
+            EXPECT_EQ(s.nodeOf[i], -1);
+            continue;
+        }
+        const Eigen::Vector3d p = mesh.At(i);
+        ASSERT_GE(s.nodeOf[i], 0);
+        ASSERT_LT(s.nodeOf[i], s.graph.Size());
+        EXPECT_EQ(nodeAt.emplace(std::array<double, 3>{p[0], p[1], p[2]}, s.nodeOf[i]).first->second, s.nodeOf[i]);
+        const Eigen::Vector3d node = s.graph.position.col(s.nodeOf[i]).template cast<double>();
+        EXPECT_LE((s.frame.FromFrame(node) - p).norm(), 1e-6 * s.frame.scale);
+    }
+    EXPECT_EQ(Index(nodeAt.size()), s.graph.Size());
+    EXPECT_EQ(s.report.vertices, mesh.vn);
+    EXPECT_EQ(s.report.welded, mesh.vn - s.graph.Size());
+
+    EdgeSet expected;
+    const auto *first = mesh.vert.data();
+    for (const auto &f : mesh.face)
+        for (int c = 0; c < 3 && !f.IsD(); ++c)
+            Insert(expected, s.nodeOf[f.cV(c) - first], s.nodeOf[f.cV((c + 1) % 3) - first]);
+    for (const auto &e : mesh.edge)
+        if (!e.IsD())
+            Insert(expected, s.nodeOf[e.cV(0) - first], s.nodeOf[e.cV(1) - first]);
+    ExpectAdjacencyInOrder(s.graph.adjacency);
+    EXPECT_EQ(EdgesOf(s.graph.adjacency), expected);
+}
+
+static SurfaceGraph Checked(const Shape &shape) {
+    const MeshD mesh(shape);
+    SurfaceGraph s = BuildSurfaceGraph(mesh);
+    ExpectConnectivity(mesh, s);
+    return s;
+}
+
+/// The graph's edges between vertices of the mesh (each node's first vertex).
+static EdgeSet VertexEdges(const SurfaceGraph &s) {
+    std::vector<Index> vertexOf(s.graph.Size(), -1);
+    for (Index i = Index(s.nodeOf.size()) - 1; i >= 0; --i)
+        if (s.nodeOf[i] >= 0)
+            vertexOf[s.nodeOf[i]] = i;
+    EdgeSet edges;
+    for (const auto &e : EdgesOf(s.graph.adjacency))
+        Insert(edges, vertexOf[e.first], vertexOf[e.second]);
+    return edges;
+}
+
+static void ExpectSameBits(const SurfaceGraph &a, const SurfaceGraph &b) {
+    EXPECT_EQ(a.nodeOf, b.nodeOf);
+    EXPECT_EQ(a.graph.adjacency.begin, b.graph.adjacency.begin);
+    EXPECT_EQ(a.graph.adjacency.item, b.graph.adjacency.item);
+    EXPECT_TRUE(SameBits(a.graph.position, b.graph.position));
+    EXPECT_EQ(a.area, b.area);
+    EXPECT_EQ(a.averageEdge, b.averageEdge);
+}
+
+TEST(SurfaceGraph, HasTheMeshsEdges) {
+    for (const Shape &shape : {Triangle(), Quad(), Grid(7, 5), Strip(9), Tube(5, 7), Sphere(5, 8), Fan3(), Fan(1000),
+                               TwoSheets(4, 0.1), UnweldedGrid(6, 4), Wireframe(5, 4)})
+        Checked(shape);
+}
+
+TEST(SurfaceGraph, ReportsACleanMeshAsClean) {
+    const SurfaceReport r = Checked(Sphere(5, 8)).report;
+    EXPECT_EQ(r.welded, 0);
+    EXPECT_EQ(r.isolated, 0);
+    EXPECT_EQ(r.nonManifoldEdges, 0);
+    EXPECT_EQ(r.degenerateFaces, 0);
+    EXPECT_FALSE(r.pointCloud);
+}
+
+TEST(SurfaceGraph, CountsNonManifoldEdges) {
+    EXPECT_EQ(Checked(Fan(2)).report.nonManifoldEdges, 0);
+    EXPECT_EQ(Checked(Fan3()).report.nonManifoldEdges, 1);
+    EXPECT_EQ(
+        Checked(Join(Fan3(), Moved(Fan(5), Eigen::Affine3d(Eigen::Translation3d(9, 0, 0))))).report.nonManifoldEdges,
+        2);
+}
+
+TEST(SurfaceGraph, NeitherEdgeElementsNorDegenerateFacesMakeAnEdgeNonManifold) {
+    Shape shape = Quad();
+    shape.edge = {{0, 3}, {0, 1}};
+    EXPECT_EQ(Checked(shape).report.nonManifoldEdges, 0) << "edge elements";
+    shape = Quad();
+    shape.face.push_back({0, 0, 1});
+    EXPECT_EQ(Checked(shape).report.nonManifoldEdges, 0) << "degenerate face";
+}
+
+TEST(SurfaceGraph, DuplicateFacesAddNothing) {
+    Shape shape = Grid(3, 3);
+    const EdgeSet once = VertexEdges(Checked(shape));
+    shape.face.insert(shape.face.end(),
+                      {shape.face[0], shape.face[3], {shape.face[3][2], shape.face[3][1], shape.face[3][0]}});
+    EXPECT_EQ(VertexEdges(Checked(shape)), once);
+}
+
+TEST(SurfaceGraph, DegenerateFacesAreCounted) {
+    Shape shape = Grid(3, 3);
+    shape.face.push_back({0, 0, 1});
+    shape.face.push_back({4, 4, 4});
+    shape.position.push_back(shape.position[0]); // a sliver between welded vertices
+    shape.face.push_back({0, 9, 5});
+    const SurfaceGraph s = Checked(shape);
+    EXPECT_EQ(s.report.degenerateFaces, 3);
+    EXPECT_EQ(s.report.welded, 1);
+}
+
+TEST(SurfaceGraph, WeldsCoincidentVertices) {
+    const Shape grid = Grid(6, 4), soup = UnweldedGrid(6, 4);
+    const SurfaceGraph s = Checked(soup), whole = Checked(grid);
+    EXPECT_EQ(s.graph.Size(), 24);
+    EXPECT_EQ(s.report.welded, soup.Size() - 24);
+    EXPECT_TRUE(SameBits(s.graph.position, whole.graph.position));
+    EXPECT_EQ(s.graph.adjacency.item, whole.graph.adjacency.item);
+    EXPECT_EQ(s.area, whole.area);
+}
+
+TEST(SurfaceGraph, WeldsNegativeZero) {
+    Shape shape{{{-1, 0.0, -0.0}, {-1, -0.0, 0.0}, {1, 0, 0}, {1, -0.0, -0.0}, {0, 1, 0}, {0, -1, 0}}, {}, {}};
+    shape.face = {{0, 2, 4}, {1, 3, 5}};
+    EXPECT_EQ(Checked(shape).report.welded, 2);
+}
+
+TEST(SurfaceGraph, DoesNotWeldNeighbours) {
+    const SurfaceGraph s = Checked(Jittered(Grid(5, 5), 1e-5));
+    EXPECT_EQ(s.report.welded, 0);
+}
+
+TEST(SurfaceGraph, SkipsDeletedElements) {
+    Shape shape = Join(Grid(4, 4), {{{100, 0, 0}, {-100, 0, 0}}, {}, {}});
+    shape.edge = {{16, 17}, {0, 16}};
+    MeshD mesh(shape);
+    mesh.DeleteVertex(17);
+    mesh.DeleteEdge(0);
+    mesh.DeleteFace(0);
+    mesh.DeleteFace(1);
+    mesh.DeleteVertex(0);
+    mesh.DeleteEdge(1);
+    mesh.vert[0].P()[0] = std::numeric_limits<double>::quiet_NaN(); // not looked at
+    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    ExpectConnectivity(mesh, s);
+    EXPECT_EQ(s.graph.Size(), 16);
+    EXPECT_EQ(s.report.isolated, 1);
+    EXPECT_NEAR(s.area * s.frame.scale * s.frame.scale, 8, 1e-4);
+}
+
+TEST(SurfaceGraph, SkipsFacesAndEdgesOfDeletedVertices) {
+    Shape shape = Grid(4, 4);
+    shape.edge = {{5, 15}};
+    MeshD mesh(shape);
+    mesh.DeleteVertex(5);
+    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    EXPECT_EQ(s.graph.Size(), 15);
+    ExpectAdjacencyInOrder(s.graph.adjacency);
+    EXPECT_NEAR(s.area * s.frame.scale * s.frame.scale, 6, 1e-4);
+}
+
+TEST(SurfaceGraph, MeshWithAllFacesDeletedIsAPointCloud) {
+    MeshD mesh(Triangle());
+    mesh.DeleteFace(0);
+    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    EXPECT_TRUE(s.report.pointCloud);
+    EXPECT_EQ(s.graph.adjacency.item.size(), 6u);
+}
+
+TEST(SurfaceGraph, TakesEdgesAlone) {
+    const SurfaceGraph s = Checked(Wireframe(5, 4));
+    EXPECT_FALSE(s.report.pointCloud);
+    EXPECT_EQ(s.report.nonManifoldEdges, 0);
+    EXPECT_NEAR(s.averageEdge * s.frame.scale, 1, 1e-6);
+}
+
+TEST(SurfaceGraph, CountsIsolatedVertices) {
+    Shape shape = Triangle();
+    shape.position.emplace_back(5, 5, 5);
+    shape.position.emplace_back(6, 5, 5);
+    EXPECT_EQ(Checked(shape).report.isolated, 2);
+}
+
+TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
+    const int k = 8;
+    for (int n : {2, 5, 9, 10, 700}) {
+        const MeshD mesh(PointCloud(n));
+        const SurfaceGraph s = BuildSurfaceGraph(mesh);
+        EXPECT_TRUE(s.report.pointCloud);
+        EXPECT_EQ(s.report.nonManifoldEdges, 0);
+        ASSERT_EQ(s.graph.Size(), n);
+        ExpectAdjacencyInOrder(s.graph.adjacency);
+        const Eigen::Matrix3Xf &x = s.graph.position;
+        auto sorted = [&](Index u, const std::vector<Index> &nodes) {
+            std::vector<float> d;
+            for (Index v : nodes)
+                d.push_back((x.col(u) - x.col(v)).norm());
+            std::sort(d.begin(), d.end());
+            return d;
+        };
+        std::vector<float> farthest(n); // of the k nearest
+        for (Index u = 0; u < n; ++u) {
+            std::vector<Index> others;
+            for (Index v = 0; v < n; ++v)
+                if (v != u)
+                    others.push_back(v);
+            const std::vector<float> all = sorted(u, others);
+            const std::vector<float> found = sorted(u, {s.graph.adjacency[u].begin(), s.graph.adjacency[u].end()});
+            const int wanted = std::min(k, n - 1);
+            ASSERT_GE(int(found.size()), wanted);
+            for (int i = 0; i < wanted; ++i)
+                ASSERT_NEAR(found[i], all[i], 1e-6f);
+            farthest[u] = all[wanted - 1];
+        }
+        for (const auto &e : EdgesOf(s.graph.adjacency))
+            ASSERT_LE((x.col(e.first) - x.col(e.second)).norm(),
+                      std::max(farthest[e.first], farthest[e.second]) + 1e-6f);
+    }
+}
+
+TEST(SurfaceGraph, TakesASinglePoint) {
+    const SurfaceGraph s = BuildSurfaceGraph(MeshD(PointCloud(1)));
+    EXPECT_EQ(s.graph.Size(), 1);
+    EXPECT_EQ(s.report.isolated, 1);
+    EXPECT_EQ(s.diagonal, 0);
+}
+
+TEST(SurfaceGraph, TakesPointsAtOnePlace) {
+    const Shape shape{{{3, 4, 5}, {3, 4, 5}, {3, 4, 5}}, {}, {}};
+    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    EXPECT_EQ(s.graph.Size(), 1);
+    EXPECT_EQ(s.report.welded, 2);
+}
+
+TEST(SurfaceGraph, TakesAPointCloudWithDuplicates) {
+    const Shape cloud = PointCloud(100);
+    const SurfaceGraph twice = BuildSurfaceGraph(MeshD(Join(cloud, cloud))), once = BuildSurfaceGraph(MeshD(cloud));
+    EXPECT_EQ(twice.report.welded, 100);
+    EXPECT_TRUE(SameBits(twice.graph.position, once.graph.position));
+    EXPECT_EQ(twice.graph.adjacency.item, once.graph.adjacency.item);
+}
+
+TEST(SurfaceGraph, RefusesAMeshWithoutVertices) {
+    EXPECT_THROW(BuildSurfaceGraph(MeshD()), Error);
+    MeshD mesh(Points(Triangle()));
+    for (int i = 0; i < 3; ++i)
+        mesh.DeleteVertex(i);
+    EXPECT_THROW(BuildSurfaceGraph(mesh), Error);
+}
+
+TEST(SurfaceGraph, RefusesNonFiniteCoordinatesByName) {
+    const double inf = std::numeric_limits<double>::infinity();
+    for (double bad : {inf, -inf, std::numeric_limits<double>::quiet_NaN()})
+        for (int vertex : {0, 5, 11})
+            for (int d = 0; d < 3; ++d) {
+                Shape shape = Grid(4, 3);
+                shape.position[vertex][d] = bad;
+                const std::string message = MessageOf<Error>([&] { BuildSurfaceGraph(MeshD(shape)); });
+                EXPECT_NE(message.find("Vertex " + std::to_string(vertex) + " "), std::string::npos) << message;
+            }
+}
+
+TEST(SurfaceGraph, DoesNotDependOnScaleAndPlace) {
+    const Shape shape = Join(UnweldedGrid(9, 7), Moved(Tube(5, 8), Eigen::Affine3d(Eigen::Translation3d(20, 0, 0))));
+    const EdgeSet edges = VertexEdges(Checked(shape));
+    for (double scale : {1e-30, 1e-3, 3.0, 1e30, 1e150})
+        EXPECT_EQ(VertexEdges(BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(scale)))))), edges)
+            << scale;
+    EXPECT_EQ(
+        VertexEdges(BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Translation3d(1e7, -2e7, 1.5e7)))))),
+        edges);
+    const MeshF small(Moved(shape, Eigen::Affine3d(Eigen::Scaling(1e-30)))),
+        large(Moved(shape, Eigen::Affine3d(Eigen::Scaling(1e30))));
+    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(small)), edges);
+    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(large)), edges);
+}
+
+TEST(SurfaceGraph, TakesLargeNumbers) {
+    const double most = 1e307;
+    const Shape shape{{{-most, 0, 0}, {most, 0, 0}, {0, most, most}}, {{0, 1, 2}}, {}};
+    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    EXPECT_EQ(s.graph.Size(), 3);
+    EXPECT_TRUE(s.graph.position.allFinite());
+    EXPECT_TRUE(std::isfinite(s.frame.scale));
+}
+
+TEST(SurfaceGraph, ScalingByAPowerOfTwoChangesNoBit) {
+    const Shape shape = Jittered(Tube(6, 9), 0.1);
+    const SurfaceGraph s = Checked(shape);
+    for (int k : {-40, -1, 3, 50}) {
+        const SurfaceGraph t =
+            BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(std::ldexp(1.0, k))))));
+        ExpectSameBits(s, t);
+        EXPECT_EQ(t.frame.scale, std::ldexp(s.frame.scale, k));
+    }
+}
+
+TEST(SurfaceGraph, FrameIsAUnitBoxAroundTheOrigin) {
+    for (double size : {1e-20, 0.7, 1.0, 1e9}) {
+        const SurfaceGraph s = BuildSurfaceGraph(MeshD(Moved(Tube(5, 9), Eigen::Affine3d(Eigen::Scaling(size)))));
+        const Eigen::Vector3f lo = s.graph.position.rowwise().minCoeff(), hi = s.graph.position.rowwise().maxCoeff();
+        EXPECT_NEAR((hi - lo).norm(), s.diagonal, 1e-6);
+        EXPECT_GT(s.diagonal, 0.5);
+        EXPECT_LE(s.diagonal, 1);
+        EXPECT_LE((lo + hi).norm(), 1e-6);
+        int exponent;
+        EXPECT_EQ(std::frexp(s.frame.scale, &exponent), 0.5) << "not a power of two";
+    }
+}
+
+TEST(SurfaceGraph, FrameAndBack) {
+    const SurfaceGraph s = Checked(Tube(5, 9));
+    std::mt19937 random(1);
+    for (int i = 0; i < 20; ++i) {
+        const Eigen::Affine3d motion = RandomRigid(i);
+        const Eigen::Vector3d p = RandomVector(random);
+        EXPECT_TRUE(s.frame.FromFrame(s.frame.ToFrame(p)).isApprox(p, 1e-14));
+        const Eigen::Vector3d through = s.frame.FromFrame(s.frame.ToFrame(motion.matrix()) * s.frame.ToFrame(p));
+        EXPECT_LE((through - motion * p).norm(), 1e-13);
+    }
+}
+
+TEST(SurfaceGraph, NodesAreInMortonOrder) {
+    for (const Shape &shape : {Grid(40, 30), PointCloud(2000), UnweldedGrid(20, 20)}) {
+        const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+        std::vector<std::uint32_t> code;
+        for (Index u = 0; u < s.graph.Size(); ++u)
+            code.push_back(
+                vcg::fcd::detail::MortonCode(s.graph.position(0, u), s.graph.position(1, u), s.graph.position(2, u)));
+        EXPECT_TRUE(std::is_sorted(code.begin(), code.end()));
+    }
+}
+
+TEST(SurfaceGraph, DoesNotDependOnTheThreads) {
+    for (const Shape &shape : {Jittered(Grid(200, 190), 0.3), Unwelded(Tube(70, 60)), PointCloud(5000)}) {
+        const MeshD mesh(shape);
+        const SurfaceGraph s = BuildSurfaceGraph(mesh, Threads(1));
+        for (unsigned threads : {2u, 7u})
+            ExpectSameBits(s, BuildSurfaceGraph(mesh, Threads(threads)));
+    }
+}
+
+TEST(SurfaceGraph, AreaAndAverageEdgeAreThoseOfTheMesh) {
+    const Shape shape = Jittered(Grid(50, 40), 0.3);
+    const SurfaceGraph s = Checked(shape);
+    double area = 0, length = 0;
+    for (const auto &f : shape.face)
+        area += 0.5 *
+                (shape.position[f[1]] - shape.position[f[0]]).cross(shape.position[f[2]] - shape.position[f[0]]).norm();
+    const EdgeSet edges = VertexEdges(s);
+    for (const auto &e : edges)
+        length += (shape.position[e.first] - shape.position[e.second]).norm();
+    EXPECT_NEAR(s.area * s.frame.scale * s.frame.scale, area, 1e-5 * area);
+    EXPECT_NEAR(s.averageEdge * s.frame.scale, length / double(edges.size()), 1e-5);
+}
+
+TEST(SurfaceGraph, AreaOfPointsIsThatOfTheirSurfaceRoughly) {
+    const SurfaceGraph s = BuildSurfaceGraph(MeshD(Points(Grid(30, 30))));
+    const double area = s.area * s.frame.scale * s.frame.scale;
+    EXPECT_GT(area, 29 * 29 * 0.5);
+    EXPECT_LT(area, 29 * 29 * 2.0);
+}
+
+TEST(SurfaceGraph, ReadsFloatMeshesAlike) {
+    const Shape shape = UnweldedGrid(7, 6); // coordinates that float holds
+    ExpectSameBits(BuildSurfaceGraph(MeshF(shape)), BuildSurfaceGraph(MeshD(shape)));
+}
+
+TEST(SurfaceGraph, CanBeCancelledAnywhere) {
+    for (const Shape &shape : {Grid(5, 5), PointCloud(50)}) {
+        const MeshD mesh(shape);
+        CallbackLog all;
+        BuildSurfaceGraph(mesh, all.Progress(2));
+        EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+        const std::size_t calls = all.percent.size();
+        for (std::size_t i = 0; i < calls; ++i) {
+            CallbackLog log(i);
+            EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(2)), Cancelled);
+        }
+    }
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_TEST_SUPPORT_H
+#define FCD_TEST_SUPPORT_H
+
+#include "deformation_graph.h"
+#include "surface_graph.h"
+#include "test_mesh.h"
+
+#include <cstring>
+#include <gtest/gtest.h>
+#include <set>
+#include <string>
+#include <thread>
+
+namespace fcd_test {
+
+using vcg::fcd::Csr;
+using vcg::fcd::Graph;
+using vcg::fcd::Index;
+
+using EdgeSet = std::set<std::pair<Index, Index>>; ///< each edge once, the smaller end first
+
+inline void Insert(EdgeSet &edges, Index a, Index b) {
+    if (a != b)
+        edges.insert(std::minmax(a, b));
+}
+
+inline Csr CsrOf(Index n, const EdgeSet &edges) {
+    std::vector<std::set<Index>> row(n);
+    for (const auto &e : edges) {
+        row[e.first].insert(e.second);
+        row[e.second].insert(e.first);
+    }
+    Csr csr;
+    for (const std::set<Index> &r : row) {
+        csr.item.insert(csr.item.end(), r.begin(), r.end());
+        csr.begin.push_back(std::uint32_t(csr.item.size()));
+    }
+    return csr;
+}
+
+inline EdgeSet EdgesOf(const Csr &csr) {
+    EdgeSet edges;
+    for (Index u = 0; u < csr.Size(); ++u)
+        for (Index v : csr[u])
+            Insert(edges, u, v);
+    return edges;
+}
+
+inline Csr RandomGraph(Index n, int edges, unsigned seed) {
+    std::mt19937 random(seed);
+    EdgeSet set;
+    for (int e = 0; e < edges; ++e)
+        Insert(set, Index(random() % n), Index(random() % n));
+    return CsrOf(n, set);
+}
+
+inline std::vector<Index> RandomGroups(Index n, Index groups, unsigned seed) {
+    std::mt19937 random(seed);
+    std::vector<Index> groupOf(n);
+    for (Index &g : groupOf)
+        g = Index(random() % groups);
+    return groupOf;
+}
+
+/// Symmetric, ascending rows without a repetition or the node itself.
+inline void ExpectAdjacencyInOrder(const Csr &csr) {
+    for (Index u = 0; u < csr.Size(); ++u)
+        for (std::size_t i = 0; i < csr[u].size(); ++i) {
+            const Index v = csr[u][i];
+            ASSERT_NE(u, v);
+            ASSERT_TRUE(i == 0 || csr[u][i - 1] < v) << "row " << u;
+            ASSERT_TRUE(std::binary_search(csr[v].begin(), csr[v].end(), u)) << u << " - " << v;
+        }
+}
+
+/// Root of each item, by union-find; the oracle for components.
+class UnionFind {
+  public:
+    explicit UnionFind(Index n) : parent(n) {
+        for (Index i = 0; i < n; ++i)
+            parent[i] = i;
+    }
+    Index Root(Index i) {
+        while (parent[i] != i)
+            i = parent[i] = parent[parent[i]];
+        return i;
+    }
+    void Join(Index a, Index b) { parent[Root(a)] = Root(b); }
+    Index Count() {
+        Index roots = 0;
+        for (Index i = 0; i < Index(parent.size()); ++i)
+            roots += Root(i) == i;
+        return roots;
+    }
+
+  private:
+    std::vector<Index> parent;
+};
+
+/// Components of the nodes when only edges with joined(u, v) count.
+template <class Joined>
+UnionFind ComponentsWhere(const Csr &csr, const Joined &joined) {
+    UnionFind sets(csr.Size());
+    for (Index u = 0; u < csr.Size(); ++u)
+        for (Index v : csr[u])
+            if (joined(u, v))
+                sets.Join(u, v);
+    return sets;
+}
+
+template <class Matrix>
+bool SameBits(const Matrix &a, const Matrix &b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() &&
+           (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof *a.data()) == 0);
+}
+
+/// Calls \p run, which must throw an Exception. \return its message
+template <class Exception, class Run>
+std::string MessageOf(const Run &run) {
+    try {
+        run();
+    } catch (const Exception &e) {
+        return e.what();
+    }
+    ADD_FAILURE() << "no exception";
+    return {};
+}
+
+/// What a progress callback was told. One at a time.
+class CallbackLog {
+  public:
+    std::vector<int> percent;
+    std::vector<std::thread::id> thread;
+    std::size_t cancelAt; ///< the call with this number (from 0) returns false
+
+    explicit CallbackLog(std::size_t cancelAt = std::size_t(-1)) : cancelAt(cancelAt) { active = this; }
+    ~CallbackLog() { active = nullptr; }
+
+    static bool Callback(const int percent, const char *) {
+        active->percent.push_back(percent);
+        active->thread.push_back(std::this_thread::get_id());
+        return active->percent.size() != active->cancelAt + 1;
+    }
+    vcg::fcd::Progress Progress(unsigned threads = 0) const {
+        vcg::fcd::Progress progress(&CallbackLog::Callback);
+        progress.threads = threads;
+        return progress;
+    }
+
+  private:
+    inline static CallbackLog *active = nullptr;
+};
+
+inline vcg::fcd::Progress Threads(unsigned threads) {
+    vcg::fcd::Progress progress;
+    progress.threads = threads;
+    return progress;
+}
+
+inline Eigen::Matrix3d RandomRotation(std::mt19937 &random) {
+    std::normal_distribution<double> normal;
+    const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+    return Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
+}
+
+inline Eigen::Vector3d RandomVector(std::mt19937 &random) {
+    std::normal_distribution<double> normal;
+    const double x = normal(random), y = normal(random), z = normal(random);
+    return Eigen::Vector3d(x, y, z);
+}
+
+inline Eigen::Affine3d RandomRigid(unsigned seed) {
+    std::mt19937 random(seed);
+    Eigen::Affine3d motion = Eigen::Affine3d::Identity();
+    motion.linear() = RandomRotation(random);
+    motion.translation() = RandomVector(random);
+    return motion;
+}
+
+/// tag(position) of each node.
+template <class Tag>
+std::vector<Index> TagNodes(const vcg::fcd::SurfaceGraph &s, const Tag &tag) {
+    std::vector<Index> result;
+    for (Index u = 0; u < s.graph.Size(); ++u)
+        result.push_back(tag(s.frame.FromFrame(s.graph.position.col(u).cast<double>())));
+    return result;
+}
+
+/// A surface with its tags, patches and deformation graph.
+struct Rig {
+    vcg::fcd::SurfaceGraph surface;
+    std::vector<Index> tag;
+    vcg::fcd::PatchParam param;
+    vcg::fcd::Patches patches;
+    vcg::fcd::DeformationGraph graph;
+    std::vector<bool> constrained; ///< of each node of the graph
+
+    /// \param radius D, mesh units
+    template <class Tag>
+    Rig(const Shape &shape, double radius, const Tag &tagAt) {
+        const MeshD mesh(shape);
+        surface = vcg::tri::BuildSurfaceGraph(mesh);
+        tag = TagNodes(surface, tagAt);
+        param.targetRadius = radius / surface.frame.scale;
+        param.initialPatches = 10;
+        patches = vcg::fcd::SamplePatches(surface.graph, tag, param);
+        graph =
+            vcg::fcd::MakeDeformationGraph(surface.graph, patches, surface.averageEdge, vcg::fcd::GraphWeights::Border);
+        for (Index c : patches.center)
+            constrained.push_back(tag[c] != 1);
+    }
+
+    /// motion(tag), mesh units, of each node of the graph, in the frame.
+    template <class MotionOf>
+    std::vector<Eigen::Affine3d> NodeMotion(const MotionOf &motion) const {
+        std::vector<Eigen::Affine3d> result;
+        for (Index c : patches.center)
+            result.push_back(surface.frame.ToFrame(Eigen::Affine3d(motion(tag[c])).matrix()));
+        return result;
+    }
+};
+
+/// Tags of a Tube of the given length: its first sixth fixed, its last a handle.
+inline int TubeTag(const Eigen::Vector3d &p, double length = 6) {
+    return p[2] < length / 6 ? 0 : p[2] > length * 5 / 6 ? 2 : 1;
+}
+
+} // namespace fcd_test
+
+#endif

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_CENTROIDAL_DEFORMATION_H
+#define VCG_FCD_CENTROIDAL_DEFORMATION_H
+
+#include "graph_mapping.h"
+
+#include <array>
+
+/// Fast centroidal deformation in one call. After A. Morsucci, M. Centin, A. Signoroni: Fast centroidal deformation for
+/// large mesh models, STAG 2018.
+
+namespace vcg {
+namespace fcd {
+
+/// How the deformation graph is built.
+struct GraphParam {
+    double targetRadius = 0;  ///< D, mesh units, >= 0; 0 = 0.7 x average edge x sqrt(vertices / initialPatches)
+    int initialPatches = 300; ///< k0, >= 1
+    int maxIterations = 100;  ///< >= 1
+    double tolerance = 1e-3;  ///< of the cost, [0, 1)
+    unsigned randomSeed = 1;
+
+    /// \throw Error naming the value that is out of range
+    void Validate() const {
+        if (!(targetRadius >= 0) || std::isinf(targetRadius))
+            throw Error("The target radius must be 0 (automatic) or a positive length.");
+        if (initialPatches < 1)
+            throw Error("The number of initial patches must be at least 1.");
+        if (maxIterations < 1)
+            throw Error("The maximum number of iterations must be at least 1.");
+        if (!(tolerance >= 0 && tolerance < 1))
+            throw Error("The tolerance of the patches must be at least 0 and below 1.");
+    }
+};
+
+/// Which motion the components of the mesh without a handle or fixed vertex make.
+enum class LooseParts {
+    Follow, ///< that of the nearest part of the surface that is held
+    Stay    ///< none
+};
+
+/// How a mesh is deformed.
+struct DeformationParam {
+    GraphParam graph;
+    Eigen::Matrix3Xd nodes;    ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
+    double smoothness = 0.005; ///< alpha of Eq. 2, >= 0
+    int maxIterations = 1000;  ///< of the solver, >= 1
+    double tolerance = 1e-5;   ///< of the solver, fraction of the diagonal, > 0
+    MappingWeights weights = MappingWeights::Surface;
+    double influence = 3.5; ///< node radius over patch radius, > 1
+    LooseParts looseParts = LooseParts::Follow;
+    double pose = 100; ///< percent of the handles' motion
+
+    /// \throw Error naming the value that is out of range
+    void Validate() const {
+        graph.Validate();
+        if (!(smoothness >= 0) || std::isinf(smoothness))
+            throw Error("The smoothness must be 0 or positive.");
+        if (maxIterations < 1)
+            throw Error("The maximum number of iterations must be at least 1.");
+        if (!(tolerance > 0) || std::isinf(tolerance))
+            throw Error("The tolerance must be positive.");
+        if (!(influence > 1) || std::isinf(influence))
+            throw Error("The influence must be above 1: each node has to reach beyond its own patch.");
+        if (!std::isfinite(pose))
+            throw Error("The pose must be a percentage.");
+    }
+};
+
+/// What a layer of the deformation graph shows.
+struct GraphGeometry {
+    Eigen::Matrix3Xd position;              ///< 3 x k, mesh units
+    Eigen::VectorXd radius;                 ///< k, mesh units
+    std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
+    std::vector<vcg::Color4b> color;        ///< k, neighbours differ
+};
+
+/// A deformation graph over a mesh.
+struct CentroidalGraph {
+    GraphGeometry geometry;
+    std::vector<Index> patchOf; ///< patch of each vertex slot, -1 for a deleted vertex
+    int iterations = 0;
+    bool converged = false;
+    double cost = 0;         ///< Eq. 1, mesh units^2
+    double targetRadius = 0; ///< D that was used, mesh units
+    double averageEdge = 0;  ///< mesh units
+    double seconds = 0;
+    SurfaceReport surface;
+};
+
+/// A deformed mesh.
+struct DeformationResult {
+    Eigen::Matrix3Xd position;      ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
+    GraphGeometry rest;             ///< the deformation graph
+    Eigen::Matrix3Xd deformedNodes; ///< 3 x k, mesh units
+    TagCount tags;
+    int iterations = 0; ///< of the solver
+    bool converged = false;
+    double energy = 0; ///< Eq. 2, mesh units^2
+    double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
+    SurfaceReport surface;
+};
+
+namespace detail {
+
+inline GraphGeometry GeometryOf(const DeformationGraph &graph, const Frame &frame) {
+    GraphGeometry g;
+    g.position.resize(3, graph.Size());
+    g.radius.resize(graph.Size());
+    for (Index i = 0; i < graph.Size(); ++i) {
+        g.position.col(i) = frame.FromFrame(graph.graph.position.col(i).cast<double>());
+        g.radius[i] = graph.radius[i] * frame.scale;
+        for (Index j : graph.graph.adjacency[i])
+            if (i < j)
+                g.edge.push_back({i, j});
+    }
+    g.color = ContrastingColors(graph.graph.adjacency);
+    return g;
+}
+
+/// The nodes of \p surface nearest to \p centers (3 x k, mesh units), each once.
+inline std::vector<Index> NearestNodes(const SurfaceGraph &surface, const Eigen::Matrix3Xd &centers) {
+    const Eigen::Matrix3Xf &x = surface.graph.position;
+    std::vector<vcg::Point3f> point(x.cols());
+    for (Index i = 0; i < Index(x.cols()); ++i)
+        point[i] = vcg::Point3f(x(0, i), x(1, i), x(2, i));
+    vcg::ConstDataWrapper<vcg::Point3f> wrapper(point.data(), int(point.size()));
+    vcg::KdTree<float> tree(wrapper);
+    std::vector<bool> taken(point.size(), false);
+    std::vector<Index> node;
+    for (Index i = 0; i < Index(centers.cols()); ++i) {
+        if (!centers.col(i).allFinite())
+            throw Error("A node of the deformation graph has a coordinate that is not a finite number.");
+        const Eigen::Vector3f c = surface.frame.ToFrame(Eigen::Vector3d(centers.col(i))).cast<float>();
+        unsigned nearest = 0;
+        float d = 0;
+        tree.doQueryClosest(vcg::Point3f(c[0], c[1], c[2]), nearest, d);
+        if (!taken[nearest])
+            node.push_back(Index(nearest));
+        taken[nearest] = true;
+    }
+    return node;
+}
+
+/// D in frame units.
+inline double TargetRadius(const SurfaceGraph &surface, const GraphParam &param) {
+    if (param.targetRadius > 0)
+        return param.targetRadius / surface.frame.scale;
+    const double automatic = 0.7 * surface.averageEdge * std::sqrt(double(surface.graph.Size()) / param.initialPatches);
+    return automatic > 0 ? automatic : 1; // no edges: every node is a patch whatever D is
+}
+
+inline PatchParam ToPatchParam(const GraphParam &param, double targetRadius) {
+    PatchParam p;
+    p.targetRadius = targetRadius;
+    p.initialPatches = param.initialPatches;
+    p.maxIterations = param.maxIterations;
+    p.tolerance = param.tolerance;
+    p.randomSeed = param.randomSeed;
+    return p;
+}
+
+inline Index CountComponents(const DeformationGraph &graph) {
+    std::vector<Index> componentOf;
+    return ConnectedComponents(graph.graph.adjacency, componentOf);
+}
+
+} // namespace detail
+} // namespace fcd
+
+namespace tri {
+
+/// Builds the centroidal deformation graph of a mesh (paper, sec. 2.1). The mesh is only read.
+/// \throw fcd::Error no vertices, a coordinate that is not finite, or a parameter out of range
+/// \throw fcd::Cancelled
+template <class MeshType>
+fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphParam &param,
+                                          const fcd::Progress &progress = {}) {
+    using namespace fcd;
+    using fcd::Index; // vcg::tri has a function of that name
+    param.Validate();
+    const fcd::Stopwatch watch;
+    const SurfaceGraph surface = BuildSurfaceGraph(m, progress.Slice(0, 0.4));
+    const double D = fcd::detail::TargetRadius(surface, param);
+    const Patches patches =
+        SamplePatches(surface.graph, {}, fcd::detail::ToPatchParam(param, D), progress.Slice(0.4, 0.9));
+    progress(0.9, "Building the graph");
+    const DeformationGraph graph =
+        MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border, progress.threads);
+    CentroidalGraph result;
+    result.geometry = fcd::detail::GeometryOf(graph, surface.frame);
+    result.patchOf.assign(m.vert.size(), -1);
+    for (std::size_t i = 0; i < m.vert.size(); ++i)
+        if (surface.nodeOf[i] >= 0)
+            result.patchOf[i] = patches.patchOf[surface.nodeOf[i]];
+    const double scale = surface.frame.scale;
+    result.iterations = patches.iterations;
+    result.converged = patches.converged;
+    result.cost = patches.cost * scale * scale;
+    result.targetRadius = D * scale;
+    result.averageEdge = surface.averageEdge * scale;
+    result.surface = surface.report;
+    result.surface.components = fcd::detail::CountComponents(graph);
+    result.seconds = watch.Seconds();
+    progress(1, "Building the graph");
+    return result;
+}
+
+/// Deforms a mesh: fixed vertices and vertices outside the region of influence keep their position to the bit, handle
+/// vertices are their motion of their rest position, the free ones follow as rigidly as possible. The mesh is only
+/// read. \throw fcd::Error no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free,
+/// or a
+///        parameter out of range
+/// \throw fcd::Cancelled
+template <class MeshType>
+fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,
+                                        const fcd::DeformationParam &param, const fcd::Progress &progress = {}) {
+    using namespace fcd;
+    using fcd::Index; // vcg::tri has a function of that name
+    param.Validate();
+    DeformationResult result;
+    result.tags = CountTags(m, handles.tag);
+    if (result.tags.handle == 0)
+        throw Error("There is no handle: no vertex has a tag of 2 or more. Mark the part to move with tag 2.");
+    if (result.tags.free == 0)
+        throw Error("There is nothing to deform: no vertex is free. Mark the part that may bend with tag 1.");
+
+    // Graph.
+    fcd::Stopwatch watch;
+    const SurfaceGraph surface = BuildSurfaceGraph(m, progress.Slice(0, 0.3));
+    const std::vector<Index> tag = NodeTags(surface, handles.tag);
+    double D = fcd::detail::TargetRadius(surface, param.graph);
+    Patches patches;
+    if (param.nodes.cols() == 0)
+        patches =
+            SamplePatches(surface.graph, tag, fcd::detail::ToPatchParam(param.graph, D), progress.Slice(0.3, 0.6));
+    else {
+        patches =
+            GrowPatches(surface.graph, tag, fcd::detail::NearestNodes(surface, param.nodes), progress.Slice(0.3, 0.6));
+        D = *std::max_element(patches.radius.begin(), patches.radius.end());
+    }
+    const DeformationGraph graph =
+        MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border, progress.threads);
+    result.secondsGraph = watch.Seconds();
+
+    // Motion of each held tag, and of the graph.
+    watch = {};
+    std::map<Index, Eigen::Vector3d> sum;
+    std::map<Index, double> count;
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (tag[u] >= 2) {
+            sum.emplace(tag[u], Eigen::Vector3d::Zero()).first->second +=
+                surface.graph.position.col(u).template cast<double>();
+            ++count[tag[u]];
+        }
+    std::map<Index, Eigen::Matrix4d> meshMotion;
+    std::map<Index, Eigen::Affine3d> motion{{0, Eigen::Affine3d::Identity()}};
+    for (const auto &s : sum) {
+        const auto given = handles.motion.find(s.first);
+        meshMotion[s.first] = (given == handles.motion.end() ? Motion() : given->second)
+                                  .At(param.pose, surface.frame.FromFrame(Eigen::Vector3d(s.second / count[s.first])));
+        motion[s.first] = surface.frame.ToFrame(meshMotion[s.first]);
+    }
+    std::vector<bool> constrained(graph.Size());
+    std::vector<Eigen::Affine3d> nodeMotion(graph.Size(), Eigen::Affine3d::Identity());
+    for (Index j = 0; j < graph.Size(); ++j) {
+        const Index t = tag[patches.center[j]];
+        constrained[j] = t != 1;
+        if (constrained[j])
+            nodeMotion[j] = motion.at(t);
+    }
+    const GraphDeformer deformer(graph, constrained, surface.area);
+    SolverParam solver;
+    solver.smoothness = param.smoothness;
+    solver.maxIterations = param.maxIterations;
+    solver.tolerance = param.tolerance;
+    GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.6, 0.75));
+    if (param.looseParts == LooseParts::Follow)
+        FollowNearest(graph, deformer, pose);
+    result.secondsSolve = watch.Seconds();
+
+    // Mesh.
+    watch = {};
+    const GraphMapping mapping(surface.graph, tag, patches, graph, param.weights, param.influence, 1.5 * D,
+                               progress.Slice(0.75, 0.85));
+    const GraphMapping::Posed mapped = mapping.At(pose, motion);
+    const std::size_t slotCount = m.vert.size(), block = 1 << 19; // progress is reported between blocks
+    result.position.resize(3, slotCount);
+    for (std::size_t start = 0; start < slotCount; start += block) {
+        progress(0.85 + 0.15 * double(start) / slotCount, "Mapping to the mesh");
+        ParallelFor(
+            progress.threads, std::min(block, slotCount - start), 1 << 12, [&](std::size_t first, std::size_t last) {
+                for (std::size_t i = start + first; i < start + last; ++i) {
+                    const Eigen::Vector3d p = PositionOf(m.vert[i]);
+                    const Index node = surface.nodeOf[i];
+                    const Index t = node < 0 ? 0 : tag[node]; // vertices of a seam may have different tags
+                    if (t == 0)
+                        result.position.col(i) = p;
+                    else if (t > 1)
+                        result.position.col(i) = (meshMotion.at(t) * p.homogeneous()).template head<3>();
+                    else
+                        result.position.col(i) = surface.frame.FromFrame(mapped(node, surface.frame.ToFrame(p)));
+                }
+            });
+    }
+    result.secondsMap = watch.Seconds();
+
+    const double scale = surface.frame.scale;
+    result.rest = fcd::detail::GeometryOf(graph, surface.frame);
+    result.deformedNodes.resize(3, graph.Size());
+    for (Index j = 0; j < graph.Size(); ++j)
+        result.deformedNodes.col(j) = surface.frame.FromFrame(Eigen::Vector3d(pose.position.col(j)));
+    result.iterations = pose.iterations;
+    result.converged = pose.converged;
+    result.energy = pose.energy * scale * scale;
+    result.surface = surface.report;
+    result.surface.components = fcd::detail::CountComponents(graph);
+    progress(1, "Mapping to the mesh");
+    return result;
+}
+
+} // namespace tri
+} // namespace vcg
+
+#endif

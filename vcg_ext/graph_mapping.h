@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_MAPPING_H
+#define VCG_FCD_GRAPH_MAPPING_H
+
+#include "graph_deformer.h"
+#include "handles.h"
+
+#include <queue>
+
+namespace vcg {
+namespace fcd {
+
+/// What a node of the deformation graph may influence.
+enum class MappingWeights {
+    Surface,  ///< what is connected to it over free surface inside the ball of its influence
+    Euclidean ///< whatever is inside the ball (the paper's)
+};
+
+/// Carries the motion of the deformation graph's nodes over to the nodes of the surface (paper, sec. 2.3, Eqs. 7 and
+/// 8).
+///
+/// p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero at `influence`
+/// times the radius of j's patch. Within one D of a held region, the blend runs over into that region's own motion,
+/// with two continuous derivatives, so that held nodes are exact and no crease is left at their border.
+class GraphMapping {
+  public:
+    /// \param tag tag of each surface node: 0 fixed, 1 free, else handle. No patch may hold two tags.
+    /// \param influence node radius over patch radius, > 1
+    /// \param fade D: width of the run-over into held regions, units of the positions
+    GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
+                 const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
+                 const Progress &progress = {})
+        : surface(surface), tag(tag), patches(patches), graph(graph) {
+        const Index k = graph.Size();
+        reach.resize(k);
+        for (Index j = 0; j < k; ++j) {
+            // A patch of few nodes still has to overlap its neighbours.
+            double spacing = 0;
+            for (Index i : graph.graph.adjacency[j])
+                spacing += (graph.graph.position.col(i) - graph.graph.position.col(j)).norm();
+            if (graph.graph.adjacency[j].size())
+                spacing /= double(graph.graph.adjacency[j].size());
+            const double radius = std::max({double(graph.radius[j]), 0.5 * spacing, 1e-6}); // a lone node has neither
+            reach[j] = float(influence * radius);
+        }
+        progress(0, "Preparing the mapping");
+        FindCandidates(weights);
+        progress(0.2, "Preparing the mapping");
+        FindHeldNearby(fade, progress.Slice(0.2, 1));
+    }
+
+    /// The mapping of one pose: a function of a surface node and the position of a vertex there (frame units).
+    class Posed {
+      public:
+        Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p) const {
+            const Index patch = mapping.patches.patchOf[node];
+            const Eigen::Vector3f x = mapping.surface.position.col(node);
+            if (mapping.tag[node] != 1)
+                return motion.at(mapping.tag[node]) * p;
+            Transform blend = Transform::Zero();
+            double total = 0;
+            for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
+                const Ball &ball = mapping.ball[c];
+                const float u = 1 - (x - Eigen::Vector3f(ball.x, ball.y, ball.z)).squaredNorm() * ball.inverse;
+                if (!(u > 0))
+                    continue;
+                const double w = Kernel(u);
+                blend += w * transform[mapping.candidates.item[c]];
+                total += w;
+            }
+            if (!(total > 0)) { // no ball reaches here, as around an isolated vertex
+                blend = transform[patch];
+                total = 1;
+            }
+            Eigen::Vector3d sum = (blend.leftCols<3>() * p + blend.col(3)) / total;
+            double weight = 1;
+            for (std::uint32_t h = mapping.heldBegin[node]; h < mapping.heldBegin[node + 1]; ++h) {
+                // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all bounds.
+                const double s = Falloff(mapping.held[h].distance);
+                sum += s / (1 - s) * (motion.at(mapping.held[h].tag) * p);
+                weight += s / (1 - s);
+            }
+            return sum / weight;
+        }
+
+      private:
+        friend class GraphMapping;
+        using Transform = Eigen::Matrix<double, 3, 4>;
+
+        Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
+            : mapping(mapping), motion(motion), transform(mapping.graph.Size()) {
+            for (Index j = 0; j < mapping.graph.Size(); ++j)
+                transform[j] << pose.linear[j],
+                    pose.position.col(j) - pose.linear[j] * mapping.graph.graph.position.col(j).cast<double>();
+        }
+
+        const GraphMapping &mapping;
+        const std::map<Index, Eigen::Affine3d> &motion;
+        std::vector<Transform> transform;
+    };
+
+    /// \param motion of each held tag, 0 included; must outlive the result, as the mapping must
+    Posed At(const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion) const {
+        return Posed(*this, pose, motion);
+    }
+
+    /// Weight of a node at u = 1 - (distance / reach)^2. Like Eq. 8 it falls from 1 at the node to 0 at its reach, but
+    /// without the cone's tip that (1 - r)^2 has at the node and the jump in curvature at its end: both show as
+    /// ripples.
+    static double Kernel(double u) { return u * u * u; }
+
+  private:
+    struct Ball {
+        float x, y, z, inverse; // the node's position, 1 / reach^2
+    };
+    struct Held {
+        Index tag;
+        float distance; ///< to the held region over the fade's width, (0, 1)
+    };
+
+    static double Falloff(double x) { return 1 - x * x * x * (10 + x * (6 * x - 15)); }
+
+    /// The nodes that may influence each patch. Along the surface: those from which a chain of touching free patches
+    /// leads there, each of which the node's ball touches. Where two neighbouring vertices lie inside the ball, their
+    /// patches are both on the chain or neither is, so the set of nodes changes only where their weight is zero.
+    void FindCandidates(MappingWeights weights) {
+        const Index k = graph.Size();
+        auto position = [&](Index j) { return graph.graph.position.col(j); };
+        auto touches = [&](Index j, Index patch) {
+            return (position(j) - position(patch)).norm() < reach[j] + graph.radius[patch];
+        };
+        std::vector<std::pair<Index, Index>> pair; // patch, node
+        if (weights == MappingWeights::Euclidean) {
+            for (Index patch = 0; patch < k; ++patch)
+                for (Index j = 0; j < k; ++j)
+                    if (touches(j, patch))
+                        pair.emplace_back(patch, j);
+        } else {
+            std::vector<Index> seen(k, -1), queue;
+            for (Index j = 0; j < k; ++j) {
+                const Index own = tag[patches.center[j]];
+                queue.assign(1, j);
+                seen[j] = j;
+                for (std::size_t q = 0; q < queue.size(); ++q) {
+                    pair.emplace_back(queue[q], j);
+                    for (Index next : graph.graph.adjacency[queue[q]]) {
+                        const Index there = tag[patches.center[next]];
+                        if (seen[next] != j && (there == 1 || there == own) && touches(j, next)) {
+                            seen[next] = j;
+                            queue.push_back(next);
+                        }
+                    }
+                }
+            }
+        }
+        std::sort(pair.begin(), pair.end());
+        candidates.begin.assign(std::size_t(k) + 1, 0);
+        candidates.item.reserve(pair.size());
+        for (const auto &p : pair) {
+            ++candidates.begin[p.first + 1];
+            candidates.item.push_back(p.second);
+        }
+        for (Index j = 0; j < k; ++j)
+            candidates.begin[j + 1] += candidates.begin[j];
+        ball.reserve(pair.size());
+        for (Index j : candidates.item)
+            ball.push_back({graph.graph.position(0, j), graph.graph.position(1, j), graph.graph.position(2, j),
+                            1 / (reach[j] * reach[j])});
+    }
+
+    /// For each free node the held regions within the fade's width along the surface, and how far they are: the
+    /// distance to the nearest border node of the region, handed on from neighbour to neighbour.
+    void FindHeldNearby(double fade, const Progress &progress) {
+        const Index n = surface.Size();
+        struct Border {
+            Index tag, node;
+        };
+        std::vector<Border> border;
+        for (Index u = 0; u < n; ++u)
+            if (tag[u] != 1)
+                for (Index v : surface.adjacency[u])
+                    if (tag[v] == 1) {
+                        border.push_back({tag[u], u});
+                        break;
+                    }
+        std::stable_sort(border.begin(), border.end(), [](const Border &a, const Border &b) { return a.tag < b.tag; });
+        struct Found {
+            Index node;
+            Held held;
+        };
+        struct Offered {
+            float distance;
+            Index node, source;
+            bool operator<(const Offered &o) const {
+                return distance != o.distance ? distance > o.distance
+                       : node != o.node       ? node > o.node
+                                              : source > o.source;
+            }
+        };
+        std::vector<Found> found;
+        std::vector<float> best(n, std::numeric_limits<float>::infinity());
+        std::vector<Index> touched;
+        std::vector<bool> done(n, false);
+        for (std::size_t b = 0; b < border.size();) {
+            progress(double(b) / border.size(), "Preparing the mapping");
+            const Index t = border[b].tag;
+            std::priority_queue<Offered> queue;
+            auto spread = [&](Index from, Index source) {
+                for (Index v : surface.adjacency[from]) {
+                    if (tag[v] != 1 || done[v])
+                        continue;
+                    const float d = (surface.position.col(v) - surface.position.col(source)).norm();
+                    if (d < best[v] && d < fade) {
+                        if (std::isinf(best[v]))
+                            touched.push_back(v);
+                        best[v] = d;
+                        queue.push({d, v, source});
+                    }
+                }
+            };
+            for (; b < border.size() && border[b].tag == t; ++b)
+                spread(border[b].node, border[b].node);
+            while (!queue.empty()) {
+                const Offered o = queue.top();
+                queue.pop();
+                if (done[o.node])
+                    continue;
+                done[o.node] = true;
+                found.push_back({o.node, {t, std::max(1e-4f, o.distance / float(fade))}});
+                spread(o.node, o.source);
+            }
+            for (Index v : touched) {
+                best[v] = std::numeric_limits<float>::infinity();
+                done[v] = false;
+            }
+            touched.clear();
+        }
+        heldBegin.assign(std::size_t(n) + 1, 0);
+        for (const Found &f : found)
+            ++heldBegin[f.node + 1];
+        for (Index u = 0; u < n; ++u)
+            heldBegin[u + 1] += heldBegin[u];
+        held.resize(found.size());
+        std::vector<std::uint32_t> end(heldBegin.begin(), heldBegin.end() - 1);
+        for (const Found &f : found)
+            held[end[f.node]++] = f.held;
+    }
+
+    const Graph &surface;
+    const std::vector<Index> &tag;
+    const Patches &patches;
+    const DeformationGraph &graph;
+    std::vector<float> reach;
+    Csr candidates;                       ///< for each patch, the nodes that may influence it
+    std::vector<Ball> ball;               ///< of each candidate
+    std::vector<std::uint32_t> heldBegin; ///< n + 1 offsets into held
+    std::vector<Held> held;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_HANDLES_H
+#define VCG_FCD_HANDLES_H
+
+#include "surface_graph.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <map>
+
+namespace vcg {
+namespace fcd {
+
+/// An affine motion, and the way there: any percentage of it.
+struct Motion {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< the whole motion, mesh units
+
+    Motion() = default;
+
+    /// \throw Error when \p m is not affine, not finite, mirrors or flattens
+    explicit Motion(const Eigen::Matrix4d &m) : matrix(m) {
+        if (!m.allFinite())
+            throw Error("A transform holds a number that is not finite.");
+        const double size = m.topLeftCorner<3, 3>().norm();
+        if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+            throw Error("A transform is not affine: the last row of its 4 x 4 matrix must be 0 0 0 1.");
+        if (m.topLeftCorner<3, 3>().determinant() <= 1e-12 * size * size * size)
+            throw Error(
+                "A transform mirrors or flattens its handle (determinant <= 0); give a rotation, a translation, "
+                "a scaling, or a combination of them.");
+    }
+
+    /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
+    /// fraction of its angle, scaling by the power. 100 is the motion itself, to the bit; 0 the identity; beyond 100 it
+    /// goes on.
+    Eigen::Matrix4d At(double percent, const Eigen::Vector3d &center) const {
+        if (percent == 100)
+            return matrix;
+        const double t = percent / 100;
+        const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+        const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose(); // det > 0, as linear's
+        const Eigen::Matrix3d stretch =
+            svd.matrixV() * svd.singularValues().array().pow(t).matrix().asDiagonal() * svd.matrixV().transpose();
+        // Screw motion of the center with the rotation.
+        Eigen::Matrix4d rigid = Eigen::Matrix4d::Identity();
+        rigid.topLeftCorner<3, 3>() = rotation;
+        rigid.topRightCorner<3, 1>() = linear * center + matrix.topRightCorner<3, 1>() - rotation * center;
+        const Eigen::Matrix4d part = Screw(rigid, t);
+        Eigen::Matrix4d result = part;
+        result.topLeftCorner<3, 3>() = part.topLeftCorner<3, 3>() * stretch;
+        const Eigen::Vector3d moved = (part * center.homogeneous()).head<3>();
+        result.topRightCorner<3, 1>() = moved - result.topLeftCorner<3, 3>() * center;
+        return result;
+    }
+
+  private:
+    /// exp(t log(rigid)) on SE(3).
+    static Eigen::Matrix4d Screw(const Eigen::Matrix4d &rigid, double t) {
+        const Eigen::AngleAxisd turn(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));
+        const Eigen::Vector3d axis = turn.axis(), d = rigid.topRightCorner<3, 1>();
+        const double angle = turn.angle();
+        Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+        result.topLeftCorner<3, 3>() = Eigen::AngleAxisd(t * angle, axis).toRotationMatrix();
+        // d = along the axis + across it; the part across is a rotation about a parallel axis through q.
+        const Eigen::Vector3d along = axis * axis.dot(d), across = d - along;
+        if (angle < 1e-9) {
+            result.topRightCorner<3, 1>() = t * d;
+            return result;
+        }
+        const Eigen::Vector3d q = 0.5 * (across + axis.cross(across) / std::tan(angle / 2));
+        result.topRightCorner<3, 1>() = t * along + q - result.topLeftCorner<3, 3>() * q;
+        return result;
+    }
+};
+
+/// Which vertices are held and how they move.
+struct Handles {
+    std::vector<int>
+        tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
+    std::map<int, Motion> motion; ///< of the handle tags, mesh units; a handle tag without one stays where it is
+};
+
+/// Live vertices by their tag.
+struct TagCount {
+    Index fixed = 0, handle = 0, free = 0, outside = 0;
+};
+
+} // namespace fcd
+
+namespace tri {
+
+/// \param tag one per vertex slot \throw fcd::Error when there are fewer or more
+template <class MeshType>
+fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag) {
+    if (tag.size() != m.vert.size())
+        throw fcd::Error("There are " + std::to_string(tag.size()) + " tags for " + std::to_string(m.vert.size()) +
+                         " vertices; give one tag per vertex.");
+    fcd::TagCount count;
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        if (m.vert[i].IsD())
+            continue;
+        if (tag[i] < 0)
+            ++count.outside;
+        else if (tag[i] == 0)
+            ++count.fixed;
+        else if (tag[i] == 1)
+            ++count.free;
+        else
+            ++count.handle;
+    }
+    return count;
+}
+
+} // namespace tri
+
+namespace fcd {
+
+/// The tag of each node of \p surface: 0 (fixed or outside), 1 (free) or the handle. Where vertices at one position
+/// disagree, held beats free and fixed beats a handle.
+inline std::vector<Index> NodeTags(const SurfaceGraph &surface, const std::vector<int> &tag) {
+    std::vector<Index> nodeTag(surface.graph.Size(), 1);
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        const Index node = surface.nodeOf[i];
+        if (node < 0 || tag[i] == 1)
+            continue;
+        const Index t = std::max(tag[i], 0);
+        if (nodeTag[node] == 1 || t < nodeTag[node])
+            nodeTag[node] = t;
+    }
+    return nodeTag;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,575 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_PATCH_SAMPLING_H
+#define VCG_FCD_PATCH_SAMPLING_H
+
+#include "graph.h"
+#include "morton.h"
+#include "progress.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+namespace vcg {
+namespace fcd {
+
+/// How the patches are chosen (paper, sec. 2.1).
+struct PatchParam {
+    double targetRadius = 0;  ///< D, units of the graph's positions, > 0: no patch reaches farther from its centre
+    int initialPatches = 300; ///< k0, seeds to begin with, >= 1
+    int maxIterations = 100;  ///< >= 1
+    double tolerance = 1e-3;  ///< converged when an iteration lowers the cost (Eq. 1) by less than this fraction of it
+    unsigned randomSeed = 1;  ///< of the first seeds
+};
+
+/// One iteration of the sampling.
+struct SamplingStep {
+    Index patches;  ///< that were grown in it
+    double seconds; ///< that it took
+};
+
+/// Centroidal patches over a graph of n nodes.
+struct Patches {
+    std::vector<Index> patchOf; ///< n, patch of each node in [0, k)
+    std::vector<Index> center;  ///< k, c: the node of the patch nearest its barycentre
+    std::vector<float> radius;  ///< k, d_j: largest distance from the centre to a node of the patch
+    double cost = 0;            ///< E of Eq. 1
+    int iterations = 0;
+    bool converged = false;
+    std::vector<SamplingStep> history; ///< one per iteration
+
+    Index Size() const { return Index(center.size()); }
+};
+
+namespace detail {
+
+/// Where a patch grows from, and what distances are measured to.
+struct Center {
+    Index node;
+    Eigen::Vector3f position;
+};
+
+/// Grows patches from centres along the connectivity, nearest node first (Euclidean distance to the patch's centre),
+/// never from one tag into another. Keeps its buffers between calls.
+class PatchGrower {
+  public:
+    PatchGrower(const Graph &graph, const std::vector<Index> &tag) : graph(graph), tag(tag) {}
+
+    std::vector<Index> patchOf; ///< result of Grow
+
+    /// Assigns every node to a patch. Where no centre leads, a node becomes one: \p center grows.
+    /// \param step width of a distance class; the order within a class is left open
+    void Grow(std::vector<Center> &center, double step, const Progress &progress = {}) {
+        patchOf.assign(graph.Size(), -1);
+        Start(step, progress.threads);
+        for (Index c = 0; c < Index(center.size()); ++c)
+            Offer(center[c].node, c, 0, 0);
+        Finish(center, progress);
+    }
+
+    /// The same where patchOf is given already for some nodes, which must be connected to the centre of their patch
+    /// through such nodes; the others are -1. \param front those of them with a neighbour that is not assigned, or more
+    void GrowFrom(const std::vector<Index> &front, std::vector<Center> &center, double step, const Progress &progress) {
+        Start(step, progress.threads);
+        for (Index c = 0; c < Index(center.size()); ++c)
+            if (patchOf[center[c].node] < 0)
+                Offer(center[c].node, c, 0, 0);
+        for (Index u : front)
+            OfferNeighbours(u, patchOf[u], center[patchOf[u]].position, 0);
+        Finish(center, progress);
+    }
+
+  private:
+    struct Offered {
+        Index node, patch;
+    };
+    struct State { // what an offer reads and writes, together in memory
+        float x, y, z;
+        float best; ///< squared distance of the best offer; negative once assigned
+    };
+
+    void Start(double step, unsigned threads) {
+        inverseStep = float(std::min(1 / step, 1e30)); // finite: 0 times it is 0
+        bucket.resize(4096);
+        assigned = 0;
+        state.resize(graph.Size());
+        ParallelFor(threads, state.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+            for (std::size_t u = first; u < last; ++u)
+                state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
+                            patchOf[u] < 0 ? std::numeric_limits<float>::infinity() : -1};
+        });
+    }
+
+    void Offer(Index node, Index patch, float d2, std::size_t current) {
+        state[node].best = d2;
+        const float b = std::min(std::sqrt(d2) * inverseStep, float(bucket.size() - 1));
+        const std::size_t at = std::max(std::size_t(b), current);
+        bucket[at].push_back({node, patch});
+        last = std::max(last, at);
+    }
+
+    void OfferNeighbours(Index u, Index patch, const Eigen::Vector3f &c, std::size_t current) {
+        for (Index v : graph.adjacency[u]) {
+            const State &s = state[v];
+            if (s.best < 0 || (!tag.empty() && tag[v] != tag[u]))
+                continue;
+            const float d2 = (Eigen::Vector3f(s.x, s.y, s.z) - c).squaredNorm();
+            if (d2 < s.best)
+                Offer(v, patch, d2, current);
+        }
+    }
+
+    void Empty(const std::vector<Center> &center, const Progress &progress) {
+        for (std::size_t b = 0; b <= last; ++b) {
+            // A bucket may grow while it is emptied.
+            for (std::size_t i = 0; i < bucket[b].size(); ++i) {
+                const Offered o = bucket[b][i];
+                if (state[o.node].best < 0)
+                    continue;
+                state[o.node].best = -1;
+                patchOf[o.node] = o.patch;
+                if ((++assigned & 0xffff) == 0)
+                    progress(double(assigned) / graph.Size(), "Growing patches");
+                OfferNeighbours(o.node, o.patch, center[o.patch].position, b);
+            }
+            bucket[b].clear();
+        }
+        last = 0;
+    }
+
+    void Finish(std::vector<Center> &center, const Progress &progress) {
+        Empty(center, progress);
+        for (Index u = 0; u < graph.Size(); ++u)
+            if (patchOf[u] < 0) {
+                center.push_back({u, graph.position.col(u)});
+                Offer(u, Index(center.size()) - 1, 0, 0);
+                Empty(center, progress);
+            }
+    }
+
+    const Graph &graph;
+    const std::vector<Index> &tag;
+    std::vector<State> state;
+    std::vector<std::vector<Offered>> bucket;
+    float inverseStep = 1;
+    std::size_t last = 0;
+    Index assigned = 0;
+};
+
+/// \p count different numbers of [0, n), ascending.
+inline std::vector<Index> RandomSample(Index n, Index count, unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::vector<Index> sample;
+    // Floyd's algorithm; the standard's distributions differ between libraries, the engine's numbers do not.
+    std::vector<bool> taken(n, false);
+    for (Index i = n - std::min(n, count); i < n; ++i) {
+        const Index r = Index(random() % std::uint64_t(i + 1));
+        taken[taken[r] ? i : r] = true;
+    }
+    for (Index i = 0; i < n; ++i)
+        if (taken[i])
+            sample.push_back(i);
+    return sample;
+}
+
+/// Lloyd's iteration with splits. A node may stand for several (mass) spread over a ball around it (extent), and
+/// distances are measured to the barycentres then; both empty: one node each, and a centre is where its node is.
+struct Lloyd {
+    const Graph &graph;
+    const std::vector<Index> &tag;
+    unsigned threads;
+    std::vector<float> mass, extent;
+
+    PatchGrower grower{graph, tag};
+    std::vector<Center> center;  ///< of the patches
+    std::vector<Index> farthest; ///< of each patch, from its centre
+    std::vector<float> radius;   ///< distance of the farthest node, its extent included
+    double cost = 0;             ///< Eq. 1
+
+    Lloyd(const Graph &graph, const std::vector<Index> &tag, unsigned threads)
+        : graph(graph), tag(tag), threads(threads) {}
+
+    /// Radius, farthest node and cost for the present patches and centres.
+    void Measure() {
+        struct Part {
+            std::vector<float> radius;
+            std::vector<Index> farthest;
+            double cost = 0;
+        };
+        const std::size_t k = center.size();
+        std::vector<Part> parts(Parts());
+        ForEachPart([&](std::size_t part, Index first, Index last) {
+            Part p;
+            p.radius.assign(k, -1);
+            p.farthest.assign(k, -1);
+            for (Index u = first; u < last; ++u) {
+                const Index at = grower.patchOf[u];
+                const float d2 = (graph.position.col(u) - center[at].position).squaredNorm();
+                float reach = std::sqrt(d2);
+                if (!extent.empty() && u != center[at].node)
+                    reach += extent[u];
+                p.cost += mass.empty() ? d2 : mass[u] * d2;
+                if (reach > p.radius[at]) {
+                    p.radius[at] = reach;
+                    p.farthest[at] = u;
+                }
+            }
+            parts[part] = std::move(p);
+        });
+        radius.assign(k, -1);
+        farthest.assign(k, -1);
+        cost = 0;
+        for (const Part &p : parts) {
+            cost += p.cost;
+            for (std::size_t c = 0; c < k; ++c)
+                if (p.radius[c] > radius[c]) {
+                    radius[c] = p.radius[c];
+                    farthest[c] = p.farthest[c];
+                }
+        }
+    }
+
+    /// Moves each centre to the node of its patch nearest the barycentre.
+    void UpdateCenters() {
+        struct Sum {
+            Eigen::Vector3d position = Eigen::Vector3d::Zero();
+            double mass = 0;
+        };
+        struct Nearest {
+            float d2 = std::numeric_limits<float>::infinity();
+            Index node = -1;
+        };
+        const std::size_t k = center.size();
+        std::vector<std::vector<Sum>> sums(Parts());
+        ForEachPart([&](std::size_t part, Index first, Index last) {
+            std::vector<Sum> sum(k);
+            for (Index u = first; u < last; ++u) {
+                const float m = mass.empty() ? 1 : mass[u];
+                Sum &s = sum[grower.patchOf[u]];
+                s.position += (m * graph.position.col(u)).cast<double>();
+                s.mass += m;
+            }
+            sums[part] = std::move(sum);
+        });
+        Eigen::Matrix3Xf barycenter(3, k);
+        for (std::size_t c = 0; c < k; ++c) {
+            Sum total;
+            for (const std::vector<Sum> &sum : sums) {
+                total.position += sum[c].position;
+                total.mass += sum[c].mass;
+            }
+            barycenter.col(c) = (total.position / total.mass).cast<float>();
+        }
+        std::vector<std::vector<Nearest>> nearests(Parts());
+        ForEachPart([&](std::size_t part, Index first, Index last) {
+            std::vector<Nearest> nearest(k);
+            for (Index u = first; u < last; ++u) {
+                const Index c = grower.patchOf[u];
+                const float d2 = (graph.position.col(u) - barycenter.col(c)).squaredNorm();
+                if (d2 < nearest[c].d2)
+                    nearest[c] = {d2, u};
+            }
+            nearests[part] = std::move(nearest);
+        });
+        for (std::size_t c = 0; c < k; ++c) {
+            Nearest best;
+            for (const std::vector<Nearest> &nearest : nearests)
+                if (nearest[c].d2 < best.d2)
+                    best = nearest[c];
+            center[c] = {best.node, graph.position.col(best.node)};
+            if (!mass.empty())
+                center[c].position = barycenter.col(c);
+        }
+    }
+
+    /// The farthest node of every patch that reaches beyond \p D: new centres, one split a patch.
+    std::vector<Center> Splits(double D) const {
+        std::vector<Center> added;
+        for (std::size_t p = 0; p < center.size(); ++p)
+            if (radius[p] > D && farthest[p] != center[p].node)
+                added.push_back({farthest[p], graph.position.col(farthest[p])});
+        return added;
+    }
+
+    /// Grows, splits and moves the centres until the cost stops falling and no patch reaches beyond D.
+    bool Iterate(const PatchParam &param, std::vector<SamplingStep> &history, const Progress &progress) {
+        double previous = std::numeric_limits<double>::infinity();
+        bool converged = false;
+        while (!converged && int(history.size()) < param.maxIterations) {
+            const Stopwatch watch;
+            const int iterations = int(history.size());
+            // Most runs end after 10 to 30 iterations, whatever the maximum.
+            const double from = Done(iterations, param), to = Done(iterations + 1, param);
+            grower.Grow(center, param.targetRadius / 128, progress.Slice(from, to));
+            Measure();
+            history.push_back({Index(center.size()), 0});
+            const bool settled = iterations > 0 && previous - cost <= param.tolerance * previous;
+            previous = cost;
+            std::vector<Center> added = Splits(param.targetRadius);
+            UpdateCenters();
+            if (added.empty() && settled) {
+                Measure();
+                added = Splits(param.targetRadius);
+                converged = added.empty();
+            }
+            // Centres that no growth would follow are left out, and so is one that the patch's own centre has moved to.
+            if (int(history.size()) < param.maxIterations)
+                for (const Center &c : added)
+                    if (center[grower.patchOf[c.node]].node != c.node)
+                        center.push_back(c);
+            history.back().seconds = watch.Seconds();
+        }
+        return converged;
+    }
+
+    static double Done(int iterations, const PatchParam &param) {
+        return 1 - std::exp(-8.0 * iterations / param.maxIterations);
+    }
+
+  private:
+    /// The nodes are visited in this many parts, so that sums do not depend on the number of threads; one where a patch
+    /// has so few nodes that the parts' lists of patches would be long.
+    std::size_t Parts() const {
+        return std::max<std::size_t>(1, std::min<std::size_t>(16, graph.Size() / (64 * center.size() + 1)));
+    }
+    template <class Body>
+    void ForEachPart(const Body &body) const {
+        const std::size_t parts = Parts();
+        ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
+            body(part, Index(std::uint64_t(graph.Size()) * part / parts),
+                 Index(std::uint64_t(graph.Size()) * (part + 1) / parts));
+        });
+    }
+};
+
+/// Nodes of \p graph joined into small connected clusters of one tag: the components of the cells of a regular grid.
+struct Clusters {
+    Graph graph;                  ///< a node per cluster, at its barycentre; edges where clusters touch
+    std::vector<Index> clusterOf; ///< of each node
+    std::vector<float> mass;      ///< nodes of each cluster
+    std::vector<float> extent;    ///< distance from the barycentre to the farthest node
+};
+
+/// \param bits the cells' side is 2^-bits; \p graph's nodes must be in Morton order
+inline Clusters MakeClusters(const Graph &graph, const std::vector<Index> &tag, int bits, unsigned threads) {
+    const Index n = graph.Size();
+    const int shift = 30 - 3 * bits;
+    std::vector<std::uint32_t> code(n);
+    ParallelFor(threads, n, 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t u = first; u < last; ++u)
+            code[u] = MortonCode(graph.position(0, u), graph.position(1, u), graph.position(2, u)) >> shift;
+    });
+    std::vector<Index> cellBegin;
+    for (Index u = 0; u < n; ++u)
+        if (u == 0 || code[u] != code[u - 1])
+            cellBegin.push_back(u);
+    const Index cells = Index(cellBegin.size());
+    cellBegin.push_back(n);
+
+    Clusters c;
+    c.clusterOf.resize(n);
+    std::vector<Index> clusterBegin(std::size_t(cells) + 1, 0);
+    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
+        std::vector<Index> stack;
+        for (std::size_t cell = first; cell < last; ++cell) {
+            const Index lo = cellBegin[cell], hi = cellBegin[cell + 1];
+            std::fill(c.clusterOf.begin() + lo, c.clusterOf.begin() + hi, -1);
+            Index found = 0;
+            for (Index seed = lo; seed < hi; ++seed) {
+                if (c.clusterOf[seed] >= 0)
+                    continue;
+                c.clusterOf[seed] = found;
+                stack.assign(1, seed);
+                while (!stack.empty()) {
+                    const Index u = stack.back();
+                    stack.pop_back();
+                    for (Index v : graph.adjacency[u])
+                        if (v >= lo && v < hi && c.clusterOf[v] < 0 && (tag.empty() || tag[v] == tag[u])) {
+                            c.clusterOf[v] = found;
+                            stack.push_back(v);
+                        }
+                }
+                ++found;
+            }
+            clusterBegin[cell + 1] = found;
+        }
+    });
+    for (Index cell = 0; cell < cells; ++cell)
+        clusterBegin[cell + 1] += clusterBegin[cell];
+    const Index clusters = clusterBegin[cells];
+    c.graph.position = Eigen::Matrix3Xf::Zero(3, clusters);
+    c.mass.assign(clusters, 0);
+    c.extent.assign(clusters, 0);
+    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
+        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            while (u >= cellBegin[first + 1])
+                ++first;
+            c.clusterOf[u] += clusterBegin[first];
+        }
+    });
+    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
+        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            c.graph.position.col(c.clusterOf[u]) += graph.position.col(u);
+            ++c.mass[c.clusterOf[u]];
+        }
+        for (Index i = clusterBegin[first]; i < clusterBegin[last]; ++i)
+            c.graph.position.col(i) /= c.mass[i];
+        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            float &e = c.extent[c.clusterOf[u]];
+            e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm());
+        }
+    });
+    c.graph.adjacency = QuotientGraph(graph.adjacency, c.clusterOf, clusters, threads).adjacency;
+    return c;
+}
+
+/// Lloyd's iteration on clusters of the nodes instead of the nodes: close to the patches wanted, at a fraction of the
+/// cost. Leaves \p lloyd with grown patches and centres, and returns whether it converged. Does nothing (and leaves no
+/// centres) where clusters would not be much coarser than the nodes or not much finer than the patches.
+inline bool SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, PatchParam param,
+                           std::vector<SamplingStep> &history, const Progress &progress) {
+    const Graph &graph = lloyd.graph;
+    const std::vector<Index> &tag = lloyd.tag;
+    const int bits = int(std::ceil(std::log2(6 / param.targetRadius)));
+    if (bits < 1 || bits > 10)
+        return false;
+    progress(0, "Sampling patches");
+    const Clusters clusters = MakeClusters(graph, tag, bits, progress.threads);
+    const Index count = clusters.graph.Size();
+    if (count > graph.Size() / 8)
+        return false;
+    progress(0.3, "Sampling patches");
+    std::vector<Index> clusterTag;
+    if (!tag.empty()) {
+        clusterTag.resize(count);
+        for (Index u = 0; u < graph.Size(); ++u)
+            clusterTag[clusters.clusterOf[u]] = tag[u];
+    }
+    Lloyd coarse(clusters.graph, clusterTag, progress.threads);
+    coarse.mass = clusters.mass;
+    coarse.extent = clusters.extent;
+    for (float &e : coarse.extent)
+        e *= 0.8f; // few nodes lie straight behind their cluster's barycentre
+    std::vector<bool> taken(count, false);
+    for (Index s : seed)
+        if (!taken[clusters.clusterOf[s]]) {
+            taken[clusters.clusterOf[s]] = true;
+            coarse.center.push_back({clusters.clusterOf[s], graph.position.col(s)});
+        }
+    param.tolerance /= 10; // iterations are cheap here
+    const bool converged = coarse.Iterate(param, history, progress.Slice(0.3, 0.6));
+
+    // On to the nodes: the one nearest each patch's barycentre.
+    std::vector<Index> &patchOf = lloyd.grower.patchOf;
+    patchOf.resize(graph.Size());
+    ParallelFor(progress.threads, patchOf.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t u = first; u < last; ++u)
+            patchOf[u] = coarse.grower.patchOf[clusters.clusterOf[u]];
+    });
+    // The last step of the iteration may have added centres; they come with the nodes' own iteration.
+    const Index patches = 1 + *std::max_element(coarse.grower.patchOf.begin(), coarse.grower.patchOf.end());
+    lloyd.center.resize(patches);
+    lloyd.UpdateCenters();
+
+    // Only the border clusters of each patch are grown anew. The others keep their patch if they hang together with its
+    // centre.
+    std::vector<char> inner(count), kept(count, 0), front(count, 0);
+    for (Index c = 0; c < count; ++c) {
+        inner[c] = 1;
+        for (Index n : clusters.graph.adjacency[c])
+            inner[c] &= coarse.grower.patchOf[n] == coarse.grower.patchOf[c];
+    }
+    std::vector<Index> stack;
+    for (Index p = 0; p < patches; ++p) {
+        stack.assign(1, clusters.clusterOf[lloyd.center[p].node]);
+        while (!stack.empty()) {
+            const Index c = stack.back();
+            stack.pop_back();
+            if (!inner[c] || kept[c])
+                continue;
+            kept[c] = 1;
+            for (Index n : clusters.graph.adjacency[c])
+                stack.push_back(n);
+        }
+    }
+    for (Index c = 0; c < count; ++c)
+        for (Index n : clusters.graph.adjacency[c])
+            front[c] |= kept[c] && !kept[n];
+    std::vector<Index> frontNodes;
+    for (Index u = 0; u < graph.Size(); ++u) {
+        const Index c = clusters.clusterOf[u];
+        if (!kept[c])
+            patchOf[u] = -1;
+        else if (front[c])
+            frontNodes.push_back(u);
+    }
+    lloyd.grower.GrowFrom(frontNodes, lloyd.center, param.targetRadius / 128, progress.Slice(0.6, 1));
+    lloyd.UpdateCenters();
+    return converged;
+}
+
+inline Patches TakePatches(Lloyd &lloyd) {
+    Patches patches;
+    lloyd.Measure();
+    patches.patchOf = std::move(lloyd.grower.patchOf);
+    patches.center.reserve(lloyd.center.size());
+    for (const Center &c : lloyd.center)
+        patches.center.push_back(c.node);
+    patches.radius = std::move(lloyd.radius);
+    patches.cost = lloyd.cost;
+    return patches;
+}
+
+} // namespace detail
+
+/// Samples \p graph with centroidal patches of bounded radius (paper, sec. 2.1): every node is in exactly one patch;
+/// every patch is connected and of one tag; when converged, no patch but one of a single node is larger than D.
+///
+/// Lloyd's iteration with splits runs on clusters of nodes where there are many nodes to a patch, and is finished on
+/// the nodes themselves. \param tag n values, or empty for all the same \pre the nodes are in Morton order
+/// (BuildSurfaceGraph)
+inline Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const PatchParam &param,
+                             const Progress &progress = {}) {
+    const std::vector<Index> seed = detail::RandomSample(graph.Size(), param.initialPatches, param.randomSeed);
+    std::vector<SamplingStep> history;
+    detail::Lloyd lloyd(graph, tag, progress.threads);
+    bool converged = detail::SampleClusters(lloyd, seed, param, history, progress.Slice(0, 0.7));
+    if (converged) {
+        lloyd.Measure();
+        const std::vector<detail::Center> added = lloyd.Splits(param.targetRadius);
+        converged = added.empty();
+        if (int(history.size()) < param.maxIterations)
+            lloyd.center.insert(lloyd.center.end(), added.begin(), added.end());
+    }
+    if (!converged) {
+        if (lloyd.center.empty())
+            for (Index u : seed)
+                lloyd.center.push_back({u, graph.position.col(u)});
+        converged = lloyd.Iterate(param, history, progress.Slice(0.7, 1));
+    }
+    Patches patches = detail::TakePatches(lloyd);
+    patches.iterations = int(history.size());
+    patches.history = std::move(history);
+    patches.converged = converged;
+    return patches;
+}
+
+/// Patches around given centres (different nodes), which stay where they are; a part that no centre leads to gets its
+/// own.
+inline Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<Index> &center,
+                           const Progress &progress = {}) {
+    detail::Lloyd lloyd(graph, tag, progress.threads);
+    for (Index u : center)
+        lloyd.center.push_back({u, graph.position.col(u)});
+    const float spacing = 1 / std::sqrt(float(std::max<std::size_t>(1, lloyd.center.size())));
+    lloyd.grower.Grow(lloyd.center, spacing / 128, progress);
+    Patches patches = detail::TakePatches(lloyd);
+    patches.converged = true;
+    return patches;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

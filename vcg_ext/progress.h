@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_PROGRESS_H
+#define VCG_FCD_PROGRESS_H
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <wrap/callback.h>
+
+namespace vcg {
+namespace fcd {
+
+/// Thrown out of a computation whose progress callback returned false.
+struct Cancelled : std::runtime_error {
+    Cancelled() : std::runtime_error("Cancelled.") {}
+};
+
+/// Progress and cancel as one object, and how many threads the run may use: a [lo, hi] slice (percent) of a
+/// vcg::CallBackPos. Copies are cheap; the callback is called only from the thread that calls the operator.
+class Progress {
+  public:
+    unsigned threads = 0; ///< threads of the parallel loops; 0 = one a core. The result does not depend on it.
+
+    Progress() = default;
+    explicit Progress(vcg::CallBackPos *callback, double lo = 0, double hi = 100)
+        : callback(callback), lo(lo), hi(hi) {}
+
+    /// The part of this slice between the fractions \p from and \p to (0 ... 1).
+    Progress Slice(double from, double to) const {
+        Progress slice(callback, lo + from * (hi - lo), lo + to * (hi - lo));
+        slice.threads = threads;
+        return slice;
+    }
+
+    /// Reports that \p fraction (0 ... 1) of this slice is done. \throw Cancelled when the callback returns false.
+    void operator()(double fraction, const char *stage) const {
+        const double percent = lo + std::min(1.0, std::max(0.0, fraction)) * (hi - lo);
+        if (callback && !callback(int(percent), stage))
+            throw Cancelled();
+    }
+
+  private:
+    vcg::CallBackPos *callback = nullptr;
+    double lo = 0, hi = 100;
+};
+
+/// Wall-clock time since it was made.
+class Stopwatch {
+  public:
+    double Seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point start = Clock::now();
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
