@@ -409,16 +409,16 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
     return layer;
 }
 
-MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph,
-                               const Eigen::Matrix3Xd &position) {
+MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph) {
     MeshModel &layer = add(what);
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
-    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(position.cols()));
-    for (Eigen::Index i = 0; i < position.cols(); ++i) {
+    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(graph.position.cols()));
+    const auto toPoint = [](const auto &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); };
+    for (Eigen::Index i = 0; i < graph.position.cols(); ++i) {
         CVertexO &vertex = mesh.vert[std::size_t(i)];
-        vertex.P() = Point3m(Scalarm(position(0, i)), Scalarm(position(1, i)), Scalarm(position(2, i)));
-        vertex.N() = Point3m(0, 0, 0);
+        vertex.P() = toPoint(graph.position.col(i));
+        vertex.N() = toPoint(graph.normal.col(i)).Normalize(); // without a normal, MeshLab draws it black
         vertex.Q() = CVertexO::QualityType(graph.radius[i]);
         vertex.C() = graph.color[std::size_t(i)];
     }

@@ -39,8 +39,8 @@ class NewLayers {
     ~NewLayers();
 
     /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour) and its
-    /// edges. \p position 3 x k in the base's coordinates: graph.position, or where the nodes were moved to.
-    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, const Eigen::Matrix3Xd &position);
+    /// edges.
+    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
 
     /// "NAME what": the base coloured by patch, quality = patch number. \p patchOf per slot of the base's vertices, \p
     /// color per patch. Textures and face colours, which would hide the colours, are left out.

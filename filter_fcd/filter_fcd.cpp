@@ -132,7 +132,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
     progress(0, "Adding layers...");
     const Remark remark = [this](const std::string &line) { logLine(line); };
     NewLayers layers(document, layer, remark);
-    layers.addGraph("graph", graph.geometry, graph.geometry.position);
+    layers.addGraph("graph", graph.geometry);
     if (param.patchesLayer)
         layers.addPatches("patches", graph.patchOf, graph.geometry.color);
     progress(1, "Done");
@@ -171,8 +171,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     progress(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
     if (param.graphLayers) {
-        layers.addGraph("graph", result.rest, result.rest.position);
-        layers.addGraph("deformed graph", result.rest, result.deformedNodes);
+        layers.addGraph("graph", result.rest);
+        layers.addGraph("deformed graph", result.deformed);
     }
     const MeshModel &deformed = layers.addDeformed("deformed", result.position);
     progress(1, "Done");

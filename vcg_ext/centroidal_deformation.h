@@ -5,6 +5,7 @@
 #include "graph_mapping.h"
 
 #include <array>
+#include <vcg/complex/complex.h>
 
 /// Fast centroidal deformation in one call. After A. Morsucci, M. Centin, A. Signoroni: Fast centroidal deformation for
 /// large mesh models, STAG 2018.
@@ -70,6 +71,7 @@ struct DeformationParam {
 /// What a layer of the deformation graph shows.
 struct GraphGeometry {
     Eigen::Matrix3Xd position;              ///< 3 x k, mesh units
+    Eigen::Matrix3Xd normal;                ///< 3 x k, that of a vertex there; 0 where the mesh has no normals
     Eigen::VectorXd radius;                 ///< k, mesh units
     std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
     std::vector<vcg::Color4b> color;        ///< k, neighbours differ
@@ -90,9 +92,8 @@ struct CentroidalGraph {
 
 /// A deformed mesh.
 struct DeformationResult {
-    Eigen::Matrix3Xd position;      ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
-    GraphGeometry rest;             ///< the deformation graph
-    Eigen::Matrix3Xd deformedNodes; ///< 3 x k, mesh units
+    Eigen::Matrix3Xd position;    ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
+    GraphGeometry rest, deformed; ///< the deformation graph before and after
     TagCount tags;
     int iterations = 0; ///< of the solver
     bool converged = false;
@@ -103,18 +104,31 @@ struct DeformationResult {
 
 namespace detail {
 
-inline GraphGeometry GeometryOf(const DeformationGraph &graph, const Frame &frame) {
+template <class MeshType>
+GraphGeometry GeometryOf(const MeshType &m, const SurfaceGraph &surface, const Patches &patches,
+                         const DeformationGraph &graph) {
     GraphGeometry g;
     g.position.resize(3, graph.Size());
+    g.normal = Eigen::Matrix3Xd::Zero(3, graph.Size());
     g.radius.resize(graph.Size());
     for (Index i = 0; i < graph.Size(); ++i) {
-        g.position.col(i) = frame.FromFrame(graph.graph.position.col(i).cast<double>());
-        g.radius[i] = graph.radius[i] * frame.scale;
+        g.position.col(i) = surface.frame.FromFrame(graph.graph.position.col(i).template cast<double>());
+        g.radius[i] = graph.radius[i] * surface.frame.scale;
         for (Index j : graph.graph.adjacency[i])
             if (i < j)
                 g.edge.push_back({i, j});
     }
     g.color = ContrastingColors(graph.graph.adjacency);
+    if (vcg::tri::HasPerVertexNormal(m)) {
+        std::vector<bool> isCenter(surface.graph.Size(), false);
+        for (Index c : patches.center)
+            isCenter[c] = true;
+        for (std::size_t i = 0; i < m.vert.size(); ++i)
+            if (surface.nodeOf[i] >= 0 && isCenter[surface.nodeOf[i]]) {
+                const auto &n = m.vert[i].cN();
+                g.normal.col(patches.patchOf[surface.nodeOf[i]]) = Eigen::Vector3d(n[0], n[1], n[2]);
+            }
+    }
     return g;
 }
 
@@ -188,7 +202,7 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
     const DeformationGraph graph =
         MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border, progress.threads);
     CentroidalGraph result;
-    result.geometry = fcd::detail::GeometryOf(graph, surface.frame);
+    result.geometry = fcd::detail::GeometryOf(m, surface, patches, graph);
     result.patchOf.assign(m.vert.size(), -1);
     for (std::size_t i = 0; i < m.vert.size(); ++i)
         if (surface.nodeOf[i] >= 0)
@@ -245,20 +259,24 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
 
     // Motion of each held tag, and of the graph.
     watch = {};
-    std::map<Index, Eigen::Vector3d> sum;
-    std::map<Index, double> count;
+    struct Sum {
+        Eigen::Vector3d position = Eigen::Vector3d::Zero();
+        double count = 0;
+    };
+    std::map<Index, Sum> sums; // of the nodes of each handle
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (tag[u] >= 2) {
-            sum.emplace(tag[u], Eigen::Vector3d::Zero()).first->second +=
-                surface.graph.position.col(u).template cast<double>();
-            ++count[tag[u]];
+            Sum &sum = sums[tag[u]];
+            sum.position += surface.graph.position.col(u).template cast<double>();
+            ++sum.count;
         }
     std::map<Index, Eigen::Matrix4d> meshMotion;
     std::map<Index, Eigen::Affine3d> motion{{0, Eigen::Affine3d::Identity()}};
-    for (const auto &s : sum) {
+    for (const auto &s : sums) {
         const auto given = handles.motion.find(s.first);
-        meshMotion[s.first] = (given == handles.motion.end() ? Motion() : given->second)
-                                  .At(param.pose, surface.frame.FromFrame(Eigen::Vector3d(s.second / count[s.first])));
+        meshMotion[s.first] =
+            (given == handles.motion.end() ? Motion() : given->second)
+                .At(param.pose, surface.frame.FromFrame(Eigen::Vector3d(s.second.position / s.second.count)));
         motion[s.first] = surface.frame.ToFrame(meshMotion[s.first]);
     }
     std::vector<bool> constrained(graph.Size());
@@ -306,10 +324,12 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     result.secondsMap = watch.Seconds();
 
     const double scale = surface.frame.scale;
-    result.rest = fcd::detail::GeometryOf(graph, surface.frame);
-    result.deformedNodes.resize(3, graph.Size());
-    for (Index j = 0; j < graph.Size(); ++j)
-        result.deformedNodes.col(j) = surface.frame.FromFrame(Eigen::Vector3d(pose.position.col(j)));
+    result.rest = fcd::detail::GeometryOf(m, surface, patches, graph);
+    result.deformed = result.rest;
+    for (Index j = 0; j < graph.Size(); ++j) {
+        result.deformed.position.col(j) = surface.frame.FromFrame(Eigen::Vector3d(pose.position.col(j)));
+        result.deformed.normal.col(j) = pose.linear[j].inverse().transpose() * result.rest.normal.col(j);
+    }
     result.iterations = pose.iterations;
     result.converged = pose.converged;
     result.energy = pose.energy * scale * scale;

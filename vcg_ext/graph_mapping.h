@@ -5,8 +5,6 @@
 #include "graph_deformer.h"
 #include "handles.h"
 
-#include <queue>
-
 namespace vcg {
 namespace fcd {
 
@@ -53,26 +51,31 @@ class GraphMapping {
     class Posed {
       public:
         Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p) const {
-            const Index patch = mapping.patches.patchOf[node];
-            const Eigen::Vector3f x = mapping.surface.position.col(node);
             if (mapping.tag[node] != 1)
                 return motion.at(mapping.tag[node]) * p;
-            Transform blend = Transform::Zero();
-            double total = 0;
+            const Index patch = mapping.patches.patchOf[node];
+            const Eigen::Vector3f x = mapping.surface.position.col(node);
+            // What the candidates' motions differ by from that of the vertex's own patch is small, and float is enough.
+            Difference blend = Difference::Zero();
+            float total = 0;
             for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
                 const Ball &ball = mapping.ball[c];
                 const float u = 1 - (x - Eigen::Vector3f(ball.x, ball.y, ball.z)).squaredNorm() * ball.inverse;
                 if (!(u > 0))
                     continue;
-                const double w = Kernel(u);
-                blend += w * transform[mapping.candidates.item[c]];
+                const float w = Kernel(u);
+                blend += w * difference[c];
                 total += w;
             }
-            if (!(total > 0)) { // no ball reaches here, as around an isolated vertex
-                blend = transform[patch];
-                total = 1;
+            Eigen::Vector3d sum = own[patch] * p;
+            if (total > 0) { // else no ball reaches here, as around an isolated vertex
+                const Eigen::Vector3f local =
+                    (p - mapping.graph.graph.position.col(patch).cast<double>()).cast<float>();
+                sum += ((local[0] * blend.segment<3>(0) + local[1] * blend.segment<3>(3) +
+                         local[2] * blend.segment<3>(6) + blend.segment<3>(9)) /
+                        total)
+                           .cast<double>();
             }
-            Eigen::Vector3d sum = (blend.leftCols<3>() * p + blend.col(3)) / total;
             double weight = 1;
             for (std::uint32_t h = mapping.heldBegin[node]; h < mapping.heldBegin[node + 1]; ++h) {
                 // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all bounds.
@@ -85,18 +88,31 @@ class GraphMapping {
 
       private:
         friend class GraphMapping;
-        using Transform = Eigen::Matrix<double, 3, 4>;
+        using Difference = Eigen::Matrix<float, 12, 1>; // columns of a 3 x 4 affine map, about the patch's centre
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
-            : mapping(mapping), motion(motion), transform(mapping.graph.Size()) {
-            for (Index j = 0; j < mapping.graph.Size(); ++j)
-                transform[j] << pose.linear[j],
-                    pose.position.col(j) - pose.linear[j] * mapping.graph.graph.position.col(j).cast<double>();
+            : mapping(mapping), motion(motion), own(mapping.graph.Size()), difference(mapping.candidates.item.size()) {
+            const auto rest = [&](Index j) { return mapping.graph.graph.position.col(j).cast<double>(); };
+            for (Index j = 0; j < mapping.graph.Size(); ++j) {
+                own[j] = Eigen::Affine3d::Identity();
+                own[j].linear() = pose.linear[j];
+                own[j].translation() = pose.position.col(j) - pose.linear[j] * rest(j);
+            }
+            for (Index patch = 0; patch < mapping.graph.Size(); ++patch)
+                for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
+                    const Index j = mapping.candidates.item[c];
+                    const Eigen::Matrix3d linear = pose.linear[j] - pose.linear[patch];
+                    const Eigen::Vector3d shift =
+                        pose.linear[j] * (rest(patch) - rest(j)) + pose.position.col(j) - pose.position.col(patch);
+                    difference[c] << linear.col(0).cast<float>(), linear.col(1).cast<float>(),
+                        linear.col(2).cast<float>(), shift.cast<float>();
+                }
         }
 
         const GraphMapping &mapping;
         const std::map<Index, Eigen::Affine3d> &motion;
-        std::vector<Transform> transform;
+        std::vector<Eigen::Affine3d> own;
+        std::vector<Difference, Eigen::aligned_allocator<Difference>> difference; // of each candidate
     };
 
     /// \param motion of each held tag, 0 included; must outlive the result, as the mapping must
@@ -107,7 +123,7 @@ class GraphMapping {
     /// Weight of a node at u = 1 - (distance / reach)^2. Like Eq. 8 it falls from 1 at the node to 0 at its reach, but
     /// without the cone's tip that (1 - r)^2 has at the node and the jump in curvature at its end: both show as
     /// ripples.
-    static double Kernel(double u) { return u * u * u; }
+    static float Kernel(float u) { return u * u * u; }
 
   private:
     struct Ball {
@@ -191,47 +207,44 @@ class GraphMapping {
         struct Offered {
             float distance;
             Index node, source;
-            bool operator<(const Offered &o) const {
-                return distance != o.distance ? distance > o.distance
-                       : node != o.node       ? node > o.node
-                                              : source > o.source;
-            }
         };
+        constexpr std::size_t classes = 256; // of distance; a node may be visited again when a nearer source turns up
+        std::vector<std::vector<Offered>> queue(classes);
         std::vector<Found> found;
         std::vector<float> best(n, std::numeric_limits<float>::infinity());
         std::vector<Index> touched;
-        std::vector<bool> done(n, false);
+        std::size_t visits = 0;
         for (std::size_t b = 0; b < border.size();) {
-            progress(double(b) / border.size(), "Preparing the mapping");
             const Index t = border[b].tag;
-            std::priority_queue<Offered> queue;
-            auto spread = [&](Index from, Index source) {
+            const double done = double(b) / border.size();
+            auto spread = [&](Index from, Index source, std::size_t current) {
                 for (Index v : surface.adjacency[from]) {
-                    if (tag[v] != 1 || done[v])
+                    if (tag[v] != 1)
                         continue;
                     const float d = (surface.position.col(v) - surface.position.col(source)).norm();
                     if (d < best[v] && d < fade) {
                         if (std::isinf(best[v]))
                             touched.push_back(v);
                         best[v] = d;
-                        queue.push({d, v, source});
+                        queue[std::max(current, std::size_t(classes * (d / fade)))].push_back({d, v, source});
                     }
                 }
             };
             for (; b < border.size() && border[b].tag == t; ++b)
-                spread(border[b].node, border[b].node);
-            while (!queue.empty()) {
-                const Offered o = queue.top();
-                queue.pop();
-                if (done[o.node])
-                    continue;
-                done[o.node] = true;
-                found.push_back({o.node, {t, std::max(1e-4f, o.distance / float(fade))}});
-                spread(o.node, o.source);
+                spread(border[b].node, border[b].node, 0);
+            for (std::size_t c = 0; c < classes; ++c) {
+                for (std::size_t i = 0; i < queue[c].size(); ++i) {
+                    const Offered o = queue[c][i];
+                    if ((++visits & 0xffff) == 0)
+                        progress(done, "Preparing the mapping");
+                    if (o.distance <= best[o.node])
+                        spread(o.node, o.source, c);
+                }
+                queue[c].clear();
             }
             for (Index v : touched) {
+                found.push_back({v, {t, std::max(1e-4f, best[v] / float(fade))}});
                 best[v] = std::numeric_limits<float>::infinity();
-                done[v] = false;
             }
             touched.clear();
         }

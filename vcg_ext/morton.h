@@ -5,21 +5,22 @@
 #include "parallel.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace vcg {
 namespace fcd {
 namespace detail {
 
-/// Sorts \p items by (item >> 32) with three passes over 30 bits, stable, in parallel.
-inline void RadixSortUpper30(std::vector<std::uint64_t> &items, unsigned threads) {
-    const std::size_t grain = 1 << 16, chunks = (items.size() + grain - 1) / grain, digits = 1024;
-    std::vector<std::uint64_t> other(items.size());
+/// Sorts the \p n \p items by (item >> 32) with three passes over 30 bits, stable, in parallel.
+inline void RadixSortUpper30(std::unique_ptr<std::uint64_t[]> &items, std::size_t n, unsigned threads) {
+    const std::size_t grain = 1 << 16, chunks = (n + grain - 1) / grain, digits = 1024;
+    std::unique_ptr<std::uint64_t[]> other(new std::uint64_t[n]);
     std::vector<std::uint32_t> count(chunks * digits);
     for (int shift = 32; shift < 62; shift += 10) {
         auto digit = [shift](std::uint64_t item) { return (item >> shift) & 1023; };
         std::fill(count.begin(), count.end(), 0);
-        ParallelFor(threads, items.size(), grain, [&](std::size_t first, std::size_t last) {
+        ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
             std::uint32_t *c = &count[first / grain * digits];
             for (std::size_t i = first; i < last; ++i)
                 ++c[digit(items[i])];
@@ -31,7 +32,7 @@ inline void RadixSortUpper30(std::vector<std::uint64_t> &items, unsigned threads
                 count[c * digits + d] = sum;
                 sum += here;
             }
-        ParallelFor(threads, items.size(), grain, [&](std::size_t first, std::size_t last) {
+        ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
             std::uint32_t *at = &count[first / grain * digits];
             for (std::size_t i = first; i < last; ++i)
                 other[at[digit(items[i])]++] = items[i];

@@ -66,7 +66,9 @@ namespace detail {
 /// around a node whose triangles form a closed, evenly oriented fan, that is every neighbour once. A checksum of next
 /// minus previous corners tells the other nodes, and the edges between those are then entered at both ends.
 inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corners, Index &nonManifoldEdges,
-                             unsigned threads) {
+                             const Progress &progress) {
+    const char *stage = "Reading the mesh";
+    const unsigned threads = progress.threads;
     constexpr std::uint32_t room = 7;
     constexpr Index once = 1 << 29,
                     mask = once - 1; // two spare bits count how often a corner came next: 0 to 3 or more
@@ -89,7 +91,8 @@ inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corne
         v *= 0x9E3779B1u;
         return (v ^ v >> 15) * 0x85EBCA77u;
     };
-    const std::unique_ptr<Record[]> record(new Record[nodes]); // written first by the thread that uses it
+    const std::unique_ptr<Record[]> record(
+        new Record[nodes]); // not touched before it is used: that would cost a pass over memory
     // Each part owns a range of nodes and reads all triangles: no two parts write to the same place.
     const std::size_t parts =
         std::min<std::size_t>(8, std::max<std::size_t>(1, threads ? threads : std::thread::hardware_concurrency()));
@@ -124,24 +127,32 @@ inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corne
         }
         list.resize(kept);
     };
-    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
-        const std::uint32_t lo = partBegin(part), width = partBegin(part + 1) - lo;
-        for (std::uint32_t v = lo; v < lo + width; ++v)
+    ParallelFor(threads, nodes, 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t v = first; v < last; ++v)
             record[v].head = 0;
-        for (std::size_t t = 0; t < corners; t += 3) {
-            const Index c[5] = {corner[t], corner[t + 1], corner[t + 2], corner[t], corner[t + 1]};
-            const Index count = c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ? 0 : once; // no area, no face of the edge
-            for (int i = 0; i < 3; ++i) {
-                const Index v = c[i], next = c[i + 1], previous = c[i + 2];
-                if (std::uint32_t(v) - lo >= width)
-                    continue;
-                record[v].head += (scramble(next) - scramble(previous)) << 3;
-                if (next != v)
-                    add(v, next, count, extra[part]);
-            }
-        }
-        sortExtra(extra[part]);
     });
+    const std::size_t block = 3 << 21; // progress is reported between blocks
+    for (std::size_t begin = 0; begin < corners; begin += block) {
+        progress(0.6 * double(begin) / double(corners), stage);
+        ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
+            const std::uint32_t lo = partBegin(part), width = partBegin(part + 1) - lo;
+            for (std::size_t t = begin; t < std::min(corners, begin + block); t += 3) {
+                const Index c[5] = {corner[t], corner[t + 1], corner[t + 2], corner[t], corner[t + 1]};
+                // Without area it is no face of the edge.
+                const Index count = c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ? 0 : once;
+                for (int i = 0; i < 3; ++i) {
+                    const Index v = c[i], next = c[i + 1], previous = c[i + 2];
+                    if (std::uint32_t(v) - lo >= width)
+                        continue;
+                    record[v].head += (scramble(next) - scramble(previous)) << 3;
+                    if (next != v)
+                        add(v, next, count, extra[part]);
+                }
+            }
+        });
+    }
+    progress(0.6, stage);
+    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) { sortExtra(extra[part]); });
 
     // How often v comes after u.
     auto count = [&](Index u, Index v) {
@@ -175,6 +186,7 @@ inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corne
         for (const Extra &e : extra[part])
             visit(e.node, e.neighbour);
     });
+    progress(0.7, stage);
     for (Index n : nonManifold)
         nonManifoldEdges += n;
 
@@ -198,6 +210,7 @@ inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corne
             throw Error("The mesh has more than two thousand million edges; simplify it first.");
         adjacency.begin[v + 1] = std::uint32_t(total);
     }
+    progress(0.8, stage);
     adjacency.item.resize(total);
     ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
         const Extra *more = extra[part].data(), *moreEnd = more + extra[part].size();
@@ -220,8 +233,9 @@ inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corne
     return adjacency;
 }
 
-/// Triangles with a repeated corner that join each point with its \p k nearest ones.
-inline std::vector<Index> NearestNeighbourPairs(const Eigen::Matrix3Xf &position, int k, const Progress &progress) {
+/// Triangles with a repeated corner that join each point with its \p k nearest ones. \param corners their number, out
+inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &position, int k, std::size_t &corners,
+                                                      const Progress &progress) {
     const Index n = Index(position.cols());
     std::vector<vcg::Point3f> point(n);
     for (Index i = 0; i < n; ++i)
@@ -229,7 +243,8 @@ inline std::vector<Index> NearestNeighbourPairs(const Eigen::Matrix3Xf &position
     vcg::ConstDataWrapper<vcg::Point3f> wrapper(point.data(), n);
     vcg::KdTree<float> tree(wrapper);
     const int wanted = std::min<int>(k, n - 1);
-    std::vector<Index> corner(std::size_t(n) * wanted * 3);
+    corners = std::size_t(n) * wanted * 3;
+    std::unique_ptr<Index[]> corner(new Index[corners]);
     const std::size_t block = 1 << 17; // progress is reported between blocks
     for (std::size_t start = 0; start < std::size_t(n); start += block) {
         progress(double(start) / n, "Finding neighbours");
@@ -243,7 +258,7 @@ inline std::vector<Index> NearestNeighbourPairs(const Eigen::Matrix3Xf &position
                                 if (queue.getIndex(j) != int(i))
                                     found.push_back(queue.getIndex(j));
                             std::sort(found.begin(), found.end());
-                            Index *at = corner.data() + i * wanted * 3; // of an empty vector for a single point
+                            Index *at = corner.get() + i * wanted * 3;
                             for (int j = 0; j < wanted; ++j, at += 3) {
                                 at[0] = Index(i);
                                 at[1] = at[2] = j < int(found.size()) ? found[j] : Index(i);
@@ -336,8 +351,8 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
 
-    // Morton order; vertices at one position share a node.
-    std::vector<std::uint64_t> order(slotCount);
+    // Morton order. (Arrays as large as the mesh are not initialised: that would cost a pass over memory each.)
+    std::unique_ptr<std::uint64_t[]> order(new std::uint64_t[slotCount]);
     Eigen::Matrix3Xf bySlot(3, slotCount);
     ParallelFor(threads, slotCount, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -351,12 +366,16 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
         }
     });
     if (total.live < slotCount)
-        order.erase(
-            std::remove_if(order.begin(), order.end(), [&](std::uint64_t o) { return m.vert[std::uint32_t(o)].IsD(); }),
-            order.end());
+        std::remove_if(order.get(), order.get() + slotCount,
+                       [&](std::uint64_t o) { return m.vert[std::uint32_t(o)].IsD(); });
     progress(0.1, stage);
-    fcd::detail::RadixSortUpper30(order, threads);
+    fcd::detail::RadixSortUpper30(order, total.live, threads);
+    progress(0.25, stage);
+
+    // Vertices at one position share a node. Such vertices have the same code, so ranges that end with a code are
+    // independent.
     auto slotAt = [&](std::size_t i) { return std::uint32_t(order[i]); };
+    auto samePlace = [&](std::size_t i, std::size_t j) { return bySlot.col(slotAt(i)) == bySlot.col(slotAt(j)); };
     auto before = [&](std::uint64_t a, std::uint64_t b) {
         const std::uint32_t u = std::uint32_t(a), v = std::uint32_t(b);
         for (int d = 0; d < 3; ++d)
@@ -364,68 +383,82 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
                 return bySlot(d, u) < bySlot(d, v);
         return u < v;
     };
-    for (std::size_t i = 0; i < order.size();) {
-        std::size_t next = i + 1;
-        while (next < order.size() && order[next] >> 32 == order[i] >> 32)
-            ++next;
-        if (next - i > 1)
-            std::sort(order.begin() + i, order.begin() + next, before);
-        i = next;
-    }
-    s.nodeOf.assign(slotCount, -1);
-    Index nodes = 0;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        if (i == 0 || bySlot.col(slotAt(i)) != bySlot.col(slotAt(i - 1)))
-            ++nodes;
-        s.nodeOf[slotAt(i)] = nodes - 1;
-    }
-    s.report.welded = Index(total.live) - nodes;
-    s.graph.position.resize(3, nodes);
-    ParallelFor(threads, order.size(), grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (i == 0 || s.nodeOf[slotAt(i)] != s.nodeOf[slotAt(i - 1)])
-                s.graph.position.col(s.nodeOf[slotAt(i)]) = bySlot.col(slotAt(i));
+    auto codeEnd = [&](std::size_t i) { // the first position from i on where a code begins
+        while (i > 0 && i < total.live && order[i] >> 32 == order[i - 1] >> 32)
+            ++i;
+        return std::min(i, total.live);
+    };
+    std::vector<std::size_t> rangeBegin;
+    for (std::size_t i = 0; i < total.live; i = codeEnd(i + grain))
+        rangeBegin.push_back(i);
+    const std::size_t ranges = rangeBegin.size();
+    rangeBegin.push_back(total.live);
+    std::vector<Index> firstNode(ranges + 1, 0);
+    ParallelFor(threads, ranges, 1, [&](std::size_t range, std::size_t) {
+        Index found = 0;
+        for (std::size_t i = rangeBegin[range], next; i < rangeBegin[range + 1]; i = next) {
+            for (next = i + 1; next < rangeBegin[range + 1] && order[next] >> 32 == order[i] >> 32;)
+                ++next;
+            if (next - i > 1)
+                std::sort(order.get() + i, order.get() + next, before);
+            ++found;
+            for (std::size_t j = i + 1; j < next; ++j)
+                found += !samePlace(j - 1, j);
+        }
+        firstNode[range + 1] = found;
     });
-    std::vector<std::uint64_t>().swap(order);
+    for (std::size_t range = 0; range < ranges; ++range)
+        firstNode[range + 1] += firstNode[range];
+    const Index nodes = firstNode[ranges];
+    s.report.welded = Index(total.live) - nodes;
+    s.nodeOf.assign(slotCount, -1);
+    s.graph.position.resize(3, nodes);
+    ParallelFor(threads, ranges, 1, [&](std::size_t range, std::size_t) {
+        Index node = firstNode[range] - 1;
+        for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i) {
+            if (i == rangeBegin[range] || !samePlace(i - 1, i))
+                s.graph.position.col(++node) = bySlot.col(slotAt(i));
+            s.nodeOf[slotAt(i)] = node;
+        }
+    });
+    order.reset();
     bySlot.resize(3, 0);
     progress(0.4, stage);
 
-    // Faces and edge elements as corners.
+    // Faces and edge elements as corners; those that are deleted as three times the same.
     const std::size_t faces = m.face.size(), edges = m.edge.size();
-    std::vector<Index> corner((faces + edges) * 3, 0);
+    std::size_t corners = (faces + edges) * 3;
+    std::unique_ptr<Index[]> corner(new Index[corners]);
     std::vector<Index> degenerate((faces + grain - 1) / grain, 0);
-    std::size_t simplices = 0;
+    auto nodeAt = [&](const auto *vertex) { return s.nodeOf[vertex - &m.vert[0]]; };
     ParallelFor(threads, faces, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
-            if (m.face[f].IsD())
-                continue;
             Index *c = &corner[3 * f];
-            for (int j = 0; j < 3; ++j)
-                c[j] = s.nodeOf[m.face[f].cV(j) - &m.vert[0]];
-            if (c[0] < 0 || c[1] < 0 || c[2] < 0) // a face of a deleted vertex
+            c[0] = -1;
+            if (!m.face[f].IsD())
+                for (int j = 0; j < 3; ++j)
+                    c[j] = nodeAt(m.face[f].cV(j));
+            if (c[0] < 0 || c[1] < 0 || c[2] < 0) // a deleted face, or one of a deleted vertex
                 c[0] = c[1] = c[2] = 0;
             else
                 degenerate[first / grain] += c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
         }
     });
     for (std::size_t e = 0; e < edges; ++e) {
-        if (m.edge[e].IsD())
-            continue;
         Index *c = &corner[3 * (faces + e)];
-        c[0] = s.nodeOf[m.edge[e].cV(0) - &m.vert[0]];
-        c[1] = c[2] = s.nodeOf[m.edge[e].cV(1) - &m.vert[0]];
+        c[0] = m.edge[e].IsD() ? -1 : nodeAt(m.edge[e].cV(0));
+        c[1] = c[2] = m.edge[e].IsD() ? -1 : nodeAt(m.edge[e].cV(1));
         if (c[0] < 0 || c[1] < 0)
             c[0] = c[1] = c[2] = 0;
     }
     for (Index d : degenerate)
         s.report.degenerateFaces += d;
-    simplices = std::size_t(m.fn) + std::size_t(m.en);
-    s.report.pointCloud = simplices == 0;
+    s.report.pointCloud = m.fn == 0 && m.en == 0;
     if (s.report.pointCloud)
-        corner = fcd::detail::NearestNeighbourPairs(s.graph.position, 8, progress.Slice(0.4, 0.6));
-    progress(0.6, stage);
+        corner = fcd::detail::NearestNeighbourPairs(s.graph.position, 8, corners, progress.Slice(0.4, 0.5));
     Index nonManifold = 0;
-    s.graph.adjacency = fcd::detail::TriangleAdjacency(nodes, corner.data(), corner.size(), nonManifold, threads);
+    s.graph.adjacency =
+        fcd::detail::TriangleAdjacency(nodes, corner.get(), corners, nonManifold, progress.Slice(0.5, 0.9));
     s.report.nonManifoldEdges = s.report.pointCloud ? 0 : nonManifold;
     progress(0.9, stage);
 

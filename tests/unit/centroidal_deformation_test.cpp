@@ -173,7 +173,7 @@ TEST(DeformCentroidal, DoesNotDependOnTheThreads) {
         for (unsigned threads : {2u, 7u}) {
             const DeformationResult same = DeformCentroidal(mesh, c.handles, Param(), Threads(threads));
             EXPECT_TRUE(SameBits(same.position, one.position));
-            EXPECT_TRUE(SameBits(same.deformedNodes, one.deformedNodes));
+            EXPECT_TRUE(SameBits(same.deformed.position, one.deformed.position));
             EXPECT_EQ(same.energy, one.energy);
             EXPECT_EQ(same.rest.edge, one.rest.edge);
         }
@@ -427,7 +427,7 @@ static void ExpectFinite(const Shape &shape, const Handles &handles) {
                 param.maxIterations = 50;
                 const DeformationResult r = DeformCentroidal(mesh, handles, param);
                 ExpectHeldExact(mesh, handles, r.position);
-                EXPECT_TRUE(r.deformedNodes.allFinite());
+                EXPECT_TRUE(r.deformed.position.allFinite());
                 EXPECT_TRUE(std::isfinite(r.energy));
             }
 }
@@ -530,7 +530,7 @@ TEST(DeformCentroidal, ReportsWhatItDid) {
     EXPECT_EQ(r.surface.components, 1);
     EXPECT_EQ(r.surface.vertices, c.shape.Size());
     EXPECT_EQ(r.tags.fixed + r.tags.free + r.tags.handle + r.tags.outside, c.shape.Size());
-    EXPECT_EQ(r.deformedNodes.cols(), r.rest.position.cols());
+    EXPECT_EQ(r.deformed.position.cols(), r.rest.position.cols());
     EXPECT_EQ(r.rest.color.size(), std::size_t(r.rest.position.cols()));
 }
 
