@@ -78,6 +78,7 @@ without() {
 
 unit release -DCMAKE_BUILD_TYPE=Release
 unit sanitized -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
+unit threads -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
 
 for version in 2025.7:venv 2022.2:venv-2022; do
     host=pymeshlab-${version%:*} python=$build/${version#*:}/bin/python

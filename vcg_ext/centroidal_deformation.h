@@ -299,6 +299,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
 
     // Mesh.
     watch = {};
+    // Run-overs of 1.5 D leave bends at the borders no sharper than those of SR-ARAP on the benchmark; narrower ones
+    // crease.
     const GraphMapping mapping(surface.graph, tag, patches, graph, param.weights, param.influence, 1.5 * D,
                                progress.Slice(0.75, 0.85));
     const GraphMapping::Posed mapped = mapping.At(pose, motion);

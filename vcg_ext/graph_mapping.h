@@ -18,13 +18,13 @@ enum class MappingWeights {
 /// 8).
 ///
 /// p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero at `influence`
-/// times the radius of j's patch. Within one D of a held region, the blend runs over into that region's own motion,
-/// with two continuous derivatives, so that held nodes are exact and no crease is left at their border.
+/// times the radius of j's patch. Near a held region, the blend runs over into that region's own motion, with two
+/// continuous derivatives, so that held nodes are exact and no crease is left at their border.
 class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle. No patch may hold two tags.
     /// \param influence node radius over patch radius, > 1
-    /// \param fade D: width of the run-over into held regions, units of the positions
+    /// \param fade width of the run-over into held regions along the surface, units of the positions
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
                  const Progress &progress = {})
