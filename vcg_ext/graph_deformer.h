@@ -170,21 +170,27 @@ class GraphDeformer {
         pose.position = rest;
         pose.linear.assign(k, Eigen::Matrix3d::Identity());
         std::vector<Eigen::Matrix3d> rotation(k, Eigen::Matrix3d::Identity());
-        Eigen::MatrixX3d displacement = Eigen::MatrixX3d::Zero(k, 3);
+        using Matrix34d = Eigen::Matrix<double, 3, 4>;
+        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12); // motion minus identity of the constrained nodes
         for (Index i = 0; i < k; ++i)
             if (constrained[i]) {
                 pose.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
                 pose.linear[i] = motion[i].linear();
                 rotation[i] = detail::RotationOf(pose.linear[i]);
-                displacement.row(i) = (pose.position.col(i) - rest.col(i)).transpose();
+                const Matrix34d m = motion[i].matrix().topRows<3>() - Matrix34d::Identity();
+                change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
             }
         if (n == 0)
             return pose;
 
-        // Bi-Laplacian of the displacements as the initial guess.
-        const Eigen::MatrixX3d guess = initialGuess.solve(-(transposedColumns * (constrainedColumns * displacement)));
-        for (Index u = 0; u < n; ++u)
-            pose.position.col(unknown[u]) += guess.row(u).transpose();
+        // Initial guess: the motions' matrices, interpolated by the bi-Laplacian. One motion of all is met exactly.
+        const Eigen::MatrixXd guess = initialGuess.solve(-(transposedColumns * (constrainedColumns * change)));
+        for (Index u = 0; u < n; ++u) {
+            const Eigen::Matrix<double, 1, 12> row = guess.row(u);
+            const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + Matrix34d::Identity();
+            pose.position.col(unknown[u]) = m * rest.col(unknown[u]).homogeneous();
+            rotation[unknown[u]] = detail::RotationOf(m.leftCols<3>());
+        }
 
         State state{std::move(pose.position), std::move(rotation), 0};
         const double smooth = param.smoothness * area;
