@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plugin inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import lzma
 import os
 import struct
 
@@ -639,6 +640,33 @@ def test_benchmark_of_botsch_and_sorkine(shared, case, limit):
     assert np.abs(points[tags >= 2] - transformed(motion, rest[tags >= 2])).max() < 1e-9 * diagonal
     rms = 100 * np.sqrt(((points - wanted) ** 2).sum(1).mean()) / diagonal
     assert rms < limit
+
+
+def open_shared(path, folder):
+    """Opens a mesh, unpacked into the folder where it is packed."""
+    if path.suffix == ".xz":
+        unpacked = folder / path.stem
+        unpacked.write_bytes(lzma.decompress(path.read_bytes()))
+        path = unpacked
+    ms = new_set()
+    ms.load_new_mesh(str(path))
+    return ms
+
+
+SCANS = ["armadillo_43k.ply", "igea_134k.ply.xz", "cortex_pia_lh_153k.ply.xz", "dragon_full_436k_q11.ply.xz"]
+
+
+@pytest.mark.parametrize("name", SCANS)
+def test_patches_of_scans_are_nearly_uniform(shared, name, tmp_path):
+    """The coefficient of variation of the patches' areas."""
+    ms = open_shared(shared / "meshes" / "scans" / name, tmp_path)
+    result = ms.apply_filter(GRAPH)
+    assert result["converged"]
+    patches = list(ms)[-1]
+    number, points, faces = patches.vertex_scalar_array().astype(int), patches.vertex_matrix(), patches.face_matrix()
+    double_area = np.linalg.norm(np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]), axis=1)
+    area = np.bincount(number[faces].ravel(), np.repeat(double_area / 6, 3), result["patches"])
+    assert area.std() / area.mean() < 0.35
 
 
 DIRTY = ["boeing_soup.off", "cube_40k_nonmanifold.ply", "double_torus_nm.off", "elephant_with_holes.off", "fan3.obj",

@@ -106,7 +106,7 @@ namespace detail {
 
 template <class MeshType>
 GraphGeometry GeometryOf(const MeshType &m, const SurfaceGraph &surface, const Patches &patches,
-                         const DeformationGraph &graph) {
+                         const DeformationGraph &graph, const Progress &progress = {}) {
     GraphGeometry g;
     g.position.resize(3, graph.Size());
     g.normal = Eigen::Matrix3Xd::Zero(3, graph.Size());
@@ -123,11 +123,15 @@ GraphGeometry GeometryOf(const MeshType &m, const SurfaceGraph &surface, const P
         std::vector<bool> isCenter(surface.graph.Size(), false);
         for (Index c : patches.center)
             isCenter[c] = true;
-        for (std::size_t i = 0; i < m.vert.size(); ++i)
-            if (surface.nodeOf[i] >= 0 && isCenter[surface.nodeOf[i]]) {
-                const auto &n = m.vert[i].cN();
-                g.normal.col(patches.patchOf[surface.nodeOf[i]]) = Eigen::Vector3d(n[0], n[1], n[2]);
-            }
+        const std::vector<Index> atCenter = CollectInOrder(
+            progress, "Building the graph", Index(m.vert.size()), [&](Index i, std::vector<Index> &found) {
+                if (surface.nodeOf[i] >= 0 && isCenter[surface.nodeOf[i]])
+                    found.push_back(i);
+            });
+        for (Index i : atCenter) {
+            const auto &n = m.vert[i].cN();
+            g.normal.col(patches.patchOf[surface.nodeOf[i]]) = Eigen::Vector3d(n[0], n[1], n[2]);
+        }
     }
     return g;
 }
@@ -198,15 +202,17 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
     const double D = fcd::detail::TargetRadius(surface, param);
     const Patches patches =
         SamplePatches(surface.graph, {}, fcd::detail::ToPatchParam(param, D), progress.Slice(0.4, 0.9));
-    progress(0.9, "Building the graph");
-    const DeformationGraph graph =
-        MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border, progress.threads);
+    const DeformationGraph graph = MakeDeformationGraph(surface.graph, patches, surface.averageEdge,
+                                                        GraphWeights::Border, progress.Slice(0.9, 0.95));
     CentroidalGraph result;
-    result.geometry = fcd::detail::GeometryOf(m, surface, patches, graph);
-    result.patchOf.assign(m.vert.size(), -1);
-    for (std::size_t i = 0; i < m.vert.size(); ++i)
-        if (surface.nodeOf[i] >= 0)
-            result.patchOf[i] = patches.patchOf[surface.nodeOf[i]];
+    result.geometry = fcd::detail::GeometryOf(m, surface, patches, graph, progress.Slice(0.95, 0.98));
+    AssignLarge(result.patchOf, m.vert.size(), Index(-1));
+    ParallelFor(progress.Slice(0.98, 1), "Building the graph", m.vert.size(), 1 << 16,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i)
+                        if (surface.nodeOf[i] >= 0)
+                            result.patchOf[i] = patches.patchOf[surface.nodeOf[i]];
+                });
     const double scale = surface.frame.scale;
     result.iterations = patches.iterations;
     result.converged = patches.converged;
@@ -253,8 +259,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
             GrowPatches(surface.graph, tag, fcd::detail::NearestNodes(surface, param.nodes), progress.Slice(0.3, 0.6));
         D = *std::max_element(patches.radius.begin(), patches.radius.end());
     }
-    const DeformationGraph graph =
-        MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border, progress.threads);
+    const DeformationGraph graph = MakeDeformationGraph(surface.graph, patches, surface.averageEdge,
+                                                        GraphWeights::Border, progress.Slice(0.6, 0.61));
     result.secondsGraph = watch.Seconds();
 
     // Motion of each held tag, and of the graph.
@@ -292,7 +298,7 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     solver.smoothness = param.smoothness;
     solver.maxIterations = param.maxIterations;
     solver.tolerance = param.tolerance;
-    GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.6, 0.75));
+    GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.61, 0.75));
     if (param.looseParts == LooseParts::Follow)
         FollowNearest(graph, deformer, pose);
     result.secondsSolve = watch.Seconds();

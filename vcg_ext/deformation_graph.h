@@ -27,10 +27,10 @@ struct DeformationGraph {
 
 /// \param averageEdge mean edge length of \p surface
 inline DeformationGraph MakeDeformationGraph(const Graph &surface, const Patches &patches, double averageEdge,
-                                             GraphWeights weights, unsigned threads = 0) {
+                                             GraphWeights weights, const Progress &progress = {}) {
     DeformationGraph d;
     const Index k = patches.Size();
-    Quotient dual = QuotientGraph(surface.adjacency, patches.patchOf, k, threads);
+    Quotient dual = QuotientGraph(surface.adjacency, patches.patchOf, k, progress);
     d.graph.adjacency = std::move(dual.adjacency);
     d.graph.position.resize(3, k);
     for (Index j = 0; j < k; ++j)

@@ -2,7 +2,7 @@
 #ifndef VCG_FCD_GRAPH_H
 #define VCG_FCD_GRAPH_H
 
-#include "parallel.h"
+#include "progress.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -73,7 +73,8 @@ struct Quotient {
 };
 
 /// Builds the dual graph of the groups that \p groupOf (n values in [0, groups)) makes of \p graph's nodes.
-inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups, unsigned threads = 0) {
+inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups,
+                              const Progress &progress = {}, const char *stage = "Building the graph") {
     struct Crossing {
         std::uint64_t key; // the two groups, the smaller one in the upper half
         Index count;
@@ -92,7 +93,7 @@ inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
     };
     const std::size_t grain = 1 << 14, chunks = (groupOf.size() + grain - 1) / grain;
     std::vector<std::vector<Crossing>> found(chunks);
-    ParallelFor(threads, groupOf.size(), grain, [&](std::size_t first, std::size_t last) {
+    ParallelFor(progress, stage, groupOf.size(), grain, [&](std::size_t first, std::size_t last) {
         std::vector<Crossing> list;
         for (std::size_t u = first; u < last; ++u)
             for (Index v : graph[Index(u)]) {

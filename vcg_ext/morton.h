@@ -2,7 +2,8 @@
 #ifndef VCG_FCD_MORTON_H
 #define VCG_FCD_MORTON_H
 
-#include "parallel.h"
+#include "memory.h"
+#include "progress.h"
 
 #include <cstdint>
 #include <memory>
@@ -13,14 +14,16 @@ namespace fcd {
 namespace detail {
 
 /// Sorts the \p n \p items by (item >> 32) with three passes over 30 bits, stable, in parallel.
-inline void RadixSortUpper30(std::unique_ptr<std::uint64_t[]> &items, std::size_t n, unsigned threads) {
+inline void RadixSortUpper30(std::unique_ptr<std::uint64_t[]> &items, std::size_t n, const Progress &progress = {},
+                             const char *stage = "Sorting") {
     const std::size_t grain = 1 << 16, chunks = (n + grain - 1) / grain, digits = 1024;
-    std::unique_ptr<std::uint64_t[]> other(new std::uint64_t[n]);
+    std::unique_ptr<std::uint64_t[]> other = LargeArray<std::uint64_t>(n);
     std::vector<std::uint32_t> count(chunks * digits);
-    for (int shift = 32; shift < 62; shift += 10) {
+    for (int pass = 0; pass < 3; ++pass) {
+        const int shift = 32 + 10 * pass;
         auto digit = [shift](std::uint64_t item) { return (item >> shift) & 1023; };
         std::fill(count.begin(), count.end(), 0);
-        ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        ParallelFor(progress.Slice(pass / 3.0, pass / 3.0), stage, n, grain, [&](std::size_t first, std::size_t last) {
             std::uint32_t *c = &count[first / grain * digits];
             for (std::size_t i = first; i < last; ++i)
                 ++c[digit(items[i])];
@@ -32,11 +35,12 @@ inline void RadixSortUpper30(std::unique_ptr<std::uint64_t[]> &items, std::size_
                 count[c * digits + d] = sum;
                 sum += here;
             }
-        ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
-            std::uint32_t *at = &count[first / grain * digits];
-            for (std::size_t i = first; i < last; ++i)
-                other[at[digit(items[i])]++] = items[i];
-        });
+        ParallelFor(progress.Slice(pass / 3.0, (pass + 1) / 3.0), stage, n, grain,
+                    [&](std::size_t first, std::size_t last) {
+                        std::uint32_t *at = &count[first / grain * digits];
+                        for (std::size_t i = first; i < last; ++i)
+                            other[at[digit(items[i])]++] = items[i];
+                    });
         items.swap(other);
     }
 }

@@ -61,7 +61,7 @@ class PatchGrower {
     /// Assigns every node to a patch. Where no centre leads, a node becomes one: \p center grows.
     /// \param step width of a distance class; the order within a class is left open
     void Grow(std::vector<Center> &center, double step, const Progress &progress = {}) {
-        patchOf.assign(graph.Size(), -1);
+        AssignLarge(patchOf, graph.Size(), Index(-1));
         Start(step, progress.threads);
         for (Index c = 0; c < Index(center.size()); ++c)
             Offer(center[c].node, c, 0, 0);
@@ -93,8 +93,9 @@ class PatchGrower {
         inverseStep = float(std::min(1 / step, 1e30)); // finite: 0 times it is 0
         bucket.resize(4096);
         assigned = 0;
-        state.resize(graph.Size());
-        ParallelFor(threads, state.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        if (!state)
+            state = LargeArray<State>(graph.Size());
+        ParallelFor(threads, graph.Size(), 1 << 16, [&](std::size_t first, std::size_t last) {
             for (std::size_t u = first; u < last; ++u)
                 state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
                             patchOf[u] < 0 ? std::numeric_limits<float>::infinity() : -1};
@@ -124,6 +125,18 @@ class PatchGrower {
         for (std::size_t b = 0; b <= last; ++b) {
             // A bucket may grow while it is emptied.
             for (std::size_t i = 0; i < bucket[b].size(); ++i) {
+#ifdef __GNUC__
+                // Offers that follow each other are far apart in memory: begin to read what the next ones need. (A
+                // function of its own would be optimised away, as one without an effect.)
+                const std::vector<Offered> &offers = bucket[b];
+                if (i + 16 < offers.size())
+                    __builtin_prefetch(&graph.adjacency.begin[offers[i + 16].node]);
+                if (i + 8 < offers.size())
+                    __builtin_prefetch(graph.adjacency[offers[i + 8].node].first);
+                if (i + 4 < offers.size())
+                    for (Index v : graph.adjacency[offers[i + 4].node])
+                        __builtin_prefetch(&state[v]);
+#endif
                 const Offered o = bucket[b][i];
                 if (state[o.node].best < 0)
                     continue;
@@ -150,26 +163,23 @@ class PatchGrower {
 
     const Graph &graph;
     const std::vector<Index> &tag;
-    std::vector<State> state;
+    std::unique_ptr<State[]> state;
     std::vector<std::vector<Offered>> bucket;
     float inverseStep = 1;
     std::size_t last = 0;
     Index assigned = 0;
 };
 
-/// \p count different numbers of [0, n), ascending.
+/// A random node of each of \p count equal stretches of [0, n): min(n, count) different numbers, ascending. In Morton
+/// order, stretches are parts of the surface of about the same area, so that no part of it is left without a seed.
 inline std::vector<Index> RandomSample(Index n, Index count, unsigned seed) {
-    std::mt19937_64 random(seed);
+    std::mt19937_64 random(seed); // the standard's distributions differ between libraries, the engine's numbers do not
+    count = std::min(n, count);
     std::vector<Index> sample;
-    // Floyd's algorithm; the standard's distributions differ between libraries, the engine's numbers do not.
-    std::vector<bool> taken(n, false);
-    for (Index i = n - std::min(n, count); i < n; ++i) {
-        const Index r = Index(random() % std::uint64_t(i + 1));
-        taken[taken[r] ? i : r] = true;
+    for (Index i = 0; i < count; ++i) {
+        const std::int64_t first = std::int64_t(n) * i / count, last = std::int64_t(n) * (i + 1) / count;
+        sample.push_back(Index(first + std::int64_t(random() % std::uint64_t(last - first))));
     }
-    for (Index i = 0; i < n; ++i)
-        if (taken[i])
-            sample.push_back(i);
     return sample;
 }
 
@@ -293,6 +303,7 @@ struct Lloyd {
     }
 
     /// Grows, splits and moves the centres until the cost stops falling and no patch reaches beyond D.
+    /// \param history of this iteration and of those before it, which count towards maxIterations
     bool Iterate(const PatchParam &param, std::vector<SamplingStep> &history, const Progress &progress) {
         double previous = std::numeric_limits<double>::infinity();
         bool converged = false;
@@ -304,7 +315,7 @@ struct Lloyd {
             grower.Grow(center, param.targetRadius / 128, progress.Slice(from, to));
             Measure();
             history.push_back({Index(center.size()), 0});
-            const bool settled = iterations > 0 && previous - cost <= param.tolerance * previous;
+            const bool settled = std::isfinite(previous) && previous - cost <= param.tolerance * previous;
             previous = cost;
             std::vector<Center> added = Splits(param.targetRadius);
             UpdateCenters();
@@ -343,55 +354,76 @@ struct Lloyd {
     }
 };
 
+/// The lists that collect(u, list) makes for u in [0, n), in order, one after the other.
+template <class Collect>
+std::vector<Index> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
+    const std::size_t grain = 1 << 16;
+    std::vector<std::vector<Index>> lists((n + grain - 1) / grain);
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        std::vector<Index> list;
+        for (std::size_t u = first; u < last; ++u)
+            collect(Index(u), list);
+        lists[first / grain] = std::move(list);
+    });
+    std::vector<Index> all;
+    for (const std::vector<Index> &list : lists)
+        all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
 /// Nodes of \p graph joined into small connected clusters of one tag: the components of the cells of a regular grid.
 struct Clusters {
     Graph graph;                  ///< a node per cluster, at its barycentre; edges where clusters touch
     std::vector<Index> clusterOf; ///< of each node
-    std::vector<float> mass;      ///< nodes of each cluster
+    std::vector<float> mass;      ///< of the nodes of each cluster
     std::vector<float> extent;    ///< distance from the barycentre to the farthest node
 };
 
-/// \param bits the cells' side is 2^-bits; \p graph's nodes must be in Morton order
-inline Clusters MakeClusters(const Graph &graph, const std::vector<Index> &tag, int bits, unsigned threads) {
+/// \param bits the cells' side is 2^-bits; the nodes must be in Morton order
+inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progress) {
+    const Graph &graph = nodes.graph;
+    const std::vector<Index> &tag = nodes.tag;
+    const char *stage = "Sampling patches";
     const Index n = graph.Size();
     const int shift = 30 - 3 * bits;
-    std::vector<std::uint32_t> code(n);
-    ParallelFor(threads, n, 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t u = first; u < last; ++u)
-            code[u] = MortonCode(graph.position(0, u), graph.position(1, u), graph.position(2, u)) >> shift;
+    auto code = [&](Index u) {
+        return MortonCode(graph.position(0, u), graph.position(1, u), graph.position(2, u)) >> shift;
+    };
+    std::vector<Index> cellBegin = CollectInOrder(progress.Slice(0, 0.1), stage, n, [&](Index u, auto &begins) {
+        if (u == 0 || code(u) != code(u - 1))
+            begins.push_back(u);
     });
-    std::vector<Index> cellBegin;
-    for (Index u = 0; u < n; ++u)
-        if (u == 0 || code[u] != code[u - 1])
-            cellBegin.push_back(u);
     const Index cells = Index(cellBegin.size());
     cellBegin.push_back(n);
 
     Clusters c;
-    c.clusterOf.resize(n);
+    AssignLarge(c.clusterOf, n, Index(0));
     std::vector<Index> clusterBegin(std::size_t(cells) + 1, 0);
-    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
-        std::vector<Index> stack;
+    ParallelFor(progress.Slice(0.1, 0.4), stage, cells, 256, [&](std::size_t first, std::size_t last) {
+        std::vector<Index> parent; // of each node of a cell, towards the first node of its component
         for (std::size_t cell = first; cell < last; ++cell) {
             const Index lo = cellBegin[cell], hi = cellBegin[cell + 1];
-            std::fill(c.clusterOf.begin() + lo, c.clusterOf.begin() + hi, -1);
-            Index found = 0;
-            for (Index seed = lo; seed < hi; ++seed) {
-                if (c.clusterOf[seed] >= 0)
-                    continue;
-                c.clusterOf[seed] = found;
-                stack.assign(1, seed);
-                while (!stack.empty()) {
-                    const Index u = stack.back();
-                    stack.pop_back();
-                    for (Index v : graph.adjacency[u])
-                        if (v >= lo && v < hi && c.clusterOf[v] < 0 && (tag.empty() || tag[v] == tag[u])) {
-                            c.clusterOf[v] = found;
-                            stack.push_back(v);
-                        }
+            auto root = [&](Index i) {
+                while (parent[i] != i)
+                    i = parent[i] = parent[parent[i]];
+                return i;
+            };
+            parent.resize(hi - lo);
+            for (Index u = lo; u < hi; ++u) {
+                Index top = parent[u - lo] = u - lo;
+                for (Index v : graph.adjacency[u]) {
+                    if (v >= u) // neighbours are ascending
+                        break;
+                    if (v < lo || (!tag.empty() && tag[v] != tag[u]))
+                        continue;
+                    const Index other = root(v - lo);
+                    parent[std::max(top, other)] = std::min(top, other);
+                    top = std::min(top, other);
                 }
-                ++found;
             }
+            Index found = 0;
+            for (Index u = lo; u < hi; ++u) // ascending: the parent's number is known
+                c.clusterOf[u] = parent[u - lo] == u - lo ? found++ : c.clusterOf[lo + parent[u - lo]];
             clusterBegin[cell + 1] = found;
         }
     });
@@ -401,46 +433,50 @@ inline Clusters MakeClusters(const Graph &graph, const std::vector<Index> &tag, 
     c.graph.position = Eigen::Matrix3Xf::Zero(3, clusters);
     c.mass.assign(clusters, 0);
     c.extent.assign(clusters, 0);
-    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
+    ParallelFor(progress.Slice(0.4, 0.5), stage, cells, 256, [&](std::size_t first, std::size_t last) {
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
             while (u >= cellBegin[first + 1])
                 ++first;
             c.clusterOf[u] += clusterBegin[first];
         }
     });
-    ParallelFor(threads, cells, 256, [&](std::size_t first, std::size_t last) {
+    ParallelFor(progress.Slice(0.5, 0.7), stage, cells, 256, [&](std::size_t first, std::size_t last) {
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
-            c.graph.position.col(c.clusterOf[u]) += graph.position.col(u);
-            ++c.mass[c.clusterOf[u]];
+            const float mass = nodes.mass.empty() ? 1 : nodes.mass[u];
+            c.graph.position.col(c.clusterOf[u]) += mass * graph.position.col(u);
+            c.mass[c.clusterOf[u]] += mass;
         }
         for (Index i = clusterBegin[first]; i < clusterBegin[last]; ++i)
             c.graph.position.col(i) /= c.mass[i];
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
             float &e = c.extent[c.clusterOf[u]];
-            e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm());
+            e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm() +
+                                (nodes.extent.empty() ? 0 : nodes.extent[u]));
         }
     });
-    c.graph.adjacency = QuotientGraph(graph.adjacency, c.clusterOf, clusters, threads).adjacency;
+    c.graph.adjacency = QuotientGraph(graph.adjacency, c.clusterOf, clusters, progress.Slice(0.7, 1), stage).adjacency;
     return c;
 }
 
 /// Lloyd's iteration on clusters of the nodes instead of the nodes: close to the patches wanted, at a fraction of the
-/// cost. Leaves \p lloyd with grown patches and centres, and returns whether it converged. Does nothing (and leaves no
-/// centres) where clusters would not be much coarser than the nodes or not much finer than the patches.
-inline bool SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, PatchParam param,
-                           std::vector<SamplingStep> &history, const Progress &progress) {
+/// cost. It is itself begun on coarser clusters. Leaves \p lloyd with grown patches and centres. Does nothing (and
+/// leaves no centres) where there are not enough nodes to a cluster or clusters to a patch.
+/// \param bits the finest cells tried have a side of 2^-bits, the coarsest of 2^-leastBits
+/// \return the bits of the finest cells used where the iteration has converged, else 0
+inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const PatchParam &param, int bits,
+                          int leastBits, std::vector<SamplingStep> &history, const Progress &progress) {
+    if (bits < leastBits)
+        return 0;
     const Graph &graph = lloyd.graph;
     const std::vector<Index> &tag = lloyd.tag;
-    const int bits = int(std::ceil(std::log2(6 / param.targetRadius)));
-    if (bits < 1 || bits > 10)
-        return false;
-    progress(0, "Sampling patches");
-    const Clusters clusters = MakeClusters(graph, tag, bits, progress.threads);
+    const Clusters clusters = MakeClusters(lloyd, bits, progress.Slice(0, 0.3));
     const Index count = clusters.graph.Size();
-    if (count > graph.Size() / 8)
-        return false;
+    if (count < 8 * Index(seed.size()))
+        return 0;
+    if (count > graph.Size() / 3)
+        return SampleClusters(lloyd, seed, param, bits - 1, leastBits, history, progress.Slice(0.3, 1));
     progress(0.3, "Sampling patches");
-    std::vector<Index> clusterTag;
+    std::vector<Index> clusterTag, clusterSeed;
     if (!tag.empty()) {
         clusterTag.resize(count);
         for (Index u = 0; u < graph.Size(); ++u)
@@ -455,18 +491,22 @@ inline bool SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, PatchPa
     for (Index s : seed)
         if (!taken[clusters.clusterOf[s]]) {
             taken[clusters.clusterOf[s]] = true;
-            coarse.center.push_back({clusters.clusterOf[s], graph.position.col(s)});
+            clusterSeed.push_back(clusters.clusterOf[s]);
         }
-    param.tolerance /= 10; // iterations are cheap here
-    const bool converged = coarse.Iterate(param, history, progress.Slice(0.3, 0.6));
+    SampleClusters(coarse, clusterSeed, param, bits - 1, leastBits, history, progress.Slice(0.3, 0.5));
+    if (coarse.center.empty())
+        for (Index s : clusterSeed)
+            coarse.center.push_back({s, clusters.graph.position.col(s)});
+    const bool converged = coarse.Iterate(param, history, progress.Slice(0.5, 0.6));
 
     // On to the nodes: the one nearest each patch's barycentre.
     std::vector<Index> &patchOf = lloyd.grower.patchOf;
     patchOf.resize(graph.Size());
-    ParallelFor(progress.threads, patchOf.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t u = first; u < last; ++u)
-            patchOf[u] = coarse.grower.patchOf[clusters.clusterOf[u]];
-    });
+    ParallelFor(progress.Slice(0.6, 0.65), "Sampling patches", patchOf.size(), 1 << 16,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t u = first; u < last; ++u)
+                        patchOf[u] = coarse.grower.patchOf[clusters.clusterOf[u]];
+                });
     // The last step of the iteration may have added centres; they come with the nodes' own iteration.
     const Index patches = 1 + *std::max_element(coarse.grower.patchOf.begin(), coarse.grower.patchOf.end());
     lloyd.center.resize(patches);
@@ -496,17 +536,18 @@ inline bool SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, PatchPa
     for (Index c = 0; c < count; ++c)
         for (Index n : clusters.graph.adjacency[c])
             front[c] |= kept[c] && !kept[n];
-    std::vector<Index> frontNodes;
-    for (Index u = 0; u < graph.Size(); ++u) {
-        const Index c = clusters.clusterOf[u];
-        if (!kept[c])
-            patchOf[u] = -1;
-        else if (front[c])
-            frontNodes.push_back(u);
-    }
-    lloyd.grower.GrowFrom(frontNodes, lloyd.center, param.targetRadius / 128, progress.Slice(0.6, 1));
+    const std::vector<Index> frontNodes =
+        CollectInOrder(progress.Slice(0.65, 0.7), "Sampling patches", graph.Size(), [&](Index u, auto &nodes) {
+            const Index c = clusters.clusterOf[u];
+            if (!kept[c])
+                patchOf[u] = -1;
+            else if (front[c])
+                nodes.push_back(u);
+        });
+    lloyd.grower.GrowFrom(frontNodes, lloyd.center, param.targetRadius / 128, progress.Slice(0.7, 1));
+    progress(1, "Sampling patches");
     lloyd.UpdateCenters();
-    return converged;
+    return converged ? bits : 0;
 }
 
 inline Patches TakePatches(Lloyd &lloyd) {
@@ -534,11 +575,14 @@ inline Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, 
     const std::vector<Index> seed = detail::RandomSample(graph.Size(), param.initialPatches, param.randomSeed);
     std::vector<SamplingStep> history;
     detail::Lloyd lloyd(graph, tag, progress.threads);
-    bool converged = detail::SampleClusters(lloyd, seed, param, history, progress.Slice(0, 0.7));
-    if (converged) {
+    const int leastBits = std::max(1, int(std::ceil(std::log2(3 / param.targetRadius)))),
+              bits = std::min(leastBits + 1, 10);
+    const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7));
+    bool converged = used > leastBits;
+    if (used) {
         lloyd.Measure();
         const std::vector<detail::Center> added = lloyd.Splits(param.targetRadius);
-        converged = added.empty();
+        converged &= added.empty();
         if (int(history.size()) < param.maxIterations)
             lloyd.center.insert(lloyd.center.end(), added.begin(), added.end());
     }

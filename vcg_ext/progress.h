@@ -2,8 +2,11 @@
 #ifndef VCG_FCD_PROGRESS_H
 #define VCG_FCD_PROGRESS_H
 
+#include "parallel.h"
+
 #include <algorithm>
 #include <chrono>
+#include <cstring> // for wrap/callback.h of VCG 2020.09, which forgets it
 #include <stdexcept>
 #include <wrap/callback.h>
 
@@ -43,6 +46,17 @@ class Progress {
     vcg::CallBackPos *callback = nullptr;
     double lo = 0, hi = 100;
 };
+
+/// ParallelFor that reports progress as it goes, from the calling thread, which takes its turn. \throw Cancelled
+template <class Body>
+void ParallelFor(const Progress &progress, const char *stage, std::size_t n, std::size_t grain, const Body &body) {
+    const std::thread::id caller = std::this_thread::get_id();
+    ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
+        if (std::this_thread::get_id() == caller)
+            progress(double(first) / double(n), stage);
+        body(first, last);
+    });
+}
 
 /// Wall-clock time since it was made.
 class Stopwatch {

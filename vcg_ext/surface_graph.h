@@ -3,6 +3,7 @@
 #define VCG_FCD_SURFACE_GRAPH_H
 
 #include "graph.h"
+#include "memory.h"
 #include "morton.h"
 #include "progress.h"
 
@@ -58,183 +59,191 @@ struct SurfaceGraph {
 
 namespace detail {
 
-/// Adjacency of \p nodes nodes from triangles (3 corners each; a repeated corner adds nothing). Also counts the edges
-/// that more than two triangles share.
-///
-/// Each node has a record of half a cache line for up to seven neighbours, filled in one pass over the triangles; what
-/// does not fit goes to a list that is sorted in afterwards. A triangle gives each corner only the one that comes next:
-/// around a node whose triangles form a closed, evenly oriented fan, that is every neighbour once. A checksum of next
-/// minus previous corners tells the other nodes, and the edges between those are then entered at both ends.
-inline Csr TriangleAdjacency(Index nodes, const Index *corner, std::size_t corners, Index &nonManifoldEdges,
-                             const Progress &progress) {
-    const char *stage = "Reading the mesh";
-    const unsigned threads = progress.threads;
-    constexpr std::uint32_t room = 7;
-    constexpr Index once = 1 << 29,
-                    mask = once - 1; // two spare bits count how often a corner came next: 0 to 3 or more
-    if (nodes > mask)
-        throw Error("The mesh has more than 500 million vertices; simplify it first.");
-    struct Record {
-        std::uint32_t head; // 29 bits of checksum, 3 bits: how many neighbours are here
-        Index neighbour[room];
-        std::uint32_t Size() const { return head & 7; }
-        bool IsOpen() const { return head >> 3; }
-    };
-    struct Extra { // a neighbour for which the record has no room
-        Index node, neighbour;
-        bool operator<(const Extra &o) const {
-            return node != o.node ? node < o.node : (neighbour & mask) < (o.neighbour & mask);
-        }
-        bool Same(const Extra &o) const { return node == o.node && (neighbour & mask) == (o.neighbour & mask); }
-    };
-    auto scramble = [](std::uint32_t v) {
-        v *= 0x9E3779B1u;
-        return (v ^ v >> 15) * 0x85EBCA77u;
-    };
-    const std::unique_ptr<Record[]> record(
-        new Record[nodes]); // not touched before it is used: that would cost a pass over memory
-    // Each part owns a range of nodes and reads all triangles: no two parts write to the same place.
-    const std::size_t parts =
-        std::min<std::size_t>(8, std::max<std::size_t>(1, threads ? threads : std::thread::hardware_concurrency()));
-    auto partBegin = [&](std::size_t part) { return Index(std::uint64_t(nodes) * part / parts); };
-    std::vector<std::vector<Extra>> extra(parts), reverse(parts);
-
-    auto counted = [](Index entry, Index more) {
-        return (entry & mask) | std::min(entry / once + more / once, 3) * once;
-    };
-    auto add = [&](Index v, Index neighbour, Index count, std::vector<Extra> &list) {
-        Record &r = record[v];
-        const std::uint32_t size = r.Size();
-        for (std::uint32_t i = 0; i < size; ++i)
-            if ((r.neighbour[i] & mask) == neighbour) {
-                r.neighbour[i] = counted(r.neighbour[i], count);
-                return;
-            }
-        if (size < room) {
-            r.neighbour[size] = neighbour | count;
-            ++r.head;
-        } else
-            list.push_back({v, neighbour | count});
-    };
-    auto sortExtra = [&counted](std::vector<Extra> &list) {
-        std::sort(list.begin(), list.end());
-        std::size_t kept = 0;
-        for (const Extra &e : list) {
-            if (kept == 0 || !list[kept - 1].Same(e))
-                list[kept++] = e;
-            else
-                list[kept - 1].neighbour = counted(list[kept - 1].neighbour, e.neighbour);
-        }
-        list.resize(kept);
-    };
-    ParallelFor(threads, nodes, 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t v = first; v < last; ++v)
-            record[v].head = 0;
-    });
-    const std::size_t block = 3 << 21; // progress is reported between blocks
-    for (std::size_t begin = 0; begin < corners; begin += block) {
-        progress(0.6 * double(begin) / double(corners), stage);
-        ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
-            const std::uint32_t lo = partBegin(part), width = partBegin(part + 1) - lo;
-            for (std::size_t t = begin; t < std::min(corners, begin + block); t += 3) {
-                const Index c[5] = {corner[t], corner[t + 1], corner[t + 2], corner[t], corner[t + 1]};
-                // Without area it is no face of the edge.
-                const Index count = c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ? 0 : once;
-                for (int i = 0; i < 3; ++i) {
-                    const Index v = c[i], next = c[i + 1], previous = c[i + 2];
-                    if (std::uint32_t(v) - lo >= width)
-                        continue;
-                    record[v].head += (scramble(next) - scramble(previous)) << 3;
-                    if (next != v)
-                        add(v, next, count, extra[part]);
-                }
-            }
-        });
+/// std::sort, fast for the few items that most lists here have.
+template <class T>
+void SortShort(T *first, T *last) {
+    if (last - first > 32) {
+        std::sort(first, last);
+        return;
     }
-    progress(0.6, stage);
-    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) { sortExtra(extra[part]); });
-
-    // How often v comes after u.
-    auto count = [&](Index u, Index v) {
-        const Record &r = record[u];
-        for (std::uint32_t i = 0; i < r.Size(); ++i)
-            if ((r.neighbour[i] & mask) == v)
-                return r.neighbour[i] / once;
-        if (r.Size() == room)
-            for (std::size_t part = 0; part < parts; ++part)
-                if (u < partBegin(part + 1)) {
-                    const Extra wanted{u, v};
-                    const auto at = std::lower_bound(extra[part].begin(), extra[part].end(), wanted);
-                    return at != extra[part].end() && at->Same(wanted) ? at->neighbour / once : 0;
-                }
-        return 0;
-    };
-    std::vector<Index> nonManifold(parts, 0);
-    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
-        auto visit = [&](Index u, Index entry) {
-            const Index v = entry & mask, there = entry / once;
-            if (!record[u].IsOpen() && there < 2)
-                return;
-            const Index back = count(v, u);
-            if (back == 0)
-                reverse[part].push_back({v, u});
-            nonManifold[part] += there + back > 2 && (u < v || back == 0);
-        };
-        for (Index u = partBegin(part); u < partBegin(part + 1); ++u)
-            for (std::uint32_t i = 0; i < record[u].Size(); ++i)
-                visit(u, record[u].neighbour[i]);
-        for (const Extra &e : extra[part])
-            visit(e.node, e.neighbour);
-    });
-    progress(0.7, stage);
-    for (Index n : nonManifold)
-        nonManifoldEdges += n;
-
-    Csr adjacency;
-    adjacency.begin.assign(std::size_t(nodes) + 1, 0);
-    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
-        for (const std::vector<Extra> &list : reverse)
-            for (const Extra &e : list)
-                if (e.node >= partBegin(part) && e.node < partBegin(part + 1))
-                    add(e.node, e.neighbour, 0, extra[part]);
-        sortExtra(extra[part]);
-        for (const Extra &e : extra[part])
-            ++adjacency.begin[e.node + 1];
-        for (Index v = partBegin(part); v < partBegin(part + 1); ++v)
-            adjacency.begin[v + 1] += record[v].Size();
-    });
-    std::uint64_t total = 0;
-    for (Index v = 0; v < nodes; ++v) {
-        total += adjacency.begin[v + 1];
-        if (total > std::uint32_t(-1))
-            throw Error("The mesh has more than two thousand million edges; simplify it first.");
-        adjacency.begin[v + 1] = std::uint32_t(total);
+    for (T *i = first; i < last; ++i) {
+        const T item = *i;
+        T *at = i;
+        for (; at > first && item < at[-1]; --at)
+            *at = at[-1];
+        *at = item;
     }
-    progress(0.8, stage);
-    adjacency.item.resize(total);
-    ParallelFor(threads, parts, 1, [&](std::size_t part, std::size_t) {
-        const Extra *more = extra[part].data(), *moreEnd = more + extra[part].size();
-        for (Index v = partBegin(part); v < partBegin(part + 1); ++v) {
-            Index *row = adjacency.item.data() + adjacency.begin[v], *end = row;
-            for (std::uint32_t i = 0; i < record[v].Size(); ++i) { // insertion sort
-                const Index neighbour = record[v].neighbour[i] & mask;
-                Index *at = end++;
-                for (; at > row && at[-1] > neighbour; --at)
-                    *at = at[-1];
-                *at = neighbour;
-            }
-            Index *middle = end;
-            for (; more < moreEnd && more->node == v; ++more)
-                *end++ = more->neighbour & mask;
-            if (end > middle)
-                std::inplace_merge(row, middle, end);
-        }
-    });
-    return adjacency;
 }
 
-/// Triangles with a repeated corner that join each point with its \p k nearest ones. \param corners their number, out
-inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &position, int k, std::size_t &corners,
+/// A graph of triangles, and what is measured on the way.
+struct TriangleGraph {
+    Csr adjacency;
+    Index nonManifoldEdges = 0;
+    double edgeLengths = 0; ///< sum over all edges
+    double area = 0;
+};
+
+/// Joins the corners of triangles (3 x triangles nodes). A triangle with a repeated corner counts as the edge that is
+/// left of it, and one with three equal corners not at all.
+///
+/// The nodes are cut into blocks that fit the cache, and each block gets a copy of the triangles that have a corner in
+/// it. Around a node whose triangles form a closed, evenly oriented fan, the corners that come next are every neighbour
+/// once; a checksum of next minus previous corners tells the other nodes, for which both are taken.
+/// \pre neighbours have numbers that are close (Morton order), for speed
+inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const Index *corner, std::size_t triangles,
+                                      const Progress &progress) {
+    const char *stage = "Reading the mesh";
+    const Index nodes = Index(position.cols());
+    const std::size_t grain = 1 << 15, chunks = (triangles + grain - 1) / grain;
+    int shift = 12;
+    while ((nodes - 1) >> shift >= 1024)
+        ++shift;
+    const std::size_t blocks = (std::size_t(nodes - 1) >> shift) + 1;
+    auto forBlocksOf = [shift](const Index *c, const auto &body) {
+        const Index a = c[0] >> shift, b = c[1] >> shift, d = c[2] >> shift;
+        if (c[0] == c[1] && c[1] == c[2])
+            return;
+        body(a);
+        if (b != a)
+            body(b);
+        if (d != a && d != b)
+            body(d);
+    };
+
+    // Triangles by block: count, prefix sum, fill.
+    std::vector<std::size_t> at(chunks * blocks, 0); // of each chunk's triangles in each block
+    ParallelFor(progress.Slice(0, 0.1), stage, triangles, grain, [&](std::size_t first, std::size_t last) {
+        std::size_t *count = &at[first / grain * blocks];
+        for (std::size_t t = first; t < last; ++t)
+            forBlocksOf(corner + 3 * t, [&](Index block) { ++count[block]; });
+    });
+    std::vector<std::size_t> blockBegin(blocks + 1, 0);
+    for (std::size_t b = 0, sum = 0; b < blocks; ++b) {
+        for (std::size_t c = 0; c < chunks; ++c) {
+            const std::size_t here = at[c * blocks + b];
+            at[c * blocks + b] = sum;
+            sum += here;
+        }
+        blockBegin[b + 1] = sum;
+    }
+    struct Triangle {
+        Index corner[3];
+    };
+    std::unique_ptr<Triangle[]> triangle = LargeArray<Triangle>(blockBegin[blocks]);
+    ParallelFor(progress.Slice(0.1, 0.3), stage, triangles, grain, [&](std::size_t first, std::size_t last) {
+        std::size_t *next = &at[first / grain * blocks];
+        for (std::size_t t = first; t < last; ++t) {
+            const Index *c = corner + 3 * t;
+            forBlocksOf(c, [&](Index block) { triangle[next[block]++] = {{c[0], c[1], c[2]}}; });
+        }
+    });
+
+    // Blocks.
+    struct Block {
+        std::vector<Index> item;
+        Index nonManifoldEdges = 0;
+        double edgeLengths = 0, area = 0;
+    };
+    std::vector<Block> done(blocks);
+    TriangleGraph result;
+    AssignLarge(result.adjacency.begin, std::size_t(nodes) + 1, 0u);
+    using Entry = std::uint32_t; // a neighbour and, in the lowest bit, whether a face is what joins it
+    auto scramble = [](Entry e) {
+        std::uint64_t v = (e + 1) * 0x9E3779B97F4A7C15u;
+        return (v ^ v >> 29) * 0xBF58476D1CE4E5B9u;
+    };
+    ParallelFor(progress.Slice(0.3, 0.9), stage, blocks, 1, [&](std::size_t b, std::size_t) {
+        const Index first = Index(b << shift), last = std::min(nodes, Index((b + 1) << shift));
+        const Triangle *begin = triangle.get() + blockBegin[b], *end = triangle.get() + blockBegin[b + 1];
+        // body(node, next, previous) for every corner in this block
+        auto forCorners = [&](const auto &body) {
+            for (const Triangle *t = begin; t < end; ++t) {
+                const Index *c = t->corner;
+                if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
+                    for (int i = 0, next = 1, previous = 2; i < 3; previous = i++, next = next == 2 ? 0 : next + 1)
+                        if (c[i] >= first && c[i] < last)
+                            body(c[i] - first, Entry(c[next]) << 1 | 1, Entry(c[previous]) << 1 | 1);
+                } else { // the edge between its two different corners
+                    const Index u = c[0], v = c[0] == c[1] ? c[2] : c[1];
+                    if (u >= first && u < last)
+                        body(u - first, Entry(v) << 1, Entry(v) << 1);
+                    if (v >= first && v < last)
+                        body(v - first, Entry(u) << 1, Entry(u) << 1);
+                }
+            }
+        };
+        struct Node {
+            std::uint64_t checksum = 0; // 0: closed
+            std::uint32_t corners = 0, begin = 0, end = 0;
+        };
+        std::vector<Node> node(last - first);
+        forCorners([&](Index u, Entry next, Entry previous) {
+            node[u].checksum += scramble(next) - scramble(previous);
+            ++node[u].corners;
+        });
+        std::uint32_t entries = 0;
+        for (Node &n : node) {
+            n.begin = n.end = entries;
+            entries += n.checksum ? 2 * n.corners : n.corners;
+        }
+        std::vector<Entry> entry(entries);
+        forCorners([&](Index u, Entry next, Entry previous) {
+            entry[node[u].end++] = next;
+            if (node[u].checksum)
+                entry[node[u].end++] = previous;
+        });
+        Block &block = done[b];
+        block.item.reserve(entries);
+        for (Index u = first; u < last; ++u) {
+            const Node &n = node[u - first];
+            SortShort(entry.data() + n.begin, entry.data() + n.end);
+            const Eigen::Vector3f x = position.col(u);
+            const std::size_t size = block.item.size();
+            for (std::uint32_t i = n.begin; i < n.end;) {
+                const Index v = Index(entry[i] >> 1);
+                Index faces = 0;
+                for (; i < n.end && Index(entry[i] >> 1) == v; ++i)
+                    faces += entry[i] & 1;
+                block.nonManifoldEdges += u < v && (n.checksum ? faces > 2 : faces > 1);
+                block.item.push_back(v);
+                if (u < v)
+                    block.edgeLengths += (position.col(v) - x).norm();
+            }
+            result.adjacency.begin[u + 1] = std::uint32_t(block.item.size() - size);
+        }
+        for (const Triangle *t = begin; t < end; ++t)
+            if (t->corner[0] >= first && t->corner[0] < last) {
+                const Eigen::Vector3f x = position.col(t->corner[0]);
+                const Eigen::Vector3f e = position.col(t->corner[1]) - x, f = position.col(t->corner[2]) - x;
+                block.area += 0.5 * double(e.cross(f).norm());
+            }
+        block.item.shrink_to_fit();
+    });
+    triangle.reset();
+
+    // All of it in one.
+    std::vector<std::size_t> itemBegin(blocks + 1, 0);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        itemBegin[b + 1] = itemBegin[b] + done[b].item.size();
+        result.nonManifoldEdges += done[b].nonManifoldEdges;
+        result.edgeLengths += done[b].edgeLengths;
+        result.area += done[b].area;
+    }
+    if (itemBegin[blocks] > std::uint32_t(-1))
+        throw Error("The mesh has more than two thousand million edges; simplify it first.");
+    AssignLarge(result.adjacency.item, itemBegin[blocks], 0);
+    ParallelFor(progress.Slice(0.9, 1), stage, blocks, 1, [&](std::size_t b, std::size_t) {
+        std::copy(done[b].item.begin(), done[b].item.end(), result.adjacency.item.begin() + itemBegin[b]);
+        done[b].item = {};
+        std::uint32_t sum = std::uint32_t(itemBegin[b]);
+        for (Index u = Index(b << shift); u < std::min(nodes, Index((b + 1) << shift)); ++u)
+            result.adjacency.begin[u + 1] = sum += result.adjacency.begin[u + 1];
+    });
+    return result;
+}
+
+/// Triangles with a repeated corner that join each point with its \p k nearest ones. \param triangles their number, out
+inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &position, int k, std::size_t &triangles,
                                                       const Progress &progress) {
     const Index n = Index(position.cols());
     std::vector<vcg::Point3f> point(n);
@@ -243,47 +252,25 @@ inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &po
     vcg::ConstDataWrapper<vcg::Point3f> wrapper(point.data(), n);
     vcg::KdTree<float> tree(wrapper);
     const int wanted = std::min<int>(k, n - 1);
-    corners = std::size_t(n) * wanted * 3;
-    std::unique_ptr<Index[]> corner(new Index[corners]);
-    const std::size_t block = 1 << 17; // progress is reported between blocks
-    for (std::size_t start = 0; start < std::size_t(n); start += block) {
-        progress(double(start) / n, "Finding neighbours");
-        ParallelFor(progress.threads, std::min<std::size_t>(block, n - start), 1 << 12,
-                    [&](std::size_t first, std::size_t last) {
-                        vcg::KdTree<float>::PriorityQueue queue;
-                        for (std::size_t i = start + first; i < start + last; ++i) {
-                            tree.doQueryK(point[i], wanted + 1, queue);
-                            std::vector<Index> found;
-                            for (int j = 0; j < queue.getNofElements(); ++j)
-                                if (queue.getIndex(j) != int(i))
-                                    found.push_back(queue.getIndex(j));
-                            std::sort(found.begin(), found.end());
-                            Index *at = corner.get() + i * wanted * 3;
-                            for (int j = 0; j < wanted; ++j, at += 3) {
-                                at[0] = Index(i);
-                                at[1] = at[2] = j < int(found.size()) ? found[j] : Index(i);
-                            }
-                        }
-                    });
-    }
-    return corner;
-}
-
-/// Sum of \p term(i) over [0, n) in an order that does not depend on the number of threads.
-template <class Term>
-double OrderedSum(unsigned threads, std::size_t n, const Term &term) {
-    const std::size_t grain = 1 << 14;
-    std::vector<double> partial((n + grain - 1) / grain, 0);
-    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
-        double sum = 0;
-        for (std::size_t i = first; i < last; ++i)
-            sum += term(i);
-        partial[first / grain] = sum;
+    triangles = std::size_t(n) * wanted;
+    std::unique_ptr<Index[]> corner = LargeArray<Index>(3 * triangles);
+    ParallelFor(progress, "Finding neighbours", n, 1 << 12, [&](std::size_t first, std::size_t last) {
+        vcg::KdTree<float>::PriorityQueue queue;
+        for (std::size_t i = first; i < last; ++i) {
+            tree.doQueryK(point[i], wanted + 1, queue);
+            std::vector<Index> found;
+            for (int j = 0; j < queue.getNofElements(); ++j)
+                if (queue.getIndex(j) != int(i))
+                    found.push_back(queue.getIndex(j));
+            std::sort(found.begin(), found.end());
+            Index *at = corner.get() + i * wanted * 3;
+            for (int j = 0; j < wanted; ++j, at += 3) {
+                at[0] = Index(i);
+                at[1] = at[2] = j < int(found.size()) ? found[j] : Index(i);
+            }
+        }
     });
-    double sum = 0;
-    for (double p : partial)
-        sum += p;
-    return sum;
+    return corner;
 }
 
 } // namespace detail
@@ -307,7 +294,6 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     using fcd::ParallelFor;
     const char *stage = "Reading the mesh";
     const std::size_t slotCount = m.vert.size(), grain = 1 << 16;
-    const unsigned threads = progress.threads;
     fcd::SurfaceGraph s;
     progress(0, stage);
 
@@ -317,7 +303,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
         std::size_t live = 0, bad = std::size_t(-1);
     };
     std::vector<Part> part((slotCount + grain - 1) / grain);
-    ParallelFor(threads, slotCount, grain, [&](std::size_t first, std::size_t last) {
+    ParallelFor(progress.Slice(0, 0.05), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
         Part p;
         for (std::size_t i = first; i < last; ++i) {
             if (m.vert[i].IsD())
@@ -351,10 +337,11 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
 
-    // Morton order. (Arrays as large as the mesh are not initialised: that would cost a pass over memory each.)
-    std::unique_ptr<std::uint64_t[]> order(new std::uint64_t[slotCount]);
+    // Morton order.
+    std::unique_ptr<std::uint64_t[]> order = fcd::LargeArray<std::uint64_t>(slotCount);
     Eigen::Matrix3Xf bySlot(3, slotCount);
-    ParallelFor(threads, slotCount, grain, [&](std::size_t first, std::size_t last) {
+    fcd::PreferLargePages(bySlot.data(), slotCount * sizeof(Eigen::Vector3f));
+    ParallelFor(progress.Slice(0.05, 0.1), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             std::uint64_t code = 0;
             if (!m.vert[i].IsD()) {
@@ -368,21 +355,11 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     if (total.live < slotCount)
         std::remove_if(order.get(), order.get() + slotCount,
                        [&](std::uint64_t o) { return m.vert[std::uint32_t(o)].IsD(); });
-    progress(0.1, stage);
-    fcd::detail::RadixSortUpper30(order, total.live, threads);
-    progress(0.25, stage);
+    fcd::detail::RadixSortUpper30(order, total.live, progress.Slice(0.1, 0.2), stage);
 
     // Vertices at one position share a node. Such vertices have the same code, so ranges that end with a code are
     // independent.
     auto slotAt = [&](std::size_t i) { return std::uint32_t(order[i]); };
-    auto samePlace = [&](std::size_t i, std::size_t j) { return bySlot.col(slotAt(i)) == bySlot.col(slotAt(j)); };
-    auto before = [&](std::uint64_t a, std::uint64_t b) {
-        const std::uint32_t u = std::uint32_t(a), v = std::uint32_t(b);
-        for (int d = 0; d < 3; ++d)
-            if (bySlot(d, u) != bySlot(d, v))
-                return bySlot(d, u) < bySlot(d, v);
-        return u < v;
-    };
     auto codeEnd = [&](std::size_t i) { // the first position from i on where a code begins
         while (i > 0 && i < total.live && order[i] >> 32 == order[i - 1] >> 32)
             ++i;
@@ -394,16 +371,41 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     const std::size_t ranges = rangeBegin.size();
     rangeBegin.push_back(total.live);
     std::vector<Index> firstNode(ranges + 1, 0);
-    ParallelFor(threads, ranges, 1, [&](std::size_t range, std::size_t) {
+    Eigen::Matrix3Xf &x = s.graph.position;
+    x.resize(3, total.live);
+    fcd::PreferLargePages(x.data(), total.live * sizeof(Eigen::Vector3f));
+    ParallelFor(progress.Slice(0.2, 0.3), stage, ranges, 1, [&](std::size_t range, std::size_t) {
+        struct Item {
+            float p[3];
+            std::uint32_t slot;
+            bool operator<(const Item &o) const {
+                for (int d = 0; d < 3; ++d)
+                    if (p[d] != o.p[d])
+                        return p[d] < o.p[d];
+                return slot < o.slot;
+            }
+        };
+        std::vector<Item> sameCode;
         Index found = 0;
+        for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i)
+            x.col(i) = bySlot.col(slotAt(i));
         for (std::size_t i = rangeBegin[range], next; i < rangeBegin[range + 1]; i = next) {
-            for (next = i + 1; next < rangeBegin[range + 1] && order[next] >> 32 == order[i] >> 32;)
+            const std::uint64_t code = order[i] >> 32;
+            for (next = i + 1; next < rangeBegin[range + 1] && order[next] >> 32 == code;)
                 ++next;
-            if (next - i > 1)
-                std::sort(order.get() + i, order.get() + next, before);
             ++found;
-            for (std::size_t j = i + 1; j < next; ++j)
-                found += !samePlace(j - 1, j);
+            if (next - i == 1)
+                continue;
+            sameCode.clear();
+            for (std::size_t j = i; j < next; ++j)
+                sameCode.push_back({{x(0, j), x(1, j), x(2, j)}, slotAt(j)});
+            fcd::detail::SortShort(sameCode.data(), sameCode.data() + sameCode.size());
+            for (std::size_t j = i; j < next; ++j) {
+                const Item &item = sameCode[j - i];
+                x.col(j) << item.p[0], item.p[1], item.p[2];
+                order[j] = code << 32 | item.slot;
+                found += j > i && x.col(j) != x.col(j - 1);
+            }
         }
         firstNode[range + 1] = found;
     });
@@ -411,27 +413,31 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
         firstNode[range + 1] += firstNode[range];
     const Index nodes = firstNode[ranges];
     s.report.welded = Index(total.live) - nodes;
-    s.nodeOf.assign(slotCount, -1);
-    s.graph.position.resize(3, nodes);
-    ParallelFor(threads, ranges, 1, [&](std::size_t range, std::size_t) {
+    fcd::AssignLarge(s.nodeOf, slotCount, Index(-1));
+    bySlot.resize(3, s.report.welded ? nodes : 0);
+    ParallelFor(progress.Slice(0.3, 0.4), stage, ranges, 1, [&](std::size_t range, std::size_t) {
         Index node = firstNode[range] - 1;
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i) {
-            if (i == rangeBegin[range] || !samePlace(i - 1, i))
-                s.graph.position.col(++node) = bySlot.col(slotAt(i));
+            if (i == rangeBegin[range] || x.col(i) != x.col(i - 1)) {
+                ++node;
+                if (s.report.welded)
+                    bySlot.col(node) = x.col(i);
+            }
             s.nodeOf[slotAt(i)] = node;
         }
     });
+    if (s.report.welded)
+        x.swap(bySlot);
     order.reset();
     bySlot.resize(3, 0);
-    progress(0.4, stage);
 
     // Faces and edge elements as corners; those that are deleted as three times the same.
     const std::size_t faces = m.face.size(), edges = m.edge.size();
-    std::size_t corners = (faces + edges) * 3;
-    std::unique_ptr<Index[]> corner(new Index[corners]);
+    std::size_t triangles = faces + edges;
+    std::unique_ptr<Index[]> corner = fcd::LargeArray<Index>(3 * triangles);
     std::vector<Index> degenerate((faces + grain - 1) / grain, 0);
     auto nodeAt = [&](const auto *vertex) { return s.nodeOf[vertex - &m.vert[0]]; };
-    ParallelFor(threads, faces, grain, [&](std::size_t first, std::size_t last) {
+    ParallelFor(progress.Slice(0.4, 0.5), stage, faces, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             Index *c = &corner[3 * f];
             c[0] = -1;
@@ -455,31 +461,17 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
         s.report.degenerateFaces += d;
     s.report.pointCloud = m.fn == 0 && m.en == 0;
     if (s.report.pointCloud)
-        corner = fcd::detail::NearestNeighbourPairs(s.graph.position, 8, corners, progress.Slice(0.4, 0.5));
-    Index nonManifold = 0;
-    s.graph.adjacency =
-        fcd::detail::TriangleAdjacency(nodes, corner.get(), corners, nonManifold, progress.Slice(0.5, 0.9));
-    s.report.nonManifoldEdges = s.report.pointCloud ? 0 : nonManifold;
-    progress(0.9, stage);
-
-    // Measures.
-    const Eigen::Matrix3Xf &x = s.graph.position;
-    const fcd::Csr &adjacency = s.graph.adjacency;
-    const double lengths = fcd::detail::OrderedSum(threads, nodes, [&](std::size_t u) {
-        double sum = 0;
-        for (Index v : adjacency[Index(u)])
-            sum += (x.col(v) - x.col(u)).norm();
-        return sum;
-    });
-    s.averageEdge = adjacency.item.empty() ? 0 : lengths / double(adjacency.item.size());
+        corner = fcd::detail::NearestNeighbourPairs(x, 8, triangles, progress.Slice(0.4, 0.5));
+    fcd::detail::TriangleGraph connected =
+        fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.5, 1));
+    s.graph.adjacency = std::move(connected.adjacency);
+    s.report.nonManifoldEdges = connected.nonManifoldEdges;
+    const std::size_t items = s.graph.adjacency.item.size();
+    s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
     s.area = s.report.pointCloud ? std::sqrt(0.75) * s.averageEdge * s.averageEdge * nodes // as if evenly triangulated
-                                 : fcd::detail::OrderedSum(threads, faces, [&](std::size_t f) {
-                                       const Eigen::Vector3f a = x.col(corner[3 * f]), b = x.col(corner[3 * f + 1]),
-                                                             c = x.col(corner[3 * f + 2]);
-                                       return 0.5 * double((b - a).cross(c - a).norm());
-                                   });
+                                 : connected.area;
     for (Index i = 0; i < nodes; ++i)
-        s.report.isolated += adjacency[i].size() == 0;
+        s.report.isolated += s.graph.adjacency[i].size() == 0;
     progress(1, stage);
     return s;
 }

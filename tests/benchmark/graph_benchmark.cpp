@@ -3,9 +3,12 @@
 // graph_benchmark FILE...
 //
 // Builds the deformation graph of each mesh and prints a CSV line with the figures of the paper's figure 2 (m, d_avg,
-// k0, t0, D, k1, t1, N, kN, tN; times in ms), how they compare with the plain algorithm (a full growth over the mesh in
-// every iteration, same D and tolerance), and what it takes per vertex. Two runs, the faster one counts; plain runs
-// once, and not beyond ten million vertices.
+// k0, t0, D, k1, t1, N, kN, tN; times in ms), what it takes per vertex, how it compares with the plain algorithm (a
+// full growth over the mesh by a priority queue in every iteration; same connectivity, seeds, D and tolerance), and the
+// coefficient of variation of the patches' areas. Two runs, the faster one counts; plain runs once, and not beyond ten
+// million vertices.
+#include "../plain_sampling.h"
+
 #include <vcg_ext/deformation_graph.h>
 #include <vcg_ext/surface_graph.h>
 
@@ -32,6 +35,19 @@ double peakMegabytes() {
     rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     return usage.ru_maxrss / 1024.0;
+}
+
+double areaVariation(const Mesh &mesh, const vcg::fcd::SurfaceGraph &surface, const vcg::fcd::Patches &patches) {
+    std::vector<double> area(patches.Size(), 0);
+    for (const Face &f : mesh.face)
+        for (int corner = 0; corner < 3; ++corner)
+            area[patches.patchOf[surface.nodeOf[f.cV(corner) - mesh.vert.data()]]] += vcg::DoubleArea(f) / 6;
+    double mean = 0, square = 0;
+    for (double a : area) {
+        mean += a / double(area.size());
+        square += a * a / double(area.size());
+    }
+    return std::sqrt(std::max(0.0, square / (mean * mean) - 1));
 }
 
 } // namespace
@@ -67,14 +83,6 @@ int main(int argc, char **argv) {
             }
         }
         const double extra = (peakMegabytes() - before) * 1048576 / surface.report.vertices;
-        double mean = 0, square = 0;
-        std::vector<double> size(patches.Size(), 0);
-        for (Index p : patches.patchOf)
-            ++size[p];
-        for (double s : size) {
-            mean += s / patches.Size();
-            square += s * s / patches.Size();
-        }
         const double scale = surface.frame.scale;
         std::printf("%s,%d,%g,%d,%.1f,%g,%d,%.1f,%d,%d,%.1f,%.1f,%.1f,%.0f,", argv[a], surface.report.vertices,
                     surface.averageEdge * scale, param.initialPatches, surfaceSeconds * 1e3, param.targetRadius * scale,
@@ -84,19 +92,13 @@ int main(int argc, char **argv) {
         if (surface.report.vertices > 10000000)
             std::printf(",,,,");
         else {
-            const std::vector<Index> noTags;
-            std::vector<SamplingStep> history;
             const Stopwatch watch;
-            vcg::fcd::detail::Lloyd plain(surface.graph, noTags, 1);
-            for (Index u : vcg::fcd::detail::RandomSample(surface.graph.Size(), param.initialPatches, param.randomSeed))
-                plain.center.push_back({u, surface.graph.position.col(u)});
-            plain.Iterate(param, history, Progress());
+            const fcd_test::PlainPatches plain = fcd_test::SamplePlainly(surface.graph, param);
             const double seconds = watch.Seconds();
-            plain.Measure();
             std::printf("%.1f,%.1f,%.3f,%zu,", seconds * 1e3, (surfaceSeconds + seconds) / total,
                         patches.cost / plain.cost, plain.center.size());
         }
-        std::printf("%.3f\n", std::sqrt(std::max(0.0, square / (mean * mean) - 1)));
+        std::printf("%.3f\n", areaVariation(mesh, surface, patches));
         std::fflush(stdout);
     }
 }

@@ -67,7 +67,7 @@ static void ExpectQuotient(const Csr &graph, const std::vector<Index> &groupOf, 
             EXPECT_EQ(dual.crossings[e], found->second);
         }
     for (unsigned threads : {1u, 2u, 7u}) {
-        const Quotient same = QuotientGraph(graph, groupOf, groups, threads);
+        const Quotient same = QuotientGraph(graph, groupOf, groups, fcd_test::Threads(threads));
         EXPECT_EQ(same.adjacency.begin, dual.adjacency.begin);
         EXPECT_EQ(same.adjacency.item, dual.adjacency.item);
         EXPECT_EQ(same.crossings, dual.crossings);

@@ -5,6 +5,7 @@
 #include <random>
 
 using namespace vcg::fcd::detail;
+using vcg::fcd::Progress;
 
 static std::vector<std::uint64_t> RandomItems(std::size_t n, std::uint32_t codes) {
     std::mt19937 random(1);
@@ -26,7 +27,9 @@ TEST(RadixSortUpper30, IsStableSort) {
                 const std::vector<std::uint64_t> unsorted = RandomItems(n, codes);
                 std::unique_ptr<std::uint64_t[]> items(new std::uint64_t[n]);
                 std::copy(unsorted.begin(), unsorted.end(), items.get());
-                RadixSortUpper30(items, n, threads);
+                Progress progress;
+                progress.threads = threads;
+                RadixSortUpper30(items, n, progress);
                 ASSERT_TRUE(std::equal(expected.begin(), expected.end(), items.get()))
                     << n << " items, " << codes << " codes";
             }

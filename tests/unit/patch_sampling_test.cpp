@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../plain_sampling.h"
 #include "test_support.h"
-
-#include <queue>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -81,6 +80,12 @@ TEST(RandomSample, IsDistinctAscendingAndInRange) {
                     ASSERT_TRUE(i == 0 || s[i - 1] < s[i]);
                 }
             }
+}
+
+TEST(RandomSample, LeavesNoGap) {
+    const std::vector<Index> s = vcg::fcd::detail::RandomSample(10000, 100, 1);
+    for (std::size_t i = 0; i < s.size(); ++i)
+        EXPECT_EQ(s[i] / 100, Index(i));
 }
 
 TEST(RandomSample, DependsOnTheSeedAlone) {
@@ -199,71 +204,42 @@ TEST(SamplePatches, DependsOnTheSeedAloneNotOnTheThreads) {
     EXPECT_NE(SamplePatches(s.graph, {}, param).center, first.center);
 }
 
-/// Lloyd's iteration with splits as in the paper: a full growth by an exact priority queue every time.
-static double PlainLloydCost(const Graph &g, const PatchParam &param, Index &patches) {
-    std::vector<Index> center = vcg::fcd::detail::RandomSample(g.Size(), param.initialPatches, param.randomSeed);
-    double previous = std::numeric_limits<double>::infinity();
-    for (int iteration = 0;; ++iteration) {
-        const Index k = Index(center.size());
-        std::vector<Index> patchOf(g.Size(), -1);
-        using Item = std::tuple<double, Index, Index>;
-        std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
-        for (Index j = 0; j < k; ++j)
-            queue.emplace(0, center[j], j);
-        std::vector<double> radius(k, 0), nearest(k, std::numeric_limits<double>::infinity());
-        std::vector<Index> farthest = center;
-        std::vector<int> size(k, 0);
-        Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, k);
-        double cost = 0;
-        while (!queue.empty()) {
-            const auto [d, u, j] = queue.top();
-            queue.pop();
-            if (patchOf[u] >= 0)
-                continue;
-            patchOf[u] = j;
-            cost += d * d;
-            ++size[j];
-            sum.col(j) += g.position.col(u).cast<double>();
-            if (d > radius[j]) {
-                radius[j] = d;
-                farthest[j] = u;
-            }
-            for (Index v : g.adjacency[u])
-                if (patchOf[v] < 0)
-                    queue.emplace(Distance(g, v, center[j]), v, j);
-        }
-        std::vector<Index> added;
-        for (Index j = 0; j < k; ++j)
-            if (radius[j] > param.targetRadius)
-                added.push_back(farthest[j]);
-        if (iteration > 0 && added.empty() && previous - cost <= param.tolerance * previous) {
-            patches = k;
-            return cost;
-        }
-        previous = cost;
-        for (Index u = 0; u < g.Size(); ++u) {
-            const Index j = patchOf[u];
-            const double d = (g.position.col(u).cast<double>() - sum.col(j) / size[j]).norm();
-            if (d < nearest[j]) {
-                nearest[j] = d;
-                center[j] = u;
-            }
-        }
-        center.insert(center.end(), added.begin(), added.end());
+TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
+    struct Case {
+        const char *name;
+        Shape shape;
+        double D;
+    };
+    for (const Case &c :
+         {Case{"grid", Jittered(Grid(317, 317), 0.3), 0.045}, Case{"small grid", Jittered(Grid(100, 90), 0.3), 0.09},
+          Case{"tube", Jittered(Tube(400, 150), 0.01), 0.1}, Case{"sphere", Sphere(200, 300), 0.12},
+          Case{"sheets", TwoSheets(150, 0.5), 0.08}}) {
+        SCOPED_TRACE(c.name);
+        const SurfaceGraph s = SurfaceOf(c.shape);
+        const PatchParam param = Param(c.D, 100);
+        const Patches p = SamplePatches(s.graph, {}, param);
+        ExpectConverged(s.graph, {}, p, param.targetRadius);
+        const PlainPatches plain = SamplePlainly(s.graph, param);
+        EXPECT_LT(p.cost, 1.02 * plain.cost);
+        EXPECT_LT(p.Size(), 1.1 * double(plain.center.size()));
+        // With k patches the cost goes as 1 / k: compare what is left of it.
+        EXPECT_LT(p.cost * p.Size(), 1.04 * plain.cost * double(plain.center.size()));
     }
 }
 
-TEST(SamplePatches, IsAsGoodAsAPlainLloydIteration) {
+TEST(SamplePatches, IsNearlyUniform) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(317, 317), 0.3));
-    const PatchParam param = Param(0.045, 100);
-    const Patches p = SamplePatches(s.graph, {}, param);
-    ExpectConverged(s.graph, {}, p, param.targetRadius);
-    Index patches;
-    const double plain = PlainLloydCost(s.graph, param, patches);
-    // With k patches the cost goes as 1 / k: compare what is left of it.
-    EXPECT_LT(p.cost, 1.05 * plain);
-    EXPECT_LT(p.cost * p.Size(), 1.05 * plain * patches);
-    EXPECT_LT(p.Size(), 1.15 * patches);
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        PatchParam param = Param(0.045, 100);
+        param.randomSeed = seed;
+        const Patches p = SamplePatches(s.graph, {}, param);
+        const Csr members = GroupMembers(p.patchOf, p.Size());
+        double square = 0;
+        for (Index j = 0; j < p.Size(); ++j)
+            square += double(members[j].size()) * double(members[j].size());
+        const double mean = double(s.graph.Size()) / p.Size();
+        EXPECT_LT(std::sqrt(square / p.Size() / (mean * mean) - 1), 0.25);
+    }
 }
 
 TEST(SamplePatches, AnyNumberOfIterationsGivesAPartitionOfManyNodes) {
@@ -285,13 +261,13 @@ TEST(SamplePatches, KeepsTagsAndPartsApartAmongManyNodes) {
 TEST(SamplePatches, CanBeCancelledAnywhere) {
     const SurfaceGraph s = SurfaceOf(Grid(100, 100));
     CallbackLog all;
-    SamplePatches(s.graph, {}, Param(0.15), all.Progress());
+    SamplePatches(s.graph, {}, Param(0.15), all.Progress(1));
     EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
     const std::size_t calls = all.percent.size();
     ASSERT_GT(calls, 0u);
     for (std::size_t i = 0; i < calls; ++i) {
         CallbackLog log(i);
-        EXPECT_THROW(SamplePatches(s.graph, {}, Param(0.15), log.Progress()), Cancelled);
+        EXPECT_THROW(SamplePatches(s.graph, {}, Param(0.15), log.Progress(1)), Cancelled);
     }
 }
 

@@ -63,3 +63,29 @@ TEST(Progress, PassesTheStageOn) {
     progress(0, "Growing patches");
     EXPECT_EQ(told, "Growing patches");
 }
+
+TEST(ProgressParallelFor, ReportsFromTheCallingThread) {
+    for (unsigned threads : {1u, 2u, 7u}) {
+        CallbackLog log;
+        std::atomic<std::size_t> done{0};
+        ParallelFor(log.Progress(threads).Slice(0.5, 1), "stage", 1000, 10,
+                    [&](std::size_t first, std::size_t last) { done += last - first; });
+        EXPECT_EQ(done, 1000u);
+        EXPECT_TRUE(std::is_sorted(log.percent.begin(), log.percent.end()));
+        for (int percent : log.percent)
+            EXPECT_GE(percent, 50);
+        for (const std::thread::id &id : log.thread)
+            EXPECT_EQ(id, std::this_thread::get_id());
+        if (threads == 1) {
+            EXPECT_EQ(log.percent.size(), 100u);
+        }
+    }
+}
+
+TEST(ProgressParallelFor, CanBeCancelled) {
+    CallbackLog log(3);
+    int calls = 0;
+    EXPECT_THROW(ParallelFor(log.Progress(1), "stage", 1000, 10, [&](std::size_t, std::size_t) { ++calls; }),
+                 Cancelled);
+    EXPECT_EQ(calls, 3);
+}

@@ -381,12 +381,12 @@ TEST(SurfaceGraph, CanBeCancelledAnywhere) {
     for (const Shape &shape : {Grid(5, 5), PointCloud(50)}) {
         const MeshD mesh(shape);
         CallbackLog all;
-        BuildSurfaceGraph(mesh, all.Progress(2));
+        BuildSurfaceGraph(mesh, all.Progress(1));
         EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
         const std::size_t calls = all.percent.size();
         for (std::size_t i = 0; i < calls; ++i) {
             CallbackLog log(i);
-            EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(2)), Cancelled);
+            EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(1)), Cancelled);
         }
     }
 }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_MEMORY_H
+#define VCG_FCD_MEMORY_H
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace vcg {
+namespace fcd {
+
+/// Asks for large pages behind memory that is about to be used for the first time: where an array is as large as the
+/// mesh, looking up small pages takes a fifth of the time. A hint that changes nothing else.
+inline void PreferLargePages(const void *memory, std::size_t bytes) {
+#ifdef __linux__
+    constexpr std::uintptr_t large = 1 << 21;
+    const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(memory), first = (begin + large - 1) & ~(large - 1),
+                         last = (begin + bytes) & ~(large - 1);
+    if (first < last)
+        madvise(reinterpret_cast<void *>(first), last - first, MADV_HUGEPAGE);
+#else
+    (void)memory;
+    (void)bytes;
+#endif
+}
+
+/// \p n items that are left uninitialised, which saves a pass over them, in large pages.
+template <class T>
+std::unique_ptr<T[]> LargeArray(std::size_t n) {
+    static_assert(std::is_trivially_destructible<T>::value, "LargeArray holds plain data");
+    std::unique_ptr<T[]> array(new T[n]);
+    PreferLargePages(array.get(), n * sizeof(T));
+    return array;
+}
+
+/// Makes \p n equal items of \p array, in large pages.
+template <class T>
+void AssignLarge(std::vector<T> &array, std::size_t n, const T &value) {
+    array.clear();
+    array.reserve(n);
+    PreferLargePages(array.data(), n * sizeof(T));
+    array.resize(n, value);
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
