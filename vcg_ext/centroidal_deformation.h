@@ -178,6 +178,157 @@ inline PatchParam ToPatchParam(const GraphParam &param, double targetRadius) {
     return p;
 }
 
+/// How each node of a surface is held.
+struct Constraints {
+    std::vector<Index>
+        tag; ///< n: 0 fixed, 1 free, from 2 handles; from firstAlone the tags of single nodes that turn freely
+    Index firstAlone;
+    std::vector<Index> original;             ///< tag of the single nodes before, -1 for point handles
+    std::map<Index, Eigen::Matrix4d> motion; ///< of every tag but 1, at the pose wanted, mesh units
+
+    bool Turns(Index t) const { return t >= firstAlone; }
+    bool IsFixed(Index t) const { return t == 0 || (Turns(t) && original[t - firstAlone] == 0); }
+};
+
+/// A node that is held without a neighbour that is held alike, and not told to turn, has no orientation of its own:
+/// only its position is constrained. (Holding its orientation leaves a bump around it.)
+template <class MeshType>
+Constraints MakeConstraints(const MeshType &m, const SurfaceGraph &surface, const Handles &handles, double pose) {
+    Constraints c;
+    c.tag = NodeTags(surface, handles.tag);
+    const Index n = surface.graph.Size();
+    struct Sum {
+        Eigen::Vector3d position = Eigen::Vector3d::Zero();
+        double count = 0;
+    };
+    std::map<Index, Sum> sums; // of the nodes of each handle
+    for (Index u = 0; u < n; ++u)
+        if (c.tag[u] >= 2) {
+            Sum &sum = sums[c.tag[u]];
+            sum.position += surface.graph.position.col(u).template cast<double>();
+            ++sum.count;
+        }
+    c.motion[0].setIdentity();
+    std::map<Index, bool> rotates{{0, false}};
+    for (const auto &s : sums) {
+        const auto given = handles.motion.find(s.first);
+        const Motion motion = given == handles.motion.end() ? Motion() : given->second;
+        c.motion[s.first] =
+            motion.At(pose, surface.frame.FromFrame(Eigen::Vector3d(s.second.position / s.second.count)));
+        rotates[s.first] = motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity();
+    }
+
+    const std::vector<Index> alone = CollectInOrder(Progress(), "", n, [&](Index u, std::vector<Index> &found) {
+        if (c.tag[u] == 1 || rotates.at(c.tag[u]))
+            return;
+        bool free = false;
+        for (Index v : surface.graph.adjacency[u]) {
+            if (c.tag[v] == c.tag[u])
+                return;
+            free |= c.tag[v] == 1;
+        }
+        if (free)
+            found.push_back(u);
+    });
+    c.firstAlone = std::max(2, 1 + *std::max_element(c.tag.begin(), c.tag.end()));
+    for (std::size_t i = 0; i < handles.point.size(); ++i) {
+        const PointHandle &point = handles.point[i];
+        const std::string name = "Point handle " + std::to_string(i + 1);
+        const Index node = point.vertex < surface.nodeOf.size() ? surface.nodeOf[point.vertex] : -1;
+        if (node < 0)
+            throw Error(name + " is at vertex " + std::to_string(point.vertex) + ", which does not exist.");
+        if (!point.target.allFinite())
+            throw Error(name + " has a target that is not finite.");
+        if (c.tag[node] >= c.firstAlone)
+            throw Error(name + " is at the same place as point handle " +
+                        std::to_string(c.tag[node] - c.firstAlone + 1) + "; leave one of them out.");
+        if (c.tag[node] != 1)
+            throw Error(name + " is at vertex " + std::to_string(point.vertex) +
+                        ", which is held already; point handles belong where the surface is free.");
+        c.tag[node] = c.firstAlone + Index(i);
+        c.original.push_back(-1);
+        Eigen::Matrix4d &motion = c.motion[c.tag[node]] = Eigen::Matrix4d::Identity();
+        motion.topRightCorner<3, 1>() = (point.target - vcg::tri::PositionOf(m.vert[point.vertex])) * (pose / 100);
+    }
+    for (Index u : alone) {
+        const Index t = c.firstAlone + Index(c.original.size());
+        c.original.push_back(c.tag[u]);
+        c.motion[t] = c.motion[c.tag[u]];
+        c.tag[u] = t;
+    }
+    return c;
+}
+
+/// The closest rotation between the constrained nodes before and after, as the rotation the nodes that turn begin with.
+inline void TurnTogether(const DeformationGraph &graph, const std::vector<bool> &constrained,
+                         const std::vector<bool> &turns, std::vector<Eigen::Affine3d> &motion) {
+    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = before;
+    double count = 0;
+    auto forConstrained = [&](const auto &body) {
+        for (Index j = 0; j < graph.Size(); ++j)
+            if (constrained[j]) {
+                const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>();
+                body(x, Eigen::Vector3d(motion[j] * x));
+            }
+    };
+    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
+        before += x;
+        after += y;
+        ++count;
+    });
+    Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
+    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
+        s += (x - before / count) * (y - after / count).transpose();
+    });
+    // Where few points leave the rotation open, none is preferred.
+    const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
+    for (Index j = 0; j < graph.Size(); ++j)
+        if (turns[j]) {
+            const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>(), y = motion[j] * x;
+            motion[j].linear() = rotation;
+            motion[j].translation() = y - rotation * x;
+        }
+}
+
+/// Grows the patches anew where a held part of the surface is smaller than a patch: its node then stands for the free
+/// surface around it, as any other, so that the surface follows it and not only the nearest vertices.
+inline void OpenSmallHandles(const Graph &surface, const std::vector<Index> &tag, double D, Patches &patches,
+                             const Progress &progress) {
+    const Index k = patches.Size();
+    auto maySmall = [&](Index j) { return patches.tag[j] != 1 && patches.radius[j] <= 0.5 * D; };
+    bool any = false;
+    for (Index j = 0; j < k; ++j)
+        any |= maySmall(j);
+    if (!any)
+        return;
+    const Csr dual = QuotientGraph(surface.adjacency, patches.patchOf, k, progress).adjacency;
+    std::vector<char> small(k, 0), dropped(k, 0);
+    any = false;
+    for (Index j = 0; j < k; ++j) {
+        bool whole = maySmall(j), free = false;
+        for (Index i : dual[j]) {
+            whole &= patches.tag[i] != patches.tag[j];
+            free |= patches.tag[i] == 1;
+        }
+        small[j] = whole && free;
+        any |= small[j];
+    }
+    if (!any)
+        return;
+    for (Index j = 0; j < k; ++j)
+        for (Index i : dual[j])
+            dropped[j] |= patches.tag[j] == 1 && small[i] &&
+                          (surface.position.col(patches.center[i]) - surface.position.col(patches.center[j])).norm() <
+                              0.5f * patches.radius[j];
+    std::vector<Index> open(tag.size()), center;
+    for (std::size_t u = 0; u < tag.size(); ++u)
+        open[u] = small[patches.patchOf[u]] ? 1 : tag[u];
+    for (Index j = 0; j < k; ++j)
+        if (!dropped[j])
+            center.push_back(patches.center[j]);
+    patches = GrowPatches(surface, open, center, progress);
+}
+
 inline Index CountComponents(const DeformationGraph &graph) {
     std::vector<Index> componentOf;
     return ConnectedComponents(graph.graph.adjacency, componentOf);
@@ -240,15 +391,18 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     param.Validate();
     DeformationResult result;
     result.tags = CountTags(m, handles.tag);
+    result.tags.handle += Index(handles.point.size());
+    result.tags.free -= Index(handles.point.size());
     if (result.tags.handle == 0)
         throw Error("There is no handle: no vertex has a tag of 2 or more. Mark the part to move with tag 2.");
-    if (result.tags.free == 0)
+    if (result.tags.free <= 0)
         throw Error("There is nothing to deform: no vertex is free. Mark the part that may bend with tag 1.");
 
     // Graph.
     fcd::Stopwatch watch;
     const SurfaceGraph surface = BuildSurfaceGraph(m, progress.Slice(0, 0.3));
-    const std::vector<Index> tag = NodeTags(surface, handles.tag);
+    const fcd::detail::Constraints constraints = fcd::detail::MakeConstraints(m, surface, handles, param.pose);
+    const std::vector<Index> &tag = constraints.tag;
     double D = fcd::detail::TargetRadius(surface, param.graph);
     Patches patches;
     if (param.nodes.cols() == 0)
@@ -259,41 +413,28 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
             GrowPatches(surface.graph, tag, fcd::detail::NearestNodes(surface, param.nodes), progress.Slice(0.3, 0.6));
         D = *std::max_element(patches.radius.begin(), patches.radius.end());
     }
+    fcd::detail::OpenSmallHandles(surface.graph, tag, D, patches, progress.Slice(0.6, 0.6));
     const DeformationGraph graph = MakeDeformationGraph(surface.graph, patches, surface.averageEdge,
                                                         GraphWeights::Border, progress.Slice(0.6, 0.61));
     result.secondsGraph = watch.Seconds();
 
-    // Motion of each held tag, and of the graph.
+    // Motion of the graph.
     watch = {};
-    struct Sum {
-        Eigen::Vector3d position = Eigen::Vector3d::Zero();
-        double count = 0;
-    };
-    std::map<Index, Sum> sums; // of the nodes of each handle
-    for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (tag[u] >= 2) {
-            Sum &sum = sums[tag[u]];
-            sum.position += surface.graph.position.col(u).template cast<double>();
-            ++sum.count;
-        }
-    std::map<Index, Eigen::Matrix4d> meshMotion;
-    std::map<Index, Eigen::Affine3d> motion{{0, Eigen::Affine3d::Identity()}};
-    for (const auto &s : sums) {
-        const auto given = handles.motion.find(s.first);
-        meshMotion[s.first] =
-            (given == handles.motion.end() ? Motion() : given->second)
-                .At(param.pose, surface.frame.FromFrame(Eigen::Vector3d(s.second.position / s.second.count)));
-        motion[s.first] = surface.frame.ToFrame(meshMotion[s.first]);
-    }
-    std::vector<bool> constrained(graph.Size());
+    std::map<Index, Eigen::Affine3d> motion;
+    for (const auto &each : constraints.motion)
+        motion[each.first] = surface.frame.ToFrame(each.second);
+    std::vector<bool> constrained(graph.Size()), turns(graph.Size());
     std::vector<Eigen::Affine3d> nodeMotion(graph.Size(), Eigen::Affine3d::Identity());
     for (Index j = 0; j < graph.Size(); ++j) {
         const Index t = tag[patches.center[j]];
         constrained[j] = t != 1;
+        turns[j] = constraints.Turns(t);
         if (constrained[j])
             nodeMotion[j] = motion.at(t);
     }
-    const GraphDeformer deformer(graph, constrained, surface.area);
+    if (!constraints.original.empty())
+        fcd::detail::TurnTogether(graph, constrained, turns, nodeMotion);
+    const GraphDeformer deformer(graph, constrained, surface.area, turns);
     SolverParam solver;
     solver.smoothness = param.smoothness;
     solver.maxIterations = param.maxIterations;
@@ -301,6 +442,12 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.61, 0.75));
     if (param.looseParts == LooseParts::Follow)
         FollowNearest(graph, deformer, pose);
+    for (Index j = 0; j < graph.Size(); ++j)
+        if (turns[j]) { // run over into the motion that the surface makes there
+            Eigen::Affine3d &there = motion[tag[patches.center[j]]];
+            there.linear() = pose.linear[j];
+            there.translation() = pose.position.col(j) - pose.linear[j] * graph.graph.position.col(j).cast<double>();
+        }
     result.secondsSolve = watch.Seconds();
 
     // Mesh.
@@ -320,10 +467,10 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
                     const Eigen::Vector3d p = PositionOf(m.vert[i]);
                     const Index node = surface.nodeOf[i];
                     const Index t = node < 0 ? 0 : tag[node]; // vertices of a seam may have different tags
-                    if (t == 0)
+                    if (constraints.IsFixed(t))
                         result.position.col(i) = p;
                     else if (t > 1)
-                        result.position.col(i) = (meshMotion.at(t) * p.homogeneous()).template head<3>();
+                        result.position.col(i) = (constraints.motion.at(t) * p.homogeneous()).template head<3>();
                     else
                         result.position.col(i) = surface.frame.FromFrame(mapped(node, surface.frame.ToFrame(p)));
                 }

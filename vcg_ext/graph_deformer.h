@@ -94,11 +94,14 @@ inline Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear) { return FitRot
 /// its nodes come back at rest.
 class GraphDeformer {
   public:
-    /// \param constrained k flags \param area A, frame units^2
-    /// \throw Error when the system cannot be factorised
-    GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area)
-        : graph(graph), constrained(constrained), area(area) {
+    /// \param constrained k flags: the node's position is given, and its rotation with it
+    /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free \param area A, frame
+    /// units^2 \throw Error when the system cannot be factorised
+    GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
+                  const std::vector<bool> &turns = {})
+        : graph(graph), constrained(constrained), turns(turns), area(area) {
         const Index k = graph.Size();
+        this->turns.resize(k, false);
         const Index components = ConnectedComponents(graph.graph.adjacency, componentOf);
         held.assign(components, false);
         for (Index i = 0; i < k; ++i)
@@ -109,6 +112,18 @@ class GraphDeformer {
             if (!constrained[i] && held[componentOf[i]]) {
                 unknownOf[i] = Index(unknown.size());
                 unknown.push_back(i);
+            }
+        turning = unknown;
+        for (Index i = 0; i < k; ++i)
+            if (constrained[i] && this->turns[i])
+                turning.push_back(i);
+        edge.resize(graph.weight.size());
+        for (Index i = 0; i < k; ++i)
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
+                const Eigen::Vector3d d =
+                    graph.graph.position.col(i).cast<double>() - graph.graph.position.col(Neighbour(e)).cast<double>();
+                edge[e] = graph.weight[e] * d;
+                edgeLength += d.norm() / double(edge.size());
             }
         if (unknown.empty())
             return;
@@ -130,14 +145,6 @@ class GraphDeformer {
             else
                 known.emplace_back(i, i, sum);
         }
-        edge.resize(graph.weight.size());
-        for (Index i = 0; i < k; ++i)
-            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
-                const Eigen::Vector3d d =
-                    graph.graph.position.col(i).cast<double>() - graph.graph.position.col(Neighbour(e)).cast<double>();
-                edge[e] = graph.weight[e] * d;
-                edgeLength += d.norm() / double(edge.size());
-            }
         const Index n = Index(unknown.size());
         // Columns of the Laplacian: those of the unknown nodes, and those of the constrained ones.
         Eigen::SparseMatrix<double> columns(k, n);
@@ -161,7 +168,8 @@ class GraphDeformer {
     bool IsHeld(Index i) const { return held[componentOf[i]]; }
     const std::vector<Index> &ComponentOf() const { return componentOf; }
 
-    /// \param motion k motions in frame units; those of unconstrained nodes are not read
+    /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
+    ///        rotation is only where the iteration begins
     GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param,
                     const Progress &progress = {}) const {
         const Index k = graph.Size(), n = Index(unknown.size());
@@ -180,11 +188,13 @@ class GraphDeformer {
                 const Matrix34d m = motion[i].matrix().topRows<3>() - Matrix34d::Identity();
                 change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
             }
-        if (n == 0)
+        if (turning.empty())
             return pose;
 
         // Initial guess: the motions' matrices, interpolated by the bi-Laplacian. One motion of all is met exactly.
-        const Eigen::MatrixXd guess = initialGuess.solve(-(transposedColumns * (constrainedColumns * change)));
+        Eigen::MatrixXd guess;
+        if (n > 0)
+            guess = initialGuess.solve(-(transposedColumns * (constrainedColumns * change)));
         for (Index u = 0; u < n; ++u) {
             const Eigen::Matrix<double, 1, 12> row = guess.row(u);
             const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + Matrix34d::Identity();
@@ -196,9 +206,9 @@ class GraphDeformer {
         const double smooth = param.smoothness * area;
         const double still = param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
         state.energy = Energy(state, pose.linear, smooth);
-        Anderson anderson(12 * std::size_t(n));
+        Anderson anderson(12 * turning.size());
         State stepped = state, mixed = state;
-        Eigen::VectorXd before(12 * n), after(12 * n);
+        Eigen::VectorXd before(12 * turning.size()), after(12 * turning.size());
         Eigen::MatrixX3d right(n, 3);
         pose.converged = false;
         for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
@@ -208,6 +218,10 @@ class GraphDeformer {
             double moved = 0;
             for (Index i : unknown)
                 moved = std::max(moved, (stepped.position.col(i) - state.position.col(i)).squaredNorm());
+            for (Index i : turning)
+                if (constrained[i]) // the others' turn shows in how they move
+                    moved = std::max(moved,
+                                     (stepped.rotation[i] - state.rotation[i]).squaredNorm() * edgeLength * edgeLength);
             pose.converged = std::sqrt(moved) <= still;
             // Accelerated step, taken only where it is better than the plain one.
             Pack(state, before);
@@ -221,7 +235,7 @@ class GraphDeformer {
         }
         pose.position = std::move(state.position);
         pose.energy = state.energy;
-        for (Index i : unknown)
+        for (Index i : turning)
             pose.linear[i] = state.rotation[i];
         return pose;
     }
@@ -238,7 +252,7 @@ class GraphDeformer {
 
     /// A node's linear part as its neighbours' edges see it: a constrained node's may scale.
     const Eigen::Matrix3d &Linear(const State &x, const std::vector<Eigen::Matrix3d> &linear, Index i) const {
-        return constrained[i] ? linear[i] : x.rotation[i];
+        return constrained[i] && !turns[i] ? linear[i] : x.rotation[i];
     }
 
     /// One local and one global step. The energy cannot rise.
@@ -246,7 +260,7 @@ class GraphDeformer {
               Eigen::MatrixX3d &right) const {
         // Local step (Eq. 5), each rotation from its neighbours' latest.
         y.rotation = x.rotation;
-        for (Index i : unknown) {
+        for (Index i : turning) {
             Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
                 const Index j = Neighbour(e);
@@ -255,6 +269,7 @@ class GraphDeformer {
             }
             y.rotation[i] = detail::FitRotation(s);
         }
+        y.position = x.position;
         // Global step (Eq. 6).
         for (std::size_t u = 0; u < unknown.size(); ++u) {
             const Index i = unknown[u];
@@ -269,8 +284,8 @@ class GraphDeformer {
             b += y.rotation[i] * own;
             right.row(u) = 0.5 * b.transpose();
         }
-        right = globalStep.solve(right);
-        y.position = x.position;
+        if (!unknown.empty())
+            right = globalStep.solve(right);
         for (std::size_t u = 0; u < unknown.size(); ++u)
             y.position.col(unknown[u]) = right.row(u).transpose();
         y.energy = Energy(y, linear, smooth);
@@ -297,7 +312,7 @@ class GraphDeformer {
     /// The unknowns as one vector: positions, and rotations times the length of an edge, so that both weigh the same.
     void Pack(const State &x, Eigen::VectorXd &v) const {
         double *at = v.data();
-        for (Index i : unknown) {
+        for (Index i : turning) {
             Eigen::Map<Eigen::Vector3d> p(at);
             p = x.position.col(i);
             Eigen::Map<Eigen::Matrix3d> r(at + 3);
@@ -307,8 +322,9 @@ class GraphDeformer {
     }
     void Unpack(const Eigen::VectorXd &v, State &x) const {
         const double *at = v.data();
-        for (Index i : unknown) {
-            x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
+        for (Index i : turning) {
+            if (!constrained[i])
+                x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
             x.rotation[i] = detail::RotationOf(Eigen::Map<const Eigen::Matrix3d>(at + 3));
             at += 12;
         }
@@ -348,8 +364,9 @@ class GraphDeformer {
     };
 
     const DeformationGraph &graph;
-    std::vector<bool> constrained, held;
-    std::vector<Index> componentOf, unknownOf, unknown;
+    std::vector<bool> constrained, turns, held;
+    std::vector<Index> componentOf, unknownOf, unknown; // unknown positions
+    std::vector<Index> turning;                         // unknown rotations
     double area;
     std::vector<Eigen::Vector3d> edge; // w_ij e_ij of each adjacency item
     double edgeLength = 0;             // mean

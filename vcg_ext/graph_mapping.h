@@ -19,12 +19,14 @@ enum class MappingWeights {
 ///
 /// p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero at `influence`
 /// times the radius of j's patch. Near a held region, the blend runs over into that region's own motion, with two
-/// continuous derivatives, so that held nodes are exact and no crease is left at their border.
+/// continuous derivatives, so that held nodes are exact and no crease is left at their border. Small held parts may lie
+/// in patches of free nodes.
 class GraphMapping {
   public:
-    /// \param tag tag of each surface node: 0 fixed, 1 free, else handle. No patch may hold two tags.
+    /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
     /// \param influence node radius over patch radius, > 1
-    /// \param fade width of the run-over into held regions along the surface, units of the positions
+    /// \param fade greatest width of the run-over into held regions along the surface, units of the positions; 1.5
+    ///        patch radii for held nodes in a patch of free ones
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
                  const Progress &progress = {})
@@ -80,7 +82,7 @@ class GraphMapping {
             for (std::uint32_t h = mapping.heldBegin[node]; h < mapping.heldBegin[node + 1]; ++h) {
                 // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all bounds.
                 const double s = Falloff(mapping.held[h].distance);
-                sum += s / (1 - s) * (motion.at(mapping.held[h].tag) * p);
+                sum += s / (1 - s) * (heldMotion[mapping.held[h].index] * p);
                 weight += s / (1 - s);
             }
             return sum / weight;
@@ -92,6 +94,8 @@ class GraphMapping {
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
             : mapping(mapping), motion(motion), own(mapping.graph.Size()), difference(mapping.candidates.item.size()) {
+            for (Index t : mapping.heldTag)
+                heldMotion.push_back(motion.at(t));
             const auto rest = [&](Index j) { return mapping.graph.graph.position.col(j).cast<double>(); };
             for (Index j = 0; j < mapping.graph.Size(); ++j) {
                 own[j] = Eigen::Affine3d::Identity();
@@ -111,6 +115,7 @@ class GraphMapping {
 
         const GraphMapping &mapping;
         const std::map<Index, Eigen::Affine3d> &motion;
+        std::vector<Eigen::Affine3d> heldMotion; // of each of mapping.heldTag
         std::vector<Eigen::Affine3d> own;
         std::vector<Difference, Eigen::aligned_allocator<Difference>> difference; // of each candidate
     };
@@ -130,7 +135,7 @@ class GraphMapping {
         float x, y, z, inverse; // the node's position, 1 / reach^2
     };
     struct Held {
-        Index tag;
+        Index index;    ///< in heldTag
         float distance; ///< to the held region over the fade's width, (0, 1)
     };
 
@@ -154,13 +159,13 @@ class GraphMapping {
         } else {
             std::vector<Index> seen(k, -1), queue;
             for (Index j = 0; j < k; ++j) {
-                const Index own = tag[patches.center[j]];
+                const Index own = patches.tag[j];
                 queue.assign(1, j);
                 seen[j] = j;
                 for (std::size_t q = 0; q < queue.size(); ++q) {
                     pair.emplace_back(queue[q], j);
                     for (Index next : graph.graph.adjacency[queue[q]]) {
-                        const Index there = tag[patches.center[next]];
+                        const Index there = patches.tag[next];
                         if (seen[next] != j && (there == 1 || there == own) && touches(j, next)) {
                             seen[next] = j;
                             queue.push_back(next);
@@ -199,13 +204,17 @@ class GraphMapping {
                         border.push_back({tag[u], u});
                         break;
                     }
+        auto width = [&](Index u) {
+            const Index j = patches.patchOf[u];
+            return patches.tag[j] == 1 ? float(std::min(fade, 1.5 * std::max(patches.radius[j], 1e-6f))) : float(fade);
+        };
         std::stable_sort(border.begin(), border.end(), [](const Border &a, const Border &b) { return a.tag < b.tag; });
         struct Found {
             Index node;
             Held held;
         };
         struct Offered {
-            float distance;
+            float distance; // over the width at the source
             Index node, source;
         };
         constexpr std::size_t classes = 256; // of distance; a node may be visited again when a nearer source turns up
@@ -217,16 +226,18 @@ class GraphMapping {
         for (std::size_t b = 0; b < border.size();) {
             const Index t = border[b].tag;
             const double done = double(b) / border.size();
+            heldTag.push_back(t);
             auto spread = [&](Index from, Index source, std::size_t current) {
+                const float w = width(source);
                 for (Index v : surface.adjacency[from]) {
                     if (tag[v] != 1)
                         continue;
-                    const float d = (surface.position.col(v) - surface.position.col(source)).norm();
-                    if (d < best[v] && d < fade) {
+                    const float d = (surface.position.col(v) - surface.position.col(source)).norm() / w;
+                    if (d < best[v] && d < 1) {
                         if (std::isinf(best[v]))
                             touched.push_back(v);
                         best[v] = d;
-                        queue[std::max(current, std::size_t(classes * (d / fade)))].push_back({d, v, source});
+                        queue[std::max(current, std::size_t(classes * d))].push_back({d, v, source});
                     }
                 }
             };
@@ -243,7 +254,7 @@ class GraphMapping {
                 queue[c].clear();
             }
             for (Index v : touched) {
-                found.push_back({v, {t, std::max(1e-4f, best[v] / float(fade))}});
+                found.push_back({v, {Index(heldTag.size()) - 1, std::max(1e-4f, best[v])}});
                 best[v] = std::numeric_limits<float>::infinity();
             }
             touched.clear();
@@ -266,6 +277,7 @@ class GraphMapping {
     std::vector<float> reach;
     Csr candidates;                       ///< for each patch, the nodes that may influence it
     std::vector<Ball> ball;               ///< of each candidate
+    std::vector<Index> heldTag;           ///< the tags of the held regions that have a free neighbour, ascending
     std::vector<std::uint32_t> heldBegin; ///< n + 1 offsets into held
     std::vector<Held> held;
 };

@@ -2,7 +2,7 @@
 #ifndef VCG_FCD_HANDLE_FILE_H
 #define VCG_FCD_HANDLE_FILE_H
 
-#include "graph.h"
+#include "handles.h"
 
 #include <charconv>
 #include <filesystem>
@@ -18,7 +18,9 @@ namespace detail {
 /// stand.
 class WordReader {
   public:
-    explicit WordReader(const std::string &path) : path(path) {
+    /// \param separators what stands between words besides white space
+    explicit WordReader(const std::string &path, const std::string &separators = "")
+        : path(path), separators(separators) {
         std::ifstream file(path, std::ios::binary);
         if (!file || std::filesystem::is_directory(path))
             throw Error("Cannot open '" + path + "'.");
@@ -31,29 +33,49 @@ class WordReader {
 
     /// \return false at the end of the file
     bool Next() {
-        for (; at < text.size(); ++at) {
-            if (text[at] == '#')
-                at = std::min(text.find('\n', at), text.size());
-            if (at < text.size() && text[at] == '\n')
-                ++line;
-            else if (at < text.size() && !IsSpace(text[at]))
-                break;
-        }
+        while (!NextInLine())
+            if (!NextLine())
+                return false;
+        return true;
+    }
+
+    /// \return false at the end of the line
+    bool NextInLine() {
+        while (at < text.size() && text[at] != '\n' && IsSpace(text[at]))
+            ++at;
         wordBegin = at;
         while (at < text.size() && !IsSpace(text[at]) && text[at] != '#')
             ++at;
         return wordBegin < at;
     }
 
-    /// The current word as a number, whatever the locale. \throw Error naming file and line
+    /// To the beginning of the next line. \return false at the end of the file
+    bool NextLine() {
+        at = text.find('\n', at);
+        if (at == std::string::npos) {
+            at = text.size();
+            return false;
+        }
+        ++at;
+        ++line;
+        return true;
+    }
+
+    /// The current word as a number, whatever the locale. \return false when it is none
     template <class Number>
-    Number As(const char *expected) const {
+    bool Read(Number &value) const {
         const char *first = text.data() + wordBegin, *last = text.data() + at;
         if (last - first > 1 && first[0] == '+' && first[1] != '-')
             ++first;
-        Number value{};
         const std::from_chars_result r = std::from_chars(first, last, value);
-        if (r.ec != std::errc() || r.ptr != last)
+        return r.ec == std::errc() && r.ptr == last;
+    }
+
+    /// The current word as a number. \throw Error naming file and line
+    template <class Number>
+    Number As(const char *expected) const {
+        Number value{};
+        if (!Read(value))
             Fail(std::string("expected ") + expected + ", found '" +
                  text.substr(wordBegin, std::min<std::size_t>(at - wordBegin, 40)) + "'");
         return value;
@@ -64,9 +86,12 @@ class WordReader {
     }
 
   private:
-    static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+    bool IsSpace(char c) const {
+        return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f' ||
+               separators.find(c) != std::string::npos;
+    }
 
-    std::string path, text;
+    std::string path, separators, text;
     std::size_t at = 0, wordBegin = 0, line = 1;
 };
 
@@ -117,6 +142,57 @@ inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path) {
     for (std::size_t i = 0; i < number.size(); i += 16)
         matrix.emplace_back(Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&number[i]));
     return matrix;
+}
+
+/// A point that goes somewhere.
+struct PointPair {
+    std::int64_t vertex = -1; ///< number of the vertex, from 0; -1 where start is given instead
+    Eigen::Vector3d start = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();
+};
+
+/// Reads a list of correspondences: a line for each point with the number of a vertex (from 0) or the x, y and z of the
+/// start, and the x, y and z of the target. Between the numbers commas, semicolons or white space; comments from '#' to
+/// the end of the line, and a first line that is no number names the columns.
+/// \throw Error file not readable, or a line that is not of this kind, with file and line
+inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
+    detail::WordReader reader(path, ",;");
+    std::vector<PointPair> pairs;
+    bool first = true;
+    do {
+        PointPair pair;
+        double number[6];
+        int count = 0;
+        bool title = false;
+        for (; reader.NextInLine(); ++count) {
+            if (count == 0) {
+                title = first && !reader.Read(number[0]);
+                first = false;
+                reader.Read(pair.vertex);
+            }
+            if (!title && count < 6) {
+                number[count] = reader.As<double>("a number");
+                if (!std::isfinite(number[count]))
+                    reader.Fail("expected a finite number");
+            }
+        }
+        if (count == 0 || title)
+            continue;
+        if (count != 4 && count != 6)
+            reader.Fail("found " + std::to_string(count) +
+                        " numbers; expected 4 (vertex and target) or 6 (start and target), with a point for decimals");
+        if (count == 4) {
+            if (pair.vertex < 0 || double(pair.vertex) != number[0])
+                reader.Fail("expected the number of a vertex (0 or more) as the first of 4 numbers");
+        } else {
+            pair.vertex = -1;
+            pair.start << number[0], number[1], number[2];
+        }
+        pair.target << number[count - 3], number[count - 2], number[count - 1];
+        pairs.push_back(pair);
+    } while (reader.NextLine());
+    if (pairs.empty())
+        throw Error("'" + path + "' holds no points; expected a line with start and target for each.");
+    return pairs;
 }
 
 /// Writes what ReadTagFile reads. \throw Error

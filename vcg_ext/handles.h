@@ -74,11 +74,18 @@ struct Motion {
     }
 };
 
+/// A single vertex that is put somewhere; how the surface turns there is left to it.
+struct PointHandle {
+    std::size_t vertex;     ///< slot of a free vertex
+    Eigen::Vector3d target; ///< where it goes, mesh units
+};
+
 /// Which vertices are held and how they move.
 struct Handles {
     std::vector<int>
         tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
-    std::map<int, Motion> motion; ///< of the handle tags, mesh units; a handle tag without one stays where it is
+    std::map<int, Motion> motion;   ///< of the handle tags, mesh units; a handle tag without one stays where it is
+    std::vector<PointHandle> point; ///< in addition to the tags
 };
 
 /// Live vertices by their tag.

@@ -34,6 +34,7 @@ struct Patches {
     std::vector<Index> patchOf; ///< n, patch of each node in [0, k)
     std::vector<Index> center;  ///< k, c: the node of the patch nearest its barycentre
     std::vector<float> radius;  ///< k, d_j: largest distance from the centre to a node of the patch
+    std::vector<Index> tag;     ///< k, that of all nodes of the patch
     double cost = 0;            ///< E of Eq. 1
     int iterations = 0;
     bool converged = false;
@@ -555,8 +556,10 @@ inline Patches TakePatches(Lloyd &lloyd) {
     lloyd.Measure();
     patches.patchOf = std::move(lloyd.grower.patchOf);
     patches.center.reserve(lloyd.center.size());
-    for (const Center &c : lloyd.center)
+    for (const Center &c : lloyd.center) {
         patches.center.push_back(c.node);
+        patches.tag.push_back(lloyd.tag.empty() ? 1 : lloyd.tag[c.node]);
+    }
     patches.radius = std::move(lloyd.radius);
     patches.cost = lloyd.cost;
     return patches;

@@ -107,6 +107,119 @@ TEST(DeformCentroidal, OneRigidMotionMovesTheWholeMesh) {
         }
 }
 
+/// All free but \p count points, spread over the mesh, that \p motion moves.
+static Handles PointsOf(const Shape &shape, int count, const Affine3d &motion) {
+    Handles handles;
+    handles.tag.assign(shape.position.size(), 1);
+    for (int i = 0; i < count; ++i) {
+        const std::size_t vertex = shape.position.size() * i / count;
+        handles.point.push_back({vertex, motion * shape.position[vertex]});
+    }
+    return handles;
+}
+
+TEST(DeformCentroidal, PointHandlesArriveAndTurnFreely) {
+    const Shape shape = Jittered(Tube(60, 24), 0.01);
+    const Matrix3Xd rest = PositionsOf(MeshD(shape));
+    DeformationParam param = Param();
+    param.tolerance = 1e-9;
+    for (unsigned seed = 1; seed <= 3; ++seed)
+        for (int count : {7, 41, 719}) {
+            const Affine3d rigid = RandomRigid(seed);
+            const DeformationResult r = DeformCentroidal(MeshD(shape), PointsOf(shape, count, rigid), param);
+            EXPECT_EQ(r.tags.handle, count);
+            EXPECT_EQ(r.tags.free, 1440 - count);
+            // Nobody said that the surface turns, but it does, as a whole.
+            EXPECT_LE((r.position - rigid * rest).cwiseAbs().maxCoeff(), 1e-6) << count << " points";
+        }
+}
+
+TEST(DeformCentroidal, PointHandlesAreExactInAnyPose) {
+    Case c = TubeCase();
+    c.handles.point = {{300, Vector3d(1, 2, 3)}, {303, Vector3d(1, 2, 4)}};
+    ASSERT_EQ(c.handles.tag[300], 1);
+    for (double pose : {0.0, 50.0, 100.0, 150.0}) {
+        DeformationParam param = Param();
+        param.pose = pose;
+        const Matrix3Xd x = Deformed(c, param);
+        EXPECT_TRUE(x.allFinite());
+        for (const PointHandle &point : c.handles.point) {
+            const Vector3d p = c.shape.position[point.vertex];
+            EXPECT_LE((x.col(point.vertex) - p - pose / 100 * (point.target - p)).norm(), 1e-12);
+        }
+    }
+}
+
+TEST(DeformCentroidal, ASingleVertexThatIsOnlyMovedIsAPointHandle) {
+    const Shape shape = Jittered(Grid(40, 40, 0.25), 0.02);
+    Handles tagged, points;
+    tagged.tag.assign(1600, 1);
+    for (int i = 0; i < 20; ++i) {
+        const std::size_t vertex = 7 + 79 * i;
+        const Vector3d shift(0, 0, i % 3 * 0.5);
+        tagged.tag[vertex] = 2 + i;
+        tagged.motion[2 + i] = Motion(Affine3d(Eigen::Translation3d(shift)).matrix());
+        points.point.push_back({vertex, shape.position[vertex] + shift});
+    }
+    points.tag.assign(1600, 1);
+    const Matrix3Xd a = Deformed({shape, tagged}), b = Deformed({shape, points});
+    ExpectHeldExact(MeshD(shape), tagged, a);
+    EXPECT_LE((a - b).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(DeformCentroidal, TheSurfaceFollowsASmallHandle) {
+    // A single vertex in the middle of a sheet is lifted: what is half a patch away goes most of the way with it.
+    const Shape shape = Grid(81, 81, 0.1);
+    Handles handles;
+    handles.tag.assign(81 * 81, 1);
+    for (int i = 0; i < 81; ++i)
+        for (int at : {i, 81 * 80 + i, 81 * i, 81 * i + 80})
+            handles.tag[at] = 0;
+    const int middle = 81 * 40 + 40;
+    handles.tag[middle] = 2;
+    handles.motion[2] = Motion(Affine3d(Eigen::Translation3d(0, 0, 1)).matrix());
+    DeformationParam param = Param(100);
+    const DeformationResult r = DeformCentroidal(MeshD(shape), handles, param);
+    ExpectHeldExact(MeshD(shape), handles, r.position);
+    EXPECT_GT(r.position(2, middle + 3), 0.7);
+    EXPECT_GT(r.position(2, middle + 8), 0.3);
+    for (int i = 1; i < 40; ++i)
+        EXPECT_LE(r.position(2, middle + i), r.position(2, middle + i - 1) + 1e-3) << "not a single hill";
+}
+
+TEST(DeformCentroidal, ManySmallHandlesLeaveTheOthersExact) {
+    const Shape shape = Jittered(Sphere(60, 80), 0.005);
+    std::mt19937 random(3);
+    Handles handles;
+    handles.tag.assign(shape.position.size(), 1);
+    for (int t = 2; t < 500; ++t) {
+        handles.tag[random() % handles.tag.size()] = t;
+        handles.motion[t] = Motion(Affine3d(Eigen::Translation3d(0.1 * RandomVector(random))).matrix());
+    }
+    for (int i = 0; i < 300; ++i)
+        handles.tag[random() % handles.tag.size()] = 0;
+    const MeshD mesh(shape);
+    const DeformationResult r = DeformCentroidal(mesh, handles, Param());
+    ExpectHeldExact(mesh, handles, r.position);
+}
+
+TEST(DeformCentroidal, RefusesPointHandlesThatCannotBe) {
+    const Case c = TubeCase();
+    auto error = [&](std::vector<PointHandle> points) {
+        Case with = c;
+        with.handles.point = std::move(points);
+        return MessageOf<Error>([&] { Deformed(with); });
+    };
+    const Vector3d p(1, 2, 3);
+    const std::size_t fixed = std::find(c.handles.tag.begin(), c.handles.tag.end(), 0) - c.handles.tag.begin();
+    EXPECT_NE(error({{300, p}, {99999, p}}).find("Point handle 2 is at vertex 99999, which does not exist"),
+              std::string::npos);
+    EXPECT_NE(error({{300, p}, {301, p}, {300, p}}).find("Point handle 3 is at the same place as point handle 1"),
+              std::string::npos);
+    EXPECT_NE(error({{fixed, p}}).find("is held already"), std::string::npos);
+    EXPECT_NE(error({{300, p * std::numeric_limits<double>::infinity()}}).find("not finite"), std::string::npos);
+}
+
 TEST(DeformCentroidal, NoMotionIsTheRestPose) {
     for (Case c : {TubeCase(), GridCase(), SphereCase()}) {
         const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
@@ -433,7 +546,7 @@ static void ExpectFinite(const Shape &shape, const Handles &handles) {
 TEST(DeformCentroidal, TakesOneTriangle) {
     std::vector<int> tag{0, 1, 2};
     do
-        ExpectFinite(Triangle(), {tag, {{2, Motion(bend.matrix())}}});
+        ExpectFinite(Triangle(), {tag, {{2, Motion(bend.matrix())}}, {}});
     while (std::next_permutation(tag.begin(), tag.end()));
 }
 
@@ -456,7 +569,7 @@ TEST(DeformCentroidal, TakesAllVerticesAtOnePlace) {
     Shape shape = Triangle();
     for (Vector3d &p : shape.position)
         p = Vector3d(1, 2, 3);
-    const Matrix3Xd x = DeformCentroidal(MeshD(shape), {{2, 1, 1}, {{2, Motion(bend.matrix())}}}, {}).position;
+    const Matrix3Xd x = DeformCentroidal(MeshD(shape), {{2, 1, 1}, {{2, Motion(bend.matrix())}}, {}}, {}).position;
     for (int i = 0; i < 3; ++i)
         EXPECT_LE((x.col(i) - bend * Vector3d(1, 2, 3)).norm(), 1e-12);
 }

@@ -148,6 +148,33 @@ TEST_F(HandleFile, NamesTheEndOfATruncatedMatrix) {
     ExpectNames(TransformError(identity + "1 0 0"), 5, "19 numbers");
 }
 
+TEST_F(HandleFile, ReadsPointPairs) {
+    for (const char *text : {"vertex,x,y,z\n7, 1.5,-2,3e1\n\n1,2,3,4,5,6 # as coordinates\n",
+                             "7 1.5 -2 3e1\r\n1 2 3 4 5 6", "\xEF\xBB\xBF# points\n7;1.5;-2;30\n1\t2\t3\t4\t5\t6\n"}) {
+        const std::vector<PointPair> pairs = ReadPointHandleFile(Written(text));
+        ASSERT_EQ(pairs.size(), 2u) << text;
+        EXPECT_EQ(pairs[0].vertex, 7);
+        EXPECT_EQ(pairs[0].target, Eigen::Vector3d(1.5, -2, 30));
+        EXPECT_EQ(pairs[1].vertex, -1);
+        EXPECT_EQ(pairs[1].start, Eigen::Vector3d(1, 2, 3));
+        EXPECT_EQ(pairs[1].target, Eigen::Vector3d(4, 5, 6));
+    }
+}
+
+TEST_F(HandleFile, RefusesWhatIsNoListOfPoints) {
+    auto error = [&](const std::string &text) { return MessageOf<Error>([&] { ReadPointHandleFile(Written(text)); }); };
+    ExpectNames(error("1 2 3\n"), 1, "3 numbers");
+    ExpectNames(error("0 1 2 3\n1 2 3 4 5 6 7\n"), 2, "7 numbers");
+    ExpectNames(error("vertex x y z\nname 1 2 3\n"), 2, "'name'");
+    ExpectNames(error("0 1 2 3\n0 1 zwei 3\n"), 2, "'zwei'");
+    ExpectNames(error("-1 1 2 3\n"), 1, "number of a vertex");
+    ExpectNames(error("0.5 1 2 3\n"), 1, "number of a vertex");
+    ExpectNames(error("0 1 inf 3\n"), 1, "finite");
+    ExpectNames(error("1,5;2,5;3,5;4,5\n"), 1, "point for decimals");
+    EXPECT_NE(error("# nothing\n\n").find("no points"), std::string::npos);
+    EXPECT_NE(error("vertex,x,y,z\n").find("no points"), std::string::npos);
+}
+
 TEST_F(HandleFile, RefusesToWriteWhereItCannot) {
     const std::string nowhere = path + ".folder/file.sel";
     EXPECT_NE(MessageOf<Error>([&] { WriteTagFile(nowhere, {1}); }).find(nowhere), std::string::npos);
