@@ -46,7 +46,7 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
             std::ostringstream message;
             message << "The " << what << " of vertex " << i << " is " << number
                     << ", but tags are whole numbers: " << tagMeaning
-                    << ". Round them, or choose another source with 'handles'.";
+                    << ". Round them, or take the tags from another source.";
             throw Error(message.str());
         }
         tag[i] = int(whole);
@@ -61,12 +61,12 @@ std::vector<int> tagsFromQuality(const MeshModel &layer) {
         for (std::size_t i = 0; i < mesh.vert.size() && !tagged; ++i)
             tagged = !mesh.vert[i].IsD() && mesh.vert[i].cQ() != 0;
     if (!tagged)
-        throw Error(
-            std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
-                        "vertices yet. Set the quality to a tag per vertex (") +
-            tagMeaning +
-            "), for example with 'Per Vertex Quality Function' (compute_scalar_by_function_per_vertex), or select the "
-            "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
+        throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
+                                "vertices yet. Set the quality to a tag per vertex (") +
+                    tagMeaning +
+                    "), for example with 'FCD: Tag Selection' (compute_fcd_tags_from_selection) or 'Per Vertex Quality "
+                    "Function' (compute_scalar_by_function_per_vertex), or select the "
+                    "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
     return tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
 }
 
@@ -175,15 +175,29 @@ Motion toLocal(const Eigen::Affine3d &world, const Eigen::Affine3d &layerMatrix)
 
 } // namespace
 
+std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
+    switch (param.source) {
+    case HandleParam::Quality: return tagsFromQuality(layer);
+    case HandleParam::Selection: return tagsFromSelection(layer);
+    case HandleParam::Attribute: return tagsFromAttribute(layer, param.tagAttribute);
+    case HandleParam::Files: return tagsFromFile(layer, param.tagFile);
+    }
+    throw Error("Unknown source of tags.");
+}
+
+Eigen::Matrix4d worldMatrix(const MeshModel &layer, const Motion &motion) {
+    const Eigen::Affine3d layerMatrix = matrixOf(layer);
+    if (layerMatrix.matrix().isIdentity(0))
+        return motion.matrix;
+    Eigen::Matrix4d world = (layerMatrix * Eigen::Affine3d(motion.matrix) * layerMatrix.inverse()).matrix();
+    world.row(3) << 0, 0, 0, 1;
+    return world;
+}
+
 Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark) {
     const CMeshO &mesh = layer.cm;
     Handles handles;
-    switch (param.source) {
-    case HandleParam::Quality: handles.tag = tagsFromQuality(layer); break;
-    case HandleParam::Selection: handles.tag = tagsFromSelection(layer); break;
-    case HandleParam::Attribute: handles.tag = tagsFromAttribute(layer, param.tagAttribute); break;
-    case HandleParam::Files: handles.tag = tagsFromFile(layer, param.tagFile); break;
-    }
+    handles.tag = readTags(layer, param);
 
     const Eigen::Affine3d layerMatrix = matrixOf(layer);
     struct Sum {

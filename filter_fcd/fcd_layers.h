@@ -18,9 +18,15 @@ using Remark = std::function<void(const std::string &)>;
 
 // --- layers -> vcg_ext ---
 
+/// The tags of \p layer, one per slot of its vertex vector. \throw vcg::fcd::Error when they cannot be had
+std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
+
 /// Tags (per slot of the layer's vertex vector) and motions (in the layer's own coordinates) of the handles of \p
 /// layer. \throw vcg::fcd::Error when the tags or motions cannot be had: each message says what to do
 vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark);
+
+/// \p motion, in the coordinates of \p layer as from readHandles(), in world coordinates.
+Eigen::Matrix4d worldMatrix(const MeshModel &layer, const vcg::fcd::Motion &motion);
 
 /// The vertices of \p graph in the coordinates of \p layer, 3 x k.
 /// \throw vcg::fcd::Error when \p graph is null, is \p layer itself or has no vertex

@@ -67,7 +67,8 @@ vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
     return param;
 }
 
-/// The value of an enum parameter with \p count values.
+} // namespace
+
 int enumValue(const RichParameterList &list, const char *name, int count) {
     const int value = list.getEnum(name);
     if (value < 0 || value >= count)
@@ -75,8 +76,6 @@ int enumValue(const RichParameterList &list, const char *name, int count) {
                     std::to_string(count - 1) + ".");
     return value;
 }
-
-} // namespace
 
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
     RichParameterList list;

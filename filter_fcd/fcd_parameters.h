@@ -51,6 +51,9 @@ struct DeformMeshParam {
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
 
+/// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
+int enumValue(const RichParameterList &list, const char *name, int count);
+
 /// The way back. \throw vcg::fcd::Error when a value makes no sense
 BuildGraphParam buildGraphParam(const RichParameterList &list);
 DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document);

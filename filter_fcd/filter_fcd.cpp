@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_layers.h"
 #include "fcd_parameters.h"
+#include "fcd_tags.h"
 #include "filter_fcd.h"
 
 #include <sstream>
@@ -16,8 +17,8 @@ const char *const reference =
     "<a href='https://doi.org/10.2312/stag.20181302'>DOI 10.2312/stag.20181302</a>";
 
 /// The current layer. \throw Error when there is none or it is empty
-const MeshModel &input(MeshDocument &document) {
-    const MeshModel *layer = document.mm();
+MeshModel &input(MeshDocument &document) {
+    MeshModel *layer = document.mm();
     if (!layer)
         throw Error("There is no layer. Open a mesh first.");
     if (layer->cm.vn == 0)
@@ -44,7 +45,7 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
 
 } // namespace
 
-FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh}); }
+FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags}); }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
 
@@ -52,6 +53,9 @@ QString FilterFcd::filterName(int id) const {
     switch (id) {
     case BuildGraph: return "FCD: Build Deformation Graph";
     case DeformMesh: return "FCD: Deform Mesh";
+    case TagSelection: return "FCD: Tag Selection";
+    case TagsFromFiles: return "FCD: Tags from Files";
+    case SaveTags: return "FCD: Save Tags";
     }
     return QString();
 }
@@ -60,6 +64,9 @@ QString FilterFcd::scriptName(int id) const {
     switch (id) {
     case BuildGraph: return "generate_fcd_deformation_graph";
     case DeformMesh: return "generate_fcd_deformed_mesh";
+    case TagSelection: return "compute_fcd_tags_from_selection";
+    case TagsFromFiles: return "compute_fcd_tags_from_files";
+    case SaveTags: return "save_fcd_tags";
     }
     return QString();
 }
@@ -98,16 +105,40 @@ QString FilterFcd::filterInfo(int id) const {
                    "layer is not changed: the result is a new layer with everything that the mesh carries (colours, "
                    "textures, attributes). All motions are in world coordinates.") +
                reference;
+    case TagSelection:
+        return "Says what 'FCD: Deform Mesh' does with the selected part of the mesh: it stays <b>fixed</b>, is "
+               "<b>free</b> to follow, is a <b>handle</b> that moves as told, or lies <b>outside</b> the region of "
+               "influence.<br>"
+               "Select what stays, run this filter as <i>Fixed</i>; select what moves, run it as <i>Handle</i>; then "
+               "deform. Selected vertices and the vertices of selected faces count. All else keeps its tag; where the "
+               "layer has no tags yet (no quality, or 0 everywhere) all else is free.<br>"
+               "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
+    case TagsFromFiles:
+        return "Gives the vertices of the current layer the tags of a .sel file, to look at them, to change them with "
+               "'FCD: Tag Selection', or for 'FCD: Deform Mesh'.<br>"
+               "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
+    case SaveTags:
+        return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
+               "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "
+               "the layer and these motions. The layer is not changed.";
     }
     return QString();
 }
 
 HostFilterPlugin::FilterClass FilterFcd::menus(int) const { return Smoothing; }
 
+int FilterFcd::changes(int id) const {
+    const bool tags = id == TagSelection || id == TagsFromFiles;
+    return tags ? MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR : MeshModel::MM_NONE;
+}
+
 RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) const {
     switch (id) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
+    case TagSelection: return toRichParameters(TagSelectionParam());
+    case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
+    case SaveTags: return toRichParameters(SaveTagsParam(), document);
     }
     return RichParameterList();
 }
@@ -117,6 +148,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
+    case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
+    case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
+    case SaveTags:
+        return report(saveTags(input(document), saveTagsParam(parameters, document),
+                               [this](const std::string &line) { logLine(line); }));
     }
     throw Error("Unknown filter.");
 }
@@ -203,4 +239,15 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
             {"seconds_graph", result.secondsGraph},
             {"seconds_solve", result.secondsSolve},
             {"seconds_map", result.secondsMap}};
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {
+    std::ostringstream line;
+    line << tags.fixed << " fixed, " << tags.handle << " handle, " << tags.free << " free, " << tags.outside
+         << " outside vertices.";
+    logLine(line.str());
+    return {{"fixed_vertices", tags.fixed},
+            {"handle_vertices", tags.handle},
+            {"free_vertices", tags.free},
+            {"outside_vertices", tags.outside}};
 }

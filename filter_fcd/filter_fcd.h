@@ -2,6 +2,9 @@
 #ifndef FILTER_FCD_H
 #define FILTER_FCD_H
 
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/handles.h>
+
 #include "meshlab_host.h"
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
@@ -10,7 +13,7 @@ class FilterFcd : public HostFilterPlugin {
     FCD_PLUGIN_METADATA
 
   public:
-    enum Filter { BuildGraph, DeformMesh };
+    enum Filter { BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags };
 
     FilterFcd();
 
@@ -19,6 +22,7 @@ class FilterFcd : public HostFilterPlugin {
     QString scriptName(int id) const override;
     QString filterInfo(int id) const override;
     FilterClass menus(int id) const override;
+    int changes(int id) const override;
     RichParameterList parameters(int id, const MeshDocument &document) const override;
     ReturnedValues run(int id, const RichParameterList &parameters, MeshDocument &document,
                        vcg::CallBackPos *callback) override;
@@ -30,6 +34,7 @@ class FilterFcd : public HostFilterPlugin {
   private:
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues report(const vcg::fcd::TagCount &tags) const;
 };
 
 #endif

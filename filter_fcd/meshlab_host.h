@@ -46,10 +46,12 @@ using RichDirectionParam = RichDirection;
 using RichPercentageParam = RichAbsPerc;
 using RichMatrixParam = RichMatrix44f;
 using RichFileParam = RichOpenFile;
+using RichSaveFileParam = RichSaveFile;
 #else
 using RichPercentageParam = RichPercentage;
 using RichMatrixParam = RichMatrix44;
 using RichFileParam = RichFileOpen;
+using RichSaveFileParam = RichFileSave;
 #endif
 
 /// Where the dialog shows a parameter, where the host makes the difference (2022.02 on).
@@ -197,6 +199,9 @@ class HostFilterPlugin : public QObject,
     /// Bits of FilterClass: the menus that show filter \p id.
     virtual FilterClass menus(int id) const = 0;
 
+    /// Bits of MeshModel::MeshElement: what filter \p id changes in the current layer, MM_NONE where it does not.
+    virtual int changes(int id) const = 0;
+
     /// Name of the plugin.
     virtual QString name() const = 0;
 
@@ -245,7 +250,7 @@ class HostFilterPlugin : public QObject,
     FilterClass getClass(QAction *action) override { return menus(ID(action)); }
     FILTER_ARITY filterArity(QAction *) const override { return SINGLE_MESH; }
     int getPreConditions(QAction *) const override { return MeshModel::MM_NONE; }
-    int postCondition(QAction *) const override { return MeshModel::MM_NONE; }
+    int postCondition(QAction *action) const override { return changes(ID(action)); }
 
     void initParameterSet(QAction *action, MeshDocument &document, RichParameterList &list) override {
         list.join(parameters(ID(action), document));
@@ -272,7 +277,7 @@ class HostFilterPlugin : public QObject,
     FilterClass getClass(const QAction *action) const override { return menus(ID(action)); }
     FilterArity filterArity(const QAction *) const override { return SINGLE_MESH; }
     int getPreConditions(const QAction *) const override { return MeshModel::MM_NONE; }
-    int postCondition(const QAction *) const override { return MeshModel::MM_NONE; }
+    int postCondition(const QAction *action) const override { return changes(ID(action)); }
 
     RichParameterList initParameterList(const QAction *action, const MeshDocument &document) override {
         return parameters(ID(action), document);

@@ -172,3 +172,74 @@ def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, w
     assert word in run.log
     assert "terminate called" not in run.log and run.code >= 0
     assert set(run.meshes) <= {"bone"}
+
+
+def select_filter(condition):
+    return ('<filter name="Conditional Vertex Selection">' + parameter("String", "condSelect", value=condition) + "</filter>")
+
+
+def tag_filter(role, handle_number=2, tag_attribute="", colorize=True):
+    return ('<filter name="FCD: Tag Selection">' + choice("role", role, 4) +
+            parameter("Int", "handle_number", value=handle_number) + parameter("String", "tag_attribute", value=tag_attribute) +
+            boolean("colorize", colorize) + "</filter>")
+
+
+def read_filter(tag_file, tag_attribute="", colorize=True):
+    return ('<filter name="FCD: Tags from Files">' +
+            parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
+            parameter("String", "tag_attribute", value=tag_attribute) + boolean("colorize", colorize) + "</filter>")
+
+
+def save_filter(tag_file, transform_file="", handles=0, tag_attribute="fcd_tag", translation=(0, 0, 0), rotation_axis=(0, 0, 1),
+                rotation_angle=0):
+    return ('<filter name="FCD: Save Tags">' + choice("handles", handles, 3) +
+            parameter("String", "tag_attribute", value=tag_attribute) +
+            parameter("SaveFile", "tag_file", value=tag_file, ext="*.sel") +
+            parameter("SaveFile", "transform_file", value=transform_file, ext="*.def") + point("translation", translation) +
+            point("rotation_axis", rotation_axis) + parameter("Float", "rotation_angle", value=rotation_angle) +
+            choice("rotation_center", 0, 3) + point("rotation_point", (0, 0, 0)) +
+            parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.eye(4).ravel())}) + "</filter>")
+
+
+def test_tags_from_selections_saved_and_read(tmp_path):
+    tag_file, transform_file = str(tmp_path / "t.sel"), str(tmp_path / "t.def")
+    motion = dict(translation=(0, 0, 0.25), rotation_axis=(0, 1, 0), rotation_angle=-45)
+    run = Run(tmp_path, BONE, select_filter("x &lt; 0.25"), tag_filter(0), select_filter("x &gt; 0.75"), tag_filter(2),
+              select_filter("x &gt; 0.9"), tag_filter(2, handle_number=4), save_filter(tag_file, transform_file, **motion),
+              read_filter(tag_file, tag_attribute="tags", colorize=False), deform_filter(**motion, graph_layers=False))
+    assert run.code == 0, run.log
+    bone, deformed = run.meshes["bone"], run.meshes["bonedeformed"]
+    tags, x = bone.vertex_scalar_array(), bone.vertex_matrix()[:, 0]
+    assert (tags == np.where(x < 0.25, 0, np.where(x > 0.9, 4, np.where(x > 0.75, 2, 1)))).all()
+    assert (np.loadtxt(tag_file) == tags).all()
+    assert f"fixed_vertices = {(tags == 0).sum()}" in run.log and f"handle_vertices = {(tags >= 2).sum()}" in run.log
+    colors = np.rint(bone.vertex_color_matrix()[:, :3] * 255)
+    assert (colors[tags == 0] == [59, 111, 201]).all() and (colors[tags == 2] == [210, 60, 50]).all()
+    matrices = np.loadtxt(transform_file).reshape(-1, 4, 4)
+    assert len(matrices) == 3 and (matrices[1] == np.eye(4)).all()
+    for tag, m in ((2, matrices[0]), (4, matrices[2])):
+        moved = transformed(m, bone.vertex_matrix()[tags == tag])
+        assert np.abs(deformed.vertex_matrix()[tags == tag] - moved).max() < 1e-6
+
+    (tmp_path / "again").mkdir()
+    again = Run(tmp_path / "again", BONE, read_filter(tag_file),
+                deform_filter(handles=3, tag_file=tag_file, transform_file=transform_file, graph_layers=False))
+    assert again.code == 0, again.log
+    assert again.meshes["bonedeformed"].vertex_matrix().tobytes() == deformed.vertex_matrix().tobytes()
+    assert again.meshes["bone"].vertex_scalar_array().tobytes() == tags.tobytes()
+
+
+@pytest.mark.parametrize("script, word", [
+    ([tag_filter(2)], "Nothing is selected"),
+    ([select_filter("x &gt; 0.5"), tag_filter(7)], "from 0 to 3"),
+    ([quality_filter("x"), select_filter("x &gt; 0.5"), tag_filter(2)], "whole numbers"),
+    ([select_filter("x &gt; 0.5"), tag_filter(2, handle_number=16777217)], "single precision"),
+    ([read_filter("/no/such.sel")], "/no/such.sel"),
+    ([quality_filter(BONE_TAGS), save_filter("/no/such/t.sel")], "Cannot write"),
+    ([quality_filter(BONE_TAGS), save_filter("t.sel", handles=3)], "from 0 to 2"),
+])
+def test_an_error_about_tags_is_a_message(tmp_path, script, word):
+    run = Run(tmp_path, BONE, *script)
+    assert word in run.log
+    assert "terminate called" not in run.log and run.code >= 0
+    assert not list(tmp_path.glob("*.sel"))

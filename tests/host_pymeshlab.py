@@ -695,3 +695,289 @@ def test_dirty_meshes_are_accepted(shared, name):
     assert same_points(points[tags == 0], rest[tags == 0])
     scale = np.abs(rest).max()
     assert np.abs(points[tags == 2] - rest[tags == 2] - move).max() < 1e-9 * scale
+
+
+# --- tags without a calculator ------------------------------------------------------------------------------------------
+
+TAG, READ, SAVE = "compute_fcd_tags_from_selection", "compute_fcd_tags_from_files", "save_fcd_tags"
+HELPER_DEFAULTS = {
+    TAG: {"role": 2, "handle_number": 2, "tag_attribute": "", "colorize": True},
+    READ: {"tag_file": "", "tag_attribute": "", "colorize": True},
+    SAVE: {"handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "translation": [0, 0, 0],
+           "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
+           "transformmatrix": np.eye(4)}}
+TAG_COLORS = {-1: [154, 154, 154], 0: [59, 111, 201], 1: [240, 197, 60], 2: [210, 60, 50]}
+
+
+@pytest.mark.parametrize("name", HELPER_DEFAULTS)
+def test_parameters_of_the_tag_filters(name):
+    test_parameters_names_order_and_defaults(name, HELPER_DEFAULTS[name])
+    test_a_document_without_layers_is_an_error_and_no_crash(name)
+
+
+def untagged_bone():
+    ms = clean_bone()
+    set_quality(ms, "0")
+    return ms
+
+
+def select(ms, vertices="", faces=""):
+    ms.apply_filter("set_selection_none")
+    if faces:
+        ms.apply_filter("compute_selection_by_condition_per_face", condselect=faces)
+    if vertices:
+        ms.apply_filter("compute_selection_by_condition_per_vertex", condselect=vertices)
+    return ms.current_mesh().vertex_selection_array()
+
+
+def state(mesh):
+    return dict(snapshot(mesh), faces_selected=mesh.face_selection_array(), face_normals=mesh.face_normal_matrix())
+
+
+def in_place(ms, name, may_change=("quality", "colors"), **parameters):
+    """Applies a filter that changes tags and colours only; returns (returned values, tags in the quality)."""
+    mesh, before = ms.current_mesh(), state(ms.current_mesh())
+    result = ms.apply_filter(name, **parameters)
+    assert len(list(ms)) == 1 and ms.current_mesh_id() == 0
+    after = state(mesh)
+    for key in before:
+        assert key in may_change or before[key].tobytes() == after[key].tobytes(), key
+    return result, mesh.vertex_scalar_array()
+
+
+def check_counts(result, tags):
+    assert {key: type(value) for key, value in result.items()} == dict.fromkeys(
+        ["fixed_vertices", "handle_vertices", "free_vertices", "outside_vertices"], int)
+    assert result["fixed_vertices"] == (tags == 0).sum() and result["free_vertices"] == (tags == 1).sum()
+    assert result["handle_vertices"] == (tags >= 2).sum() and result["outside_vertices"] == (tags < 0).sum()
+
+
+def check_colors(mesh, tags):
+    colors = np.rint(mesh.vertex_color_matrix() * 255).astype(int)
+    for tag, color in TAG_COLORS.items():
+        assert (colors[tags == tag] == color + [255]).all()
+
+
+@pytest.mark.parametrize("role, tag", [(0, 0), (1, 1), (2, 2), (3, -1)])
+def test_role_of_a_selection_on_an_untagged_layer(role, tag):
+    ms = untagged_bone()
+    chosen = select(ms, "x > 0.75")
+    result, tags = in_place(ms, TAG, role=role)
+    assert 0 < chosen.sum() < len(chosen)
+    assert (tags == np.where(chosen, tag, 1)).all()
+    check_counts(result, tags)
+    check_colors(ms.current_mesh(), tags)
+
+
+def test_tagging_step_by_step_and_deforming():
+    ms = untagged_bone()
+    rest = ms.current_mesh().vertex_matrix()
+    expected = np.ones(len(rest))
+    # Selected faces count with their vertices; what is not selected keeps its tag.
+    select(ms, faces="(x0 < 0.25) && (x1 < 0.25) && (x2 < 0.25)")
+    mesh = ms.current_mesh()
+    expected[mesh.face_matrix()[mesh.face_selection_array()].ravel()] = 0
+    assert (in_place(ms, TAG, role=0)[1] == expected).all()
+    for condition, number in (("x > 0.9", 3), ("(x > 0.75) && (x < 0.8)", 7), ("x > 0.95", 2)):
+        expected[select(ms, condition)] = number
+        result, tags = in_place(ms, TAG, handle_number=number)
+        assert (tags == expected).all()
+    expected[select(ms, "x < 0.1", faces="(x0 > 0.85) && (x0 < 0.9)") | (expected == -1)] = -1
+    expected[mesh.face_matrix()[mesh.face_selection_array()].ravel()] = -1
+    assert (in_place(ms, TAG, role=3, handle_number=0)[1] == expected).all()  # the number is not read
+    expected[select(ms, "x > 0.97")] = 1
+    result, tags = in_place(ms, TAG, role=1)
+    assert (tags == expected).all() and set(tags) == {-1, 0, 1, 2, 3, 7}
+    check_counts(result, tags)
+    check_colors(mesh, tags)
+    deformed = ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
+    assert all(deformed[key] == value for key, value in result.items())
+    assert np.abs(ms.current_mesh().vertex_matrix()[tags >= 2] - rest[tags >= 2] - [0, 0, 0.25]).max() < 1e-12
+
+
+def test_everything_selected_is_tagged():
+    ms = untagged_bone()
+    ms.apply_filter("set_selection_all")
+    assert (in_place(ms, TAG, role=3)[1] == -1).all()
+    assert (in_place(ms, TAG, role=0)[1] == 0).all()
+
+
+def test_handles_are_shades_of_red():
+    ms = untagged_bone()
+    shades = []
+    for number in list(range(2, 30)) + [1000, 12345678]:
+        chosen = select(ms, "x > 0.75")
+        in_place(ms, TAG, handle_number=number)
+        colors = np.unique(np.rint(ms.current_mesh().vertex_color_matrix()[chosen] * 255).astype(int), axis=0)
+        assert len(colors) == 1
+        shades.append(tuple(colors[0]))
+    assert len(set(shades)) == len(shades)
+    assert all(r > g + 40 and r > b + 40 for r, g, b, _ in shades)
+
+
+def test_tagging_without_colours():
+    ms = untagged_bone()
+    ms.apply_filter("compute_color_by_function_per_vertex", x="x*255", y="y*255", z="z*255")
+    select(ms, "x > 0.75")
+    in_place(ms, TAG, may_change=("quality",), colorize=False)
+
+
+def test_tags_in_an_attribute(tmp_path):
+    ms = clean_bone()
+    set_quality(ms, "x")  # no tags, and stays
+    mesh = ms.current_mesh()
+    tags = np.where(select(ms, "x < 0.25"), 0, 1)
+    result, _ = in_place(ms, TAG, may_change=("colors",), role=0, tag_attribute="my_tags")
+    check_counts(result, tags)
+    assert (mesh.vertex_custom_scalar_attribute_array("my_tags") == tags).all()
+    tags[select(ms, "x > 0.75")] = 5
+    in_place(ms, TAG, may_change=("colors",), handle_number=5, tag_attribute="my_tags")
+    assert (mesh.vertex_custom_scalar_attribute_array("my_tags") == tags).all()
+    check_colors(mesh, tags)
+    # An attribute that is 0 everywhere says fixed, since it is there to hold tags.
+    mesh.add_vertex_custom_scalar_attribute(np.zeros(len(tags)), "zero")
+    in_place(ms, TAG, may_change=("colors",), tag_attribute="zero")
+    assert (mesh.vertex_custom_scalar_attribute_array("zero") == np.where(tags == 5, 2, 0)).all()
+
+    path = str(tmp_path / "t.sel")
+    in_place(ms, SAVE, may_change=(), handles=2, tag_attribute="my_tags", tag_file=path)
+    assert (np.loadtxt(path) == tags).all()
+    result, _ = in_place(ms, READ, may_change=("colors",), tag_file=path, tag_attribute="read")
+    assert (mesh.vertex_custom_scalar_attribute_array("read") == tags).all()
+    check_counts(result, tags)
+    deformed = ms.apply_filter(DEFORM, handles=2, tag_attribute="read", translation=np.array([0, 0, 0.25]))
+    assert all(deformed[key] == value for key, value in result.items())
+
+
+def test_tags_from_files(tmp_path):
+    ms = clean_bone()
+    set_quality(ms, "x")  # whatever it is, it is replaced
+    x = ms.current_mesh().vertex_matrix()[:, 0]
+    tags = np.where(x < 0.1, -2147483648, np.where(x < 0.25, 0, np.where(x > 0.75, 2, 1)))
+    result, read = in_place(ms, READ, tag_file=write_tags(tmp_path / "t.sel", tags))
+    assert (read == tags).all()
+    check_counts(result, tags)
+    check_colors(ms.current_mesh(), np.maximum(tags, -1))
+    in_place(ms, READ, may_change=(), tag_file=write_tags(tmp_path / "t.sel", tags), colorize=False)
+
+
+def test_tags_of_a_mesh_with_deleted_vertices(tmp_path):
+    ms = clean_bone()
+    select(ms, "(x > 0.5) && (x < 0.55) && (z < 0.5)")
+    ms.apply_filter("meshing_remove_selected_vertices")
+    mesh, path = ms.current_mesh(), str(tmp_path / "t.sel")
+    tags = mesh.vertex_scalar_array()
+    check_counts(in_place(ms, SAVE, may_change=(), tag_file=path)[0], tags)
+    assert (np.loadtxt(path) == tags).all()
+    set_quality(ms, "0")
+    assert (in_place(ms, READ, tag_file=path)[1] == tags).all()
+
+
+MOTIONS = {
+    "translation": dict(translation=np.array([0.1, -0.2, 0.25])),
+    "rotation": dict(rotation_axis=np.array([0.3, 1, 0.1]), rotation_angle=-50.0),
+    "all": dict(translation=np.array([0, 0, 0.1]), rotation_axis=np.array([0, 1.0, 0.2]), rotation_angle=20.0, rotation_center=2,
+                rotation_point=np.array([0.7, 0.4, 0.3]), transformmatrix=about([0.8, 0.5, 0.5], 1.1 * rotation([1, 2, 3], 10))),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("placed", [False, True])
+def test_saved_tags_and_motions_deform_as_the_parameters_do(tmp_path, motion, placed):
+    tag_file, transform_file = str(tmp_path / "t.sel"), str(tmp_path / "t.def")
+    ms = clean_bone()
+    set_quality(ms, "(x < 0.1) ? 0-3 : ((x < 0.25) ? 0 : ((x > 0.9) ? 4 : ((x > 0.75) ? 2 : 1)))")
+    if placed:
+        place = translation([3, -2, 1]) @ about([0, 0, 0], 2 * rotation([1, 2, 3], 50))
+        ms.apply_filter("set_matrix", transformmatrix=place, freeze=False)
+    tags = ms.current_mesh().vertex_scalar_array()
+    result, _ = in_place(ms, SAVE, may_change=(), tag_file=tag_file, transform_file=transform_file, **MOTIONS[motion])
+    check_counts(result, tags)
+    assert (np.loadtxt(tag_file) == tags).all()
+    matrices = np.loadtxt(transform_file).reshape(-1, 4, 4)
+    assert len(matrices) == 3 and (matrices[1] == np.eye(4)).all()  # handles 2, 3 (no vertex), 4
+    ms.apply_filter(DEFORM, **MOTIONS[motion])
+    direct = ms.current_mesh().vertex_matrix()
+    ms.set_current_mesh(0)
+    ms.apply_filter(DEFORM, handles=3, tag_file=tag_file, transform_file=transform_file)
+    points = ms.current_mesh().vertex_matrix()
+    if placed:
+        assert np.abs(points - direct).max() < 1e-12 * np.linalg.norm(np.ptp(direct, axis=0))
+    else:
+        assert same_points(points, direct)
+
+
+def test_save_tags_of_the_selection_without_motions(tmp_path):
+    ms = untagged_bone()
+    chosen = select(ms, "x > 0.75", faces="(x0 < 0.25) && (x1 < 0.25) && (x2 < 0.25)")
+    mesh, path = ms.current_mesh(), tmp_path / "a folder" / "tágs.sel"
+    path.parent.mkdir()
+    tags = np.ones(len(chosen))
+    tags[mesh.face_matrix()[mesh.face_selection_array()].ravel()] = 0
+    tags[chosen] = 2
+    # A matrix that cannot be inverted is no concern where no motions are saved.
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([1.0, 1, 0, 1]), freeze=False)
+    check_counts(in_place(ms, SAVE, may_change=(), handles=1, tag_file=str(path))[0], tags)
+    assert (np.loadtxt(path) == tags).all()
+    assert os.listdir(path.parent) == [path.name]
+
+
+TAG_ERRORS = {
+    "nothing is selected": (TAG, QUALITY_TAGS, "", dict(), "Nothing is selected"),
+    "handle number too small": (TAG, QUALITY_TAGS, "x > 0.5", dict(handle_number=1), "handle_number is 1"),
+    "quality is no tag": (TAG, "x", "x > 0.5", dict(), "set its quality to 0 everywhere"),
+    "attribute is no tag": (TAG, "x", "x > 0.5", dict(tag_attribute="half"), "name of a new attribute"),
+    "attribute is no scalar": (TAG, "x", "x > 0.5", dict(tag_attribute="wind"), "is no scalar"),
+    "no tag file": (READ, "x", "", dict(), "tag_file is empty"),
+    "tag file is missing": (READ, "x", "", dict(tag_file="/no/such.sel"), "/no/such.sel"),
+    "too few tags": (READ, "x", "", dict(tag_file="FOLDER/short.sel"), "has 3 tags"),
+    "tag file holds words": (READ, "x", "", dict(tag_file="FOLDER/words.sel"), "line 2"),
+    "read into no scalar": (READ, "x", "", dict(tag_file="FOLDER/good.sel", tag_attribute="wind"), "is no scalar"),
+    "tags to no file": (SAVE, QUALITY_TAGS, "", dict(transform_file="FOLDER/new.def"), "tag_file is empty"),
+    "tags to no folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="/no/such/t.sel"), "Cannot write '/no/such/t.sel'"),
+    "motions to no folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/good.sel", transform_file="/no/such/t.def"),
+                             "Cannot write '/no/such/t.def'"),
+    "one file for both": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/new", transform_file="FOLDER/new"), "same file"),
+    "nobody tagged the vertices": (SAVE, "0", "", dict(tag_file="FOLDER/new.sel"), "nobody has tagged"),
+    "saved quality is no tag": (SAVE, "x", "", dict(tag_file="FOLDER/new.sel"), "whole numbers"),
+    "saved selection is empty": (SAVE, "0", "", dict(handles=1, tag_file="FOLDER/new.sel"), "no vertex is selected"),
+    "no such attribute": (SAVE, "0", "", dict(handles=2, tag_file="FOLDER/new.sel"), "fcd_tag"),
+    "attribute without a name": (SAVE, "0", "", dict(handles=2, tag_attribute="", tag_file="FOLDER/new.sel"), "tag_attribute"),
+    "no handle moves": (SAVE, "x < 0.5", "", dict(tag_file="FOLDER/new.sel", transform_file="FOLDER/new.def"), "no motions"),
+    "too many matrices": (SAVE, "x < 0.5 ? 1 : 200000", "", dict(tag_file="FOLDER/new.sel", transform_file="FOLDER/new.def"),
+                          "200000"),
+    "axis is zero": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/new.sel", transform_file="FOLDER/new.def", rotation_angle=10.0,
+                                                  rotation_axis=np.zeros(3)), "rotation_axis"),
+    "matrix flattens": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/new.sel", transform_file="FOLDER/new.def",
+                                                     transformmatrix=np.diag([1.0, 1, 0, 1])), "flatten"),
+}
+
+
+@pytest.mark.parametrize("case", TAG_ERRORS)
+def test_an_error_about_tags_changes_nothing(tmp_path, case):
+    name, quality, selected, parameters, word = TAG_ERRORS[case]
+    if parameters.get("tag_attribute") == "wind" and IS_2022:
+        pytest.skip("pymeshlab 2022.2's own functions for point attributes write past the end of the array")
+    ms = clean_bone()
+    mesh = ms.current_mesh()
+    n = mesh.vertex_number()
+    set_quality(ms, quality)
+    select(ms, selected)
+    if parameters.get("tag_attribute") == "half":
+        mesh.add_vertex_custom_scalar_attribute(np.full(n, 0.5), "half")
+    if parameters.get("tag_attribute") == "wind":
+        mesh.add_vertex_custom_point_attribute(np.zeros((n, 3)), "wind")
+    write_tags(tmp_path / "short.sel", [0, 1, 2])
+    write_tags(tmp_path / "words.sel", ["two"] * n)
+    write_tags(tmp_path / "good.sel", [1] * n)
+    before = state(mesh)
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        ms.apply_filter(name, **{key: value.replace("FOLDER", str(tmp_path)) if isinstance(value, str) else value
+                                 for key, value in parameters.items()})
+    message = str(error.value)
+    assert word in message and "Details:" in message and len(message) < 800, message
+    assert len(list(ms)) == 1
+    after = state(mesh)
+    for key in before:
+        assert before[key].tobytes() == after[key].tobytes(), key
+    assert not list(tmp_path.glob("new*"))

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/handle_file.h> // before Qt
+
+#include "fcd_tags.h"
+
+#include <vcg/complex/allocate.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include <QFile>
+#include <QFileInfo>
+
+using host::addParameter;
+using host::Shown;
+using vcg::fcd::Error;
+using vcg::fcd::TagCount;
+
+namespace {
+
+std::string text(const QString &s) { return s.toStdString(); }
+
+std::string pathOf(const QString &file) { return QFile::encodeName(file).toStdString(); }
+
+// --- parameters ---
+
+/// The parameters that "FCD: Save Tags" has in common with "FCD: Deform Mesh": those that say how handles move, and
+/// where their tags are.
+const QStringList motionParameters{"translation",     "rotation_axis",  "rotation_angle",
+                                   "rotation_center", "rotation_point", "TransformMatrix"};
+const QStringList sourceParameters{"handles", "tag_attribute"};
+
+void addTarget(RichParameterList &list, const TagTarget &target) {
+    addParameter<RichString>(
+        list, Shown::Advanced, "tag_attribute", target.attribute, "Attribute for the tags",
+        "Name of the per-vertex scalar attribute that holds the tags; it is added where the layer does not have it. "
+        "<b>Empty</b> (the default): the tags are the vertex quality.");
+    addParameter<RichBool>(list, Shown::Always, "colorize", target.colorize, "Colour by tag",
+                           "Colours the vertices by their tags: fixed blue, free yellow, handles red (each number "
+                           "another shade), outside grey. Replaces the vertex colours.");
+}
+
+TagTarget target(const RichParameterList &list) {
+    TagTarget target;
+    target.attribute = list.getString("tag_attribute");
+    target.colorize = list.getBool("colorize");
+    return target;
+}
+
+// --- tags ---
+
+/// The attribute \p name, null when there is none. \throw Error when it holds something else than a scalar
+const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString &name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
+        if (attribute._name != text(name))
+            continue;
+        if (attribute._type != typeid(float) && attribute._type != typeid(double))
+            throw Error("This layer has a vertex attribute '" + text(name) +
+                        "' already, and it is no scalar (float or double), so it cannot hold tags. Give another name "
+                        "as 'tag_attribute', or leave it empty to use the vertex quality.");
+        return &attribute;
+    }
+    return nullptr;
+}
+
+/// The tags that \p layer has; all free where it has none yet.
+std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
+    const CMeshO &mesh = layer.cm;
+    HandleParam source;
+    bool tagged;
+    if (target.attribute.isEmpty()) {
+        tagged = layer.hasDataMask(MeshModel::MM_VERTQUALITY) &&
+                 std::any_of(mesh.vert.begin(), mesh.vert.end(),
+                             [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
+    } else {
+        source.source = HandleParam::Attribute;
+        source.tagAttribute = target.attribute;
+        tagged = scalarAttribute(mesh, target.attribute);
+    }
+    if (!tagged)
+        return std::vector<int>(mesh.vert.size(), 1);
+    try {
+        return readTags(layer, source);
+    } catch (const Error &e) {
+        throw Error(
+            std::string(e.what()) +
+            (target.attribute.isEmpty()
+                 ? " To tag this layer from the beginning, set its quality to 0 everywhere, or give the name of "
+                   "a new attribute as 'tag_attribute' to leave the quality as it is."
+                 : " To tag this layer from the beginning, give the name of a new attribute as "
+                   "'tag_attribute'."));
+    }
+}
+
+vcg::Color4b colorOf(int tag) {
+    const auto color = [](double r, double g, double b) {
+        const auto byte = [](double x) { return (unsigned char)(std::lround(x)); };
+        return vcg::Color4b(byte(r), byte(g), byte(b), 255);
+    };
+    if (tag < 0)
+        return color(154, 154, 154);
+    if (tag == 0)
+        return color(59, 111, 201);
+    if (tag == 1)
+        return color(240, 197, 60);
+    // Two sequences that spread evenly, however many handles there are: one darkens the red, the other lightens it.
+    const auto fraction = [&](double step) { return std::fmod((tag - 2) * step, 1); };
+    const double dark = 1 - 0.5 * fraction(0.6180339887), light = 0.45 * fraction(0.7548776662);
+    const auto shade = [&](double x) { return dark * x + light * (255 - dark * x); };
+    return color(shade(210), shade(60), shade(50));
+}
+
+/// Gives \p layer the tags, one per slot of its vertices. \throw Error before anything is changed
+TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target) {
+    CMeshO &mesh = layer.cm;
+    const vcg::PointerToAttribute *attribute = nullptr;
+    bool single = std::is_same<CVertexO::QualityType, float>::value;
+    if (!target.attribute.isEmpty()) {
+        attribute = scalarAttribute(mesh, target.attribute);
+        single = attribute ? attribute->_type == typeid(float) : std::is_same<Scalarm, float>::value;
+    }
+    for (std::size_t i = 0; i < tag.size() && single; ++i)
+        if (!mesh.vert[i].IsD() && double(float(tag[i])) != double(tag[i]))
+            throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
+                        " is too large to be kept in single precision. Use smaller numbers.");
+    const TagCount count = vcg::tri::CountTags(mesh, tag);
+
+    const auto write = [&](const auto &number) {
+        for (std::size_t i = 0; i < tag.size(); ++i)
+            if (!mesh.vert[i].IsD())
+                number(i) = typename std::decay<decltype(number(i))>::type(tag[i]);
+    };
+    if (target.attribute.isEmpty()) {
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+        write([&](std::size_t i) -> auto & { return mesh.vert[i].Q(); });
+    } else {
+        if (!attribute) {
+            vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, text(target.attribute));
+            attribute = scalarAttribute(mesh, target.attribute);
+        }
+        vcg::SimpleTempDataBase *data = attribute->_handle;
+        if (attribute->_type == typeid(float))
+            write([&](std::size_t i) -> float & { return *static_cast<float *>(data->At(i)); });
+        else
+            write([&](std::size_t i) -> double & { return *static_cast<double *>(data->At(i)); });
+    }
+    if (target.colorize) {
+        layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+        for (std::size_t i = 0; i < tag.size(); ++i)
+            if (!mesh.vert[i].IsD())
+                mesh.vert[i].C() = colorOf(tag[i]);
+    }
+    return count;
+}
+
+} // namespace
+
+// --- FCD: Tag Selection ---
+
+RichParameterList toRichParameters(const TagSelectionParam &param) {
+    RichParameterList list;
+    addParameter<RichEnum>(list, Shown::Always, "role", int(param.role),
+                           QStringList() << "Fixed"
+                                         << "Free"
+                                         << "Handle"
+                                         << "Outside",
+                           "The selection is",
+                           "What the selected vertices, and the vertices of selected faces, become."
+                           "<ul><li><i>Fixed</i>: stays where it is (tag 0).</li>"
+                           "<li><i>Free</i>: follows (tag 1).</li>"
+                           "<li><i>Handle</i>: moves as told (the tag is the number below).</li>"
+                           "<li><i>Outside</i>: outside the region of influence, never moved (tag -1).</li></ul>");
+    addParameter<RichInt>(list, Shown::Always, "handle_number", param.handleNumber, "Handle number",
+                          "Which handle the selection becomes: 2 is the first, 3 the second, and so on. Handles with "
+                          "different numbers can move differently. Only read when the selection is a handle.");
+    addTarget(list, param.target);
+    return list;
+}
+
+TagSelectionParam tagSelectionParam(const RichParameterList &list) {
+    TagSelectionParam param;
+    param.role = TagSelectionParam::Role(enumValue(list, "role", 4));
+    param.handleNumber = list.getInt("handle_number");
+    param.target = target(list);
+    param.validate();
+    return param;
+}
+
+void TagSelectionParam::validate() const {
+    if (role == Handle && handleNumber < 2)
+        throw Error("handle_number is " + std::to_string(handleNumber) +
+                    "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
+}
+
+TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<char> selected(mesh.vert.size(), 0);
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD() && face.IsS())
+            for (int k = 0; k < 3; ++k)
+                selected[vcg::tri::Index(mesh, face.cV(k))] = 1;
+    for (std::size_t i = 0; i < selected.size(); ++i)
+        if (!mesh.vert[i].IsD() && mesh.vert[i].IsS())
+            selected[i] = 1;
+    if (std::find(selected.begin(), selected.end(), 1) == selected.end())
+        throw Error("Nothing is selected. Select the vertices or faces to tag first.");
+
+    int wanted = param.handleNumber;
+    switch (param.role) {
+    case TagSelectionParam::Fixed: wanted = 0; break;
+    case TagSelectionParam::Free: wanted = 1; break;
+    case TagSelectionParam::Handle: break;
+    case TagSelectionParam::Outside: wanted = -1; break;
+    }
+    std::vector<int> tag = presentTags(layer, param.target);
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (selected[i])
+            tag[i] = wanted;
+    return writeTags(layer, tag, param.target);
+}
+
+// --- FCD: Tags from Files ---
+
+RichParameterList toRichParameters(const TagsFromFilesParam &param) {
+    RichParameterList list;
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "tag_file", param.tagFile, QStringList("*.sel"), "File with the tags (.sel)",
+        "One tag per line for each vertex, in the order of the vertices; lines that begin with # are comments.");
+    addTarget(list, param.target);
+    return list;
+}
+
+TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list) {
+    TagsFromFilesParam param;
+    param.tagFile = list.getOpenFileName("tag_file");
+    param.target = target(list);
+    param.validate();
+    return param;
+}
+
+void TagsFromFilesParam::validate() const {
+    if (tagFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
+}
+
+TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param) {
+    HandleParam source;
+    source.source = HandleParam::Files;
+    source.tagFile = param.tagFile;
+    return writeTags(layer, readTags(layer, source), param.target);
+}
+
+// --- FCD: Save Tags ---
+
+RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocument &document) {
+    DeformMeshParam deform;
+    deform.handles = param.handles;
+    const RichParameterList all = toRichParameters(deform, document);
+    RichParameterList list;
+    addParameter<RichEnum>(list, Shown::Always, "handles", int(param.handles.source),
+                           QStringList() << "Vertex quality"
+                                         << "Selection"
+                                         << "Custom vertex attribute",
+                           "Tags from",
+                           "Where the tags are that are to be saved, as in 'FCD: Deform Mesh'."
+                           "<ul><li><i>Vertex quality</i>: the quality is the tag.</li>"
+                           "<li><i>Selection</i>: the selected vertices are the handle, the vertices of selected faces "
+                           "stay fixed (where both are selected the handle wins), all else is free.</li>"
+                           "<li><i>Custom vertex attribute</i>: the attribute named below holds the tags.</li></ul>");
+    list.addParam(all.getParameterByName("tag_attribute"));
+    addParameter<host::RichSaveFileParam>(
+        list, Shown::Always, "tag_file", param.tagFile, "*.sel", "Tags go to (.sel)",
+        "The file to write: one tag per line for each vertex, in the order of the vertices. An existing file is "
+        "replaced.");
+    addParameter<host::RichSaveFileParam>(
+        list, Shown::Always, "transform_file", param.transformFile, "*.def", "Motions go to (.def)",
+        "The file to write the motions below to: one 4x4 matrix per handle, in world coordinates, for handle 2, 3, and "
+        "so on (the identity for a number that no vertex has). An existing file is replaced. <b>Empty</b> (the "
+        "default): only the tags are saved, and the motions below are not used.");
+    for (const QString &name : motionParameters)
+        list.addParam(all.getParameterByName(name));
+    return list;
+}
+
+SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document) {
+    SaveTagsParam param;
+    enumValue(list, "handles", 3);
+    RichParameterList all = toRichParameters(DeformMeshParam(), document);
+    for (const QString &name : sourceParameters + motionParameters)
+        all.setValue(name, list.getParameterByName(name).value());
+    param.handles = deformMeshParam(all, document).handles;
+    param.tagFile = list.getSaveFileName("tag_file");
+    param.transformFile = list.getSaveFileName("transform_file");
+    param.validate();
+    return param;
+}
+
+void SaveTagsParam::validate() const {
+    if (tagFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file to write the tags to.");
+    if (QFileInfo(tagFile).absoluteFilePath() == QFileInfo(transformFile).absoluteFilePath())
+        throw Error("tag_file and transform_file are the same file. Give two different files.");
+}
+
+TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Remark &remark) {
+    std::vector<int> tag;
+    std::vector<Eigen::Matrix4d> matrix;
+    if (param.transformFile.isEmpty()) {
+        tag = readTags(layer, param.handles);
+    } else {
+        const vcg::fcd::Handles handles = readHandles(layer, param.handles, remark);
+        if (handles.motion.empty())
+            throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
+                        "leave transform_file empty.");
+        const int last = handles.motion.rbegin()->first, most = 100000;
+        if (last > most)
+            throw Error("The largest handle number is " + std::to_string(last) +
+                        ", and the file would need a matrix for each number up to it. Number the handles 2, 3, ...");
+        matrix.assign(std::size_t(last) - 1, Eigen::Matrix4d::Identity());
+        for (const auto &[number, motion] : handles.motion)
+            matrix[std::size_t(number) - 2] = worldMatrix(layer, motion);
+        tag = handles.tag;
+    }
+    const TagCount count = vcg::tri::CountTags(layer.cm, tag);
+    std::vector<int> live;
+    live.reserve(std::size_t(layer.cm.vn));
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!layer.cm.vert[i].IsD())
+            live.push_back(tag[i]);
+
+    vcg::fcd::WriteTagFile(pathOf(param.tagFile), live);
+    if (!matrix.empty())
+        vcg::fcd::WriteTransformFile(pathOf(param.transformFile), matrix);
+    return count;
+}
