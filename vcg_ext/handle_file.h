@@ -14,6 +14,18 @@ namespace vcg {
 namespace fcd {
 namespace detail {
 
+inline bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+
+/// Reads [first, last) as a number, whatever the locale; a '+' may stand before it. \return false when it is none, or
+/// one that Number cannot hold
+template <class Number>
+bool ToNumber(const char *first, const char *last, Number &value) {
+    if (last - first > 1 && first[0] == '+' && first[1] != '-')
+        ++first;
+    const std::from_chars_result r = std::from_chars(first, last, value);
+    return r.ec == std::errc() && r.ptr == last;
+}
+
 /// The whitespace-separated words of a text file, with comments ('#' to the end of the line) skipped, and where they
 /// stand.
 class WordReader {
@@ -48,12 +60,8 @@ class WordReader {
     /// The current word as a number, whatever the locale. \throw Error naming file and line
     template <class Number>
     Number As(const char *expected) const {
-        const char *first = text.data() + wordBegin, *last = text.data() + at;
-        if (last - first > 1 && first[0] == '+' && first[1] != '-')
-            ++first;
         Number value{};
-        const std::from_chars_result r = std::from_chars(first, last, value);
-        if (r.ec != std::errc() || r.ptr != last)
+        if (!ToNumber(text.data() + wordBegin, text.data() + at, value))
             Fail(std::string("expected ") + expected + ", found '" +
                  text.substr(wordBegin, std::min<std::size_t>(at - wordBegin, 40)) + "'");
         return value;
@@ -64,8 +72,6 @@ class WordReader {
     }
 
   private:
-    static bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
-
     std::string path, text;
     std::size_t at = 0, wordBegin = 0, line = 1;
 };
