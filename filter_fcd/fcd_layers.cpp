@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/handle_file.h> // before Qt
+#include <vcg_ext/motion_text.h>
 
 #include "fcd_layers.h"
 
@@ -21,6 +22,7 @@ using vcg::fcd::Error;
 using vcg::fcd::Handles;
 using vcg::fcd::Index;
 using vcg::fcd::Motion;
+using vcg::fcd::MotionStep;
 
 namespace {
 
@@ -149,28 +151,31 @@ Eigen::Vector3d coordinates(const CVertexO &vertex) {
     return Eigen::Vector3d(vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]);
 }
 
-/// The motion that translation, rotation and matrix describe, in world coordinates. \p barycenter of the handle at
-/// rest, world coordinates.
-Eigen::Affine3d motionOf(const HandleParam &param, const Eigen::Vector3d &barycenter) {
-    Eigen::Affine3d motion(param.matrix);
+/// The motion that translation, rotation and matrix describe.
+std::vector<MotionStep> stepsOf(const HandleParam &param) {
+    std::vector<MotionStep> steps{MotionStep::Affine(param.matrix)};
     if (param.rotationAngle != 0) {
-        const Eigen::Vector3d center = param.rotationCenter == HandleParam::Barycenter ? motion * barycenter
-                                       : param.rotationCenter == HandleParam::Point    ? param.rotationPoint
-                                                                                       : Eigen::Vector3d(0, 0, 0);
-        const double radians = param.rotationAngle * (std::acos(-1.0) / 180);
-        const Eigen::AngleAxisd rotation(radians, param.rotationAxis.normalized());
-        motion = Eigen::Translation3d(center) * rotation * Eigen::Translation3d(-center) * motion;
+        steps.push_back(MotionStep::Rotate(param.rotationAxis, param.rotationAngle));
+        if (param.rotationCenter == HandleParam::Point)
+            steps.back().about = param.rotationPoint;
+        else if (param.rotationCenter == HandleParam::Origin)
+            steps.back().about = Eigen::Vector3d(0, 0, 0);
     }
-    return Eigen::Translation3d(param.translation) * motion;
+    steps.push_back(MotionStep::Translate(param.translation));
+    return steps;
 }
 
-/// \p world, a motion in world coordinates, in the coordinates of a layer whose matrix is \p layerMatrix.
-Motion toLocal(const Eigen::Affine3d &world, const Eigen::Affine3d &layerMatrix) {
-    if (layerMatrix.matrix().isIdentity(0))
-        return Motion(world.matrix());
-    Eigen::Matrix4d local = (layerMatrix.inverse() * world * layerMatrix).matrix();
-    local.row(3) << 0, 0, 0, 1;
-    return Motion(local);
+/// "2, 3 and 7", cut short when there are very many.
+template <class Map>
+std::string listOfKeys(const Map &map) {
+    std::string list;
+    std::size_t n = 0;
+    for (const auto &item : map) {
+        if (++n > 20)
+            return list + ", ...";
+        list += (n == 1 ? "" : n == map.size() ? " and " : ", ") + std::to_string(item.first);
+    }
+    return list;
 }
 
 } // namespace
@@ -216,23 +221,43 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
     if (!param.transformFile.isEmpty())
         listed = vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString());
 
+    const std::map<int, std::vector<MotionStep>> told = vcg::fcd::ReadMotionText(text(param.transforms));
+    for (const auto &clause : told)
+        if (!sums.count(clause.first)) {
+            const std::string tag = std::to_string(clause.first);
+            throw Error("transforms moves handle " + tag + ", but no vertex has tag " + tag + "; " +
+                        (sums.empty()       ? "there are no handles."
+                         : sums.size() == 1 ? "the only handle is " + listOfKeys(sums) + "."
+                                            : "the handles are " + listOfKeys(sums) + "."));
+        }
+
     bool moves = false;
     for (const auto &[tag, sum] : sums) {
         const std::size_t place = std::size_t(tag) - 2;
-        Eigen::Affine3d world;
-        if (place < listed.size()) {
+        const Eigen::Vector3d barycenter = layerMatrix * (sum.position / double(sum.count));
+        Motion world;
+        if (const auto clause = told.find(tag); clause != told.end()) {
+            try {
+                world = vcg::fcd::ToMotion(clause->second, barycenter);
+            } catch (const Error &e) {
+                throw Error("transforms, handle " + std::to_string(tag) + ": " + e.what());
+            }
+        } else if (place < listed.size()) {
             if (!listed[place].allFinite() || listed[place].row(3) != Eigen::RowVector4d(0, 0, 0, 1))
                 throw Error(text(param.transformFile) + ": the matrix of handle " + std::to_string(tag) +
                             " is not affine. Its last row must be 0 0 0 1 and all its entries finite numbers.");
-            world = listed[place];
+            world = Motion(listed[place]);
         } else {
-            world = motionOf(param, layerMatrix * (sum.position / double(sum.count)));
+            world = vcg::fcd::ToMotion(stepsOf(param), barycenter);
+            if (!told.empty() && listed.empty())
+                remark("Handle " + std::to_string(tag) +
+                       " is not in transforms: translation, rotation and matrix of the dialog move it.");
             if (!listed.empty())
                 remark("Handle " + std::to_string(tag) + " has no matrix in " + text(param.transformFile) +
                        ": translation, rotation and matrix of the dialog move it.");
         }
-        moves = moves || !world.matrix().isIdentity(0);
-        handles.motion[tag] = toLocal(world, layerMatrix);
+        moves = moves || !world.matrix.isIdentity(0) || !world.turn.isZero(0);
+        handles.motion[tag] = world.In(layerMatrix);
     }
 
     for (std::size_t place = 0; place < listed.size(); ++place)

@@ -140,6 +140,21 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         "May be "
         "left empty, and may be given whatever the handles come from. Handles without a matrix in it move by the "
         "translation, rotation and matrix below.");
+    addParameter<RichString>(
+        list, Shown::Advanced, "transforms", handles.transforms, "Motions as text",
+        "A motion for each handle, in world coordinates, for example <i>2: rotate 0 0 1 135 about 0 0 0 translate 0 0 "
+        "5; 3: translate 1 0 0</i>: the handle's tag, a colon and the steps of its motion in their order; a semicolon "
+        "between handles. The steps are:"
+        "<ul><li><i>translate x y z</i></li>"
+        "<li><i>rotate ax ay az degrees</i>: about the axis (ax, ay, az), counterclockwise when it points at you; any "
+        "angle</li>"
+        "<li><i>scale s</i>, or <i>scale sx sy sz</i>: positive factors</li>"
+        "<li><i>matrix m11 m12 ... m44</i>: 16 numbers, row by row, the last row 0 0 0 1</li></ul>"
+        "<i>rotate</i> and <i>scale</i> may be followed by <i>about x y z</i>, the point that stays in place; without "
+        "it, that is the mean of the handle's own vertices, where the steps before have put it. Upper and lower case, "
+        "line breaks and commas between numbers make no difference. May be given whatever the handles come from. "
+        "Handles that are not in it move by the file above or by the translation, rotation and "
+        "matrix below.");
 
     // How it moves.
     addParameter<host::RichPositionParam>(list, Shown::Always, "translation", toPoint(handles.translation),
@@ -151,7 +166,10 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     addParameter<RichFloat>(
         list, Shown::Always, "rotation_angle", Scalarm(handles.rotationAngle), "Rotation angle (degrees)",
         "How far the handles turn, in degrees, counterclockwise when the axis points at you. Applied "
-        "before the translation. Up to about 180 degrees in one go; use several handles for more.");
+        "before the translation. Any angle; the pose follows it: 270 degrees at pose 50 are 135 (with a matrix below "
+        "that rotates, too, the handles take the shortest way). The surface between only sees where the handles "
+        "arrive: turned by 360 degrees, they end, at pose 100, as if they had not turned; to twist it by more than "
+        "180 degrees, use several handles.");
     addParameter<RichEnum>(
         list, Shown::Always, "rotation_center", int(handles.rotationCenter),
         QStringList() << "Barycentre of the handle"
@@ -232,6 +250,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     handles.tagAttribute = list.getString("tag_attribute");
     handles.tagFile = list.getOpenFileName("tag_file");
     handles.transformFile = list.getOpenFileName("transform_file");
+    handles.transforms = list.getString("transforms");
     handles.translation = toVector(list.getPoint3m("translation"));
     handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
     handles.rotationAngle = list.getFloat("rotation_angle");

@@ -25,8 +25,9 @@ struct HandleParam {
     QString tagAttribute = "fcd_tag"; ///< per-vertex scalar attribute (Attribute)
     QString tagFile;                  ///< .sel (Files)
     QString transformFile;            ///< .def, may be empty; read with every source
+    QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
 
-    // The motion of handles that the transform file does not move: first matrix, then rotation, then translation.
+    // The motion of handles that neither of these moves: first matrix, then rotation, then translation.
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     Eigen::Vector3d rotationAxis = Eigen::Vector3d::UnitZ(); ///< any length but 0
     double rotationAngle = 0;                                ///< degrees

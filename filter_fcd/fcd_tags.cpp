@@ -27,7 +27,7 @@ std::string pathOf(const QString &file) { return QFile::encodeName(file).toStdSt
 
 /// The parameters that "FCD: Save Tags" has in common with "FCD: Deform Mesh": those that say how handles move, and
 /// where their tags are.
-const QStringList motionParameters{"translation",     "rotation_axis",  "rotation_angle",
+const QStringList motionParameters{"transforms",      "translation",    "rotation_axis",  "rotation_angle",
                                    "rotation_center", "rotation_point", "TransformMatrix"};
 const QStringList sourceParameters{"handles", "tag_attribute"};
 

@@ -96,6 +96,7 @@ DEFORM_PARAMETERS = [
     ("tag_attribute", "RichString", "fcd_tag"),
     ("tag_file", "RichOpenFile", "", "*.sel"),
     ("transform_file", "RichOpenFile", "", "*.def"),
+    ("transforms", "RichString", ""),
     ("translation", "RichPoint3f", (0, 0, 0)),
     ("rotation_axis", "RichPoint3f", (0, 0, 1)),
     ("rotation_angle", "RichFloat", 0.0),

@@ -46,14 +46,15 @@ def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, rando
             boolean("patches_layer", patches_layer) + "</filter>")
 
 
-def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", translation=(0, 0, 0),
-                  rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
+def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="",
+                  translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
                   use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.005,
                   max_iterations=1000, tolerance=1e-5, weights=0, influence=3.5, loose_parts=0, pose=100, graph_layers=True):
     return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
             parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
             parameter("OpenFile", "transform_file", value=transform_file, exts_cardinality=1, exts_val0="*.def") +
+            parameter("String", "transforms", value=transforms) +
             point("translation", translation) + point("rotation_axis", rotation_axis) +
             parameter("Float", "rotation_angle", value=rotation_angle) + choice("rotation_center", rotation_center, 3) +
             point("rotation_point", rotation_point) +
@@ -141,6 +142,16 @@ def test_files_and_graph_layer(tmp_path):
     assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-6
 
 
+def test_motions_as_text(tmp_path):
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS),
+              deform_filter(transforms="2: rotate 1 0 0 270; ", pose=50, graph_layers=False))
+    assert run.code == 0, run.log
+    rest, tags = run.meshes["bone"].vertex_matrix(), run.meshes["bone"].vertex_scalar_array()
+    points = run.meshes["bonedeformed"].vertex_matrix()
+    half = about(rest[tags == 2].mean(0), rotation([1, 0, 0], 135))
+    assert np.abs(points[tags == 2] - transformed(half, rest[tags == 2])).max() < 1e-6
+
+
 def test_textures_and_colors_survive(tmp_path):
     source = tmp_path / "source"
     source.mkdir()
@@ -165,6 +176,7 @@ def test_textures_and_colors_survive(tmp_path):
     ("x*10", {}, "whole numbers"),
     ("(x &lt; 0.5) ? 0 : 2", {}, "free"),
     (BONE_TAGS, {"handles": 3, "tag_file": "/no/such.sel"}, "/no/such.sel"),
+    (BONE_TAGS, {"transforms": "2: turn 0 0 1 90"}, "character 4: expected"),
     (BONE_TAGS, {"initial_patches": 0}, "patches"),
 ])
 def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, word):
@@ -195,7 +207,8 @@ def save_filter(tag_file, transform_file="", handles=0, tag_attribute="fcd_tag",
     return ('<filter name="FCD: Save Tags">' + choice("handles", handles, 3) +
             parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("SaveFile", "tag_file", value=tag_file, ext="*.sel") +
-            parameter("SaveFile", "transform_file", value=transform_file, ext="*.def") + point("translation", translation) +
+            parameter("SaveFile", "transform_file", value=transform_file, ext="*.def") +
+            parameter("String", "transforms", value="") + point("translation", translation) +
             point("rotation_axis", rotation_axis) + parameter("Float", "rotation_angle", value=rotation_angle) +
             choice("rotation_center", 0, 3) + point("rotation_point", (0, 0, 0)) +
             parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.eye(4).ravel())}) + "</filter>")

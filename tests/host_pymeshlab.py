@@ -17,8 +17,8 @@ absolute = pymeshlab.AbsoluteValue if IS_2022 else pymeshlab.PureValue
 
 GRAPH_DEFAULTS = {"target_radius": 0, "initial_patches": 300, "max_iterations": 100, "random_seed": 1, "patches_layer": True}
 DEFORM_DEFAULTS = {
-    "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "translation": [0, 0, 0],
-    "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
+    "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "",
+    "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
     "random_seed": 1, "smoothness": 0.005, "max_iterations": 1000, "tolerance": 1e-5, "weights": 0, "influence": 3.5,
     "loose_parts": 0, "pose": 100, "graph_layers": True}
@@ -383,6 +383,120 @@ def test_transform_file_with_quality_tags(tmp_path):
     assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-12
 
 
+# --- motions as text ----------------------------------------------------------------------------------------------------
+
+
+def three_handles(ms):
+    """Tags the bone with handles 2, 3 and 4; returns rest points and tags."""
+    set_quality(ms, "(x < 0.2) ? 2 : ((x > 0.8) ? 3 : (((x > 0.4) && (x < 0.5)) ? 0 : (((x > 0.6) && (x < 0.7)) ? 4 : 1)))")
+    mesh = ms.current_mesh()
+    return mesh.vertex_matrix(), mesh.vertex_scalar_array().astype(int)
+
+
+def bone_by_every_source(folder):
+    """The bone with the same tags in each source of tags: [(set, parameters)], and the tags."""
+    chosen = clean_bone()
+    chosen.apply_filter("compute_selection_by_condition_per_face", condselect="(x0 < 0.25) && (x1 < 0.25) && (x2 < 0.25)")
+    chosen.apply_filter("compute_selection_by_condition_per_vertex", condselect="x > 0.75")
+    mesh = chosen.current_mesh()
+    tags = np.ones(mesh.vertex_number())
+    tags[mesh.face_matrix()[mesh.face_selection_array()]] = 0
+    tags[mesh.vertex_selection_array()] = 2
+    by_quality = new_set()
+    by_quality.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix(), v_scalar_array=tags), "bone")
+    by_attribute = clean_bone()
+    by_attribute.current_mesh().add_vertex_custom_scalar_attribute(tags, "which")
+    return [(chosen, dict(handles=1)), (by_quality, dict(handles=0)),
+            (by_attribute, dict(handles=2, tag_attribute="which")),
+            (clean_bone(), dict(handles=3, tag_file=write_tags(folder / "bone.sel", tags.astype(int))))], tags
+
+
+def test_every_way_to_say_the_same_gives_the_same(tmp_path):
+    sources, tags = bone_by_every_source(tmp_path)
+    shift, turn = translation([0.25, -0.5, 0.75]), about([0.5, 0.25, -0.125], rotation([0, 1, 0], -40))
+
+    def ways(name, matrix, text, **parameters):
+        return [parameters, dict(transformmatrix=matrix), dict(transforms=text),
+                dict(transform_file=write_transforms(tmp_path / name, matrix))]
+
+    def results(parameters):
+        for ms, source in sources:
+            rest = ms.mesh(0).vertex_matrix()
+            for motion in parameters:
+                ms.set_current_mesh(0)
+                ms.apply_filter(DEFORM, graph_layers=False, **source, **motion)
+                yield rest, ms.current_mesh().vertex_matrix()
+
+    # These matrices are the same to the bit ...
+    shifted = list(results(ways("shift.def", shift, "2: translate .25, -5e-1, 0.75", translation=np.array([0.25, -0.5, 0.75]))))
+    assert len(shifted) == 16
+    for rest, points in shifted:
+        assert same_points(points, shifted[0][1])
+        assert same_points(points[tags == 2], rest[tags == 2] + [0.25, -0.5, 0.75])
+    # ... and these up to rounding.
+    for rest, points in results(ways("turn.def", turn, "2: ROTATE 0 2 0 -40 about 0.5 0.25 -0.125;",
+                                     rotation_axis=np.array([0, 1.0, 0]), rotation_angle=-40.0, rotation_center=2,
+                                     rotation_point=np.array([0.5, 0.25, -0.125]))):
+        assert np.abs(points[tags == 2] - transformed(turn, rest[tags == 2])).max() < 1e-12
+        assert same_points(points[tags == 0], rest[tags == 0])
+
+
+def test_transforms_go_before_the_file_and_the_parameters(tmp_path):
+    ms = clean_bone()
+    rest, tags = three_handles(ms)
+    file = write_transforms(tmp_path / "two.def", translation([0, 0.25, 0]), translation([0, 0.5, 0]))
+    ms.apply_filter(DEFORM, transforms="2: translate 0 0 0.125", transform_file=file, translation=np.array([0.0625, 0, 0]))
+    points = ms.current_mesh().vertex_matrix()
+    for tag, move in ((0, [0, 0, 0]), (2, [0, 0, 0.125]), (3, [0, 0.5, 0]), (4, [0.0625, 0, 0])):
+        assert (tags == tag).sum() > 0
+        assert np.abs(points[tags == tag] - rest[tags == tag] - move).max() < 1e-12
+
+
+def test_transforms_move_each_handle_about_its_own_barycentre():
+    ms = clean_bone()
+    rest, tags = three_handles(ms)
+    ms.apply_filter(DEFORM, transforms="3: translate 0 0 0.25 rotate 1 0 0 30;\n 2: scale 1.5 rotate 0 0 1 20 about 0 0 0;")
+    points = ms.current_mesh().vertex_matrix()
+    center = {tag: rest[tags == tag].mean(0) for tag in (2, 3)}
+    motions = {2: about([0, 0, 0], rotation([0, 0, 1], 20)) @ about(center[2], 1.5 * np.eye(3)),
+               3: translation([0, 0, 0.25]) @ about(center[3], rotation([1, 0, 0], 30)), 4: np.eye(4)}
+    for tag, motion in motions.items():
+        assert np.abs(points[tags == tag] - transformed(motion, rest[tags == tag])).max() < 1e-12
+
+
+@pytest.mark.parametrize("degrees", [270.0, -270.0, 360.0])
+def test_a_pose_of_a_large_rotation(degrees):
+    for motion in (dict(rotation_axis=np.array([1.0, 0, 0]), rotation_angle=degrees), dict(transforms=f"2: rotate 1 0 0 {degrees}")):
+        _, _, rest, points, tags = deform_bone(pose=50.0, graph_layers=False, **motion)
+        half = about(rest[tags == 2].mean(0), rotation([1, 0, 0], degrees / 2))
+        assert np.abs(points[tags == 2] - transformed(half, rest[tags == 2])).max() < 1e-9
+        _, _, rest, points, tags = deform_bone(graph_layers=False, **motion)
+        whole = about(rest[tags == 2].mean(0), rotation([1, 0, 0], degrees))
+        assert np.abs(points[tags == 2] - transformed(whole, rest[tags == 2])).max() < 1e-12
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_pose_of_a_large_rotation_of_a_layer_with_a_matrix(mirrored):
+    place = translation([3, -2, 1]) @ about([0, 0, 0], 2 * rotation([1, 2, 3], 50)) @ np.diag([-1.0 if mirrored else 1, 1, 1, 1])
+    ms = clean_bone()
+    tags, rest = ms.current_mesh().vertex_scalar_array(), ms.current_mesh().vertex_matrix()
+    ms.apply_filter("set_matrix", transformmatrix=place, freeze=False)
+    ms.apply_filter(DEFORM, transforms="2: rotate 1 2 0 270 about 1 2 3", pose=50.0, graph_layers=False)
+    world = transformed(place, ms.current_mesh().vertex_matrix())
+    half = about([1, 2, 3], rotation([1, 2, 0], 135))
+    assert np.abs(world[tags == 2] - transformed(half @ place, rest[tags == 2])).max() < 1e-9
+
+
+def test_transforms_name_the_handles_that_are_there():
+    ms = clean_bone()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="transforms moves handle 5, but no vertex has tag 5; the only handle is 2"):
+        ms.apply_filter(DEFORM, transforms="2: scale 2; 5: scale 2")
+    three_handles(ms)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="has tag 5; the handles are 2, 3 and 4"):
+        ms.apply_filter(DEFORM, transforms="5: scale 2")
+    assert len(list(ms)) == 1
+
+
 # --- a graph of one's own -----------------------------------------------------------------------------------------------
 
 
@@ -540,6 +654,12 @@ ERRORS = {
     "no tag file": (dict(handles=3), QUALITY_TAGS, "tag_file"),
     "tag file is missing": (dict(handles=3, tag_file="/no/such.sel"), QUALITY_TAGS, "/no/such.sel"),
     "transform file is missing": (dict(transform_file="/no/such.def"), QUALITY_TAGS, "/no/such.def"),
+    "motion as text has an unknown step": (dict(transforms="2: turn 0 0 1 90"), QUALITY_TAGS, "transforms, character 4: expected"),
+    "motion as text ends early": (dict(transforms="2: translate 0 0"), QUALITY_TAGS, "found the end"),
+    "motion as text is for nobody": (dict(transforms="3: scale 2"), QUALITY_TAGS, "no vertex has tag 3"),
+    "motion as text is for a handle that is not there": (dict(transforms="2: scale 2"), "(x < 0.5) ? 0 : 1", "there are no handles"),
+    "motion as text mirrors": (dict(transforms="2: matrix 1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1"), QUALITY_TAGS, "transforms, handle 2: a transform mirrors"),
+    "motion as text is not finite": (dict(transforms="2: translate 1e400 0 0"), QUALITY_TAGS, "'1e400'"),
     "axis is zero": (dict(rotation_angle=10.0, rotation_axis=np.zeros(3)), QUALITY_TAGS, "rotation_axis"),
     "matrix is a projection": (dict(transformmatrix=np.ones((4, 4))), QUALITY_TAGS, "affine"),
     "matrix flattens": (dict(transformmatrix=np.diag([1.0, 1, 0, 1])), QUALITY_TAGS, "flatten"),
@@ -703,8 +823,8 @@ TAG, READ, SAVE = "compute_fcd_tags_from_selection", "compute_fcd_tags_from_file
 HELPER_DEFAULTS = {
     TAG: {"role": 2, "handle_number": 2, "tag_attribute": "", "colorize": True},
     READ: {"tag_file": "", "tag_attribute": "", "colorize": True},
-    SAVE: {"handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "translation": [0, 0, 0],
-           "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
+    SAVE: {"handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "",
+           "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
            "transformmatrix": np.eye(4)}}
 TAG_COLORS = {-1: [154, 154, 154], 0: [59, 111, 201], 1: [240, 197, 60], 2: [210, 60, 50]}
 
@@ -878,6 +998,7 @@ MOTIONS = {
     "rotation": dict(rotation_axis=np.array([0.3, 1, 0.1]), rotation_angle=-50.0),
     "all": dict(translation=np.array([0, 0, 0.1]), rotation_axis=np.array([0, 1.0, 0.2]), rotation_angle=20.0, rotation_center=2,
                 rotation_point=np.array([0.7, 0.4, 0.3]), transformmatrix=about([0.8, 0.5, 0.5], 1.1 * rotation([1, 2, 3], 10))),
+    "text": dict(transforms="2: translate 0 0 0.25; 4: rotate 1 2 0 40 translate 0 0.1 0.25"),
 }
 
 

@@ -14,6 +14,18 @@ namespace vcg {
 namespace fcd {
 namespace detail {
 
+inline bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+
+/// Reads [first, last) as a number, whatever the locale; a '+' may stand before it. \return false when it is none, or
+/// one that Number cannot hold
+template <class Number>
+bool ToNumber(const char *first, const char *last, Number &value) {
+    if (last - first > 1 && first[0] == '+' && first[1] != '-')
+        ++first;
+    const std::from_chars_result r = std::from_chars(first, last, value);
+    return r.ec == std::errc() && r.ptr == last;
+}
+
 /// The whitespace-separated words of a text file, with comments ('#' to the end of the line) skipped, and where they
 /// stand.
 class WordReader {
@@ -64,11 +76,7 @@ class WordReader {
     /// The current word as a number, whatever the locale. \return false when it is none
     template <class Number>
     bool Read(Number &value) const {
-        const char *first = text.data() + wordBegin, *last = text.data() + at;
-        if (last - first > 1 && first[0] == '+' && first[1] != '-')
-            ++first;
-        const std::from_chars_result r = std::from_chars(first, last, value);
-        return r.ec == std::errc() && r.ptr == last;
+        return ToNumber(text.data() + wordBegin, text.data() + at, value);
     }
 
     /// The current word as a number. \throw Error naming file and line
@@ -86,10 +94,7 @@ class WordReader {
     }
 
   private:
-    bool IsSpace(char c) const {
-        return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f' ||
-               separators.find(c) != std::string::npos;
-    }
+    bool IsSpace(char c) const { return detail::IsSpace(c) || separators.find(c) != std::string::npos; }
 
     std::string path, separators, text;
     std::size_t at = 0, wordBegin = 0, line = 1;

@@ -15,6 +15,11 @@ namespace fcd {
 struct Motion {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< the whole motion, mesh units
 
+    /// The rotation where it goes half a turn or further, which the matrix cannot tell: along its axis, as long as its
+    /// angle in radians. 0: the shortest rotation to the matrix.
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+    Eigen::Vector3d pivot = Eigen::Vector3d::Zero(); ///< a point on the axis of turn, mesh units at rest
+
     Motion() = default;
 
     /// \throw Error when \p m is not affine, not finite, mirrors or flattens
@@ -30,31 +35,97 @@ struct Motion {
                 "a scaling, or a combination of them.");
     }
 
+    /// A motion that rotates by \p wholeTurn (along the axis, as long as the angle in radians, any number of full
+    /// turns) about an axis through \p point. The shortest rotation is taken instead where \p wholeTurn is less than
+    /// half a turn, not finite, or not the rotation of \p m. \throw Error as above
+    Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point) : Motion(m) {
+        const double angle = wholeTurn.norm();
+        if (!std::isfinite(angle) || !point.allFinite() || angle < 3.14159)
+            return;
+        // The tolerance is for layers placed in single precision.
+        const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, wholeTurn / angle).toRotationMatrix();
+        if ((Polar(m.topLeftCorner<3, 3>()).rotation - rotation).norm() > 1e-5)
+            return;
+        turn = wholeTurn;
+        pivot = point;
+    }
+
+    /// The same motion in other coordinates: \p frame leads from them to those of this motion. Turns are kept where the
+    /// rotation is one there, too, as it is for every frame that keeps angles, mirrors included. \throw Error as above
+    Motion In(const Eigen::Affine3d &frame) const {
+        if (frame.matrix().isIdentity(0))
+            return *this;
+        const Eigen::Affine3d back = frame.inverse();
+        Eigen::Matrix4d m = (back * Eigen::Affine3d(matrix) * frame).matrix();
+        m.row(3) << 0, 0, 0, 1;
+        const double side = frame.linear().determinant() < 0 ? -1 : 1; // a mirror turns the other way round
+        return Motion(m, side * turn.norm() * (back.linear() * turn).stableNormalized(), back * pivot);
+    }
+
     /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
-    /// fraction of its angle, scaling by the power. 100 is the motion itself, to the bit; 0 the identity; beyond 100 it
-    /// goes on.
+    /// fraction of its angle, scaling by the power. With a turn, the point goes about the pivot's axis by the fraction
+    /// of the turn, and straight by the fraction of what that leaves. 100 is the motion itself, to the bit; 0 the
+    /// identity; beyond 100 it goes on.
     Eigen::Matrix4d At(double percent, const Eigen::Vector3d &center) const {
         if (percent == 100)
             return matrix;
+        if (percent == 0)
+            return Eigen::Matrix4d::Identity();
         const double t = percent / 100;
         const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-        const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-        const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose(); // det > 0, as linear's
-        const Eigen::Matrix3d stretch =
-            svd.matrixV() * svd.singularValues().array().pow(t).matrix().asDiagonal() * svd.matrixV().transpose();
-        // Screw motion of the center with the rotation.
+        const Polar polar(linear);
+        // Motion of the center with the rotation.
         Eigen::Matrix4d rigid = Eigen::Matrix4d::Identity();
-        rigid.topLeftCorner<3, 3>() = rotation;
-        rigid.topRightCorner<3, 1>() = linear * center + matrix.topRightCorner<3, 1>() - rotation * center;
-        const Eigen::Matrix4d part = Screw(rigid, t);
+        rigid.topLeftCorner<3, 3>() = polar.rotation;
+        rigid.topRightCorner<3, 1>() = linear * center + matrix.topRightCorner<3, 1>() - polar.rotation * center;
+        const Eigen::Matrix4d part = turn.isZero(0) ? Screw(rigid, t) : Turned(rigid, center, t);
         Eigen::Matrix4d result = part;
-        result.topLeftCorner<3, 3>() = part.topLeftCorner<3, 3>() * stretch;
+        result.topLeftCorner<3, 3>() = part.topLeftCorner<3, 3>() * polar.Stretch(t);
         const Eigen::Vector3d moved = (part * center.homogeneous()).head<3>();
         result.topRightCorner<3, 1>() = moved - result.topLeftCorner<3, 3>() * center;
         return result;
     }
 
   private:
+    /// linear = rotation * Stretch(1)
+    struct Polar {
+        Eigen::JacobiSVD<Eigen::Matrix3d> svd;
+        Eigen::Matrix3d rotation;
+
+        explicit Polar(const Eigen::Matrix3d &linear)
+            : svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV),
+              rotation(svd.matrixU() * svd.matrixV().transpose()) {} // det > 0, as linear's
+
+        Eigen::Matrix3d Stretch(double power) const {
+            return svd.matrixV() * svd.singularValues().array().pow(power).matrix().asDiagonal() *
+                   svd.matrixV().transpose();
+        }
+    };
+
+    /// The fraction t of \p rigid by way of the turn, for \p center.
+    Eigen::Matrix4d Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const {
+        // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
+        const double fullTurn = 2 * std::acos(-1.0);
+        const Eigen::AngleAxisd shortest(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));
+        Eigen::Vector3d axis = turn.normalized();
+        const double side = shortest.axis().dot(axis);
+        double angle = shortest.angle() * side;
+        if (shortest.angle() > 1e-6) {
+            axis = side < 0 ? Eigen::Vector3d(-shortest.axis()) : shortest.axis();
+            angle = side < 0 ? -shortest.angle() : shortest.angle();
+        }
+        angle += fullTurn * std::round((turn.norm() - angle) / fullTurn);
+
+        const Eigen::Matrix3d rotation = Eigen::AngleAxisd(t * angle, axis).toRotationMatrix();
+        const Eigen::Vector3d arm = center - pivot;
+        const Eigen::Vector3d rest =
+            (rigid * center.homogeneous()).head<3>() - rigid.topLeftCorner<3, 3>() * arm - pivot;
+        Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+        result.topLeftCorner<3, 3>() = rotation;
+        result.topRightCorner<3, 1>() = pivot + rotation * arm + t * rest - rotation * center;
+        return result;
+    }
+
     /// exp(t log(rigid)) on SE(3).
     static Eigen::Matrix4d Screw(const Eigen::Matrix4d &rigid, double t) {
         const Eigen::AngleAxisd turn(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));

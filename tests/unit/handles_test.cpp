@@ -146,6 +146,140 @@ TEST(Motion, StretchesAlongItsOwnAxes) {
     EXPECT_TRUE((motion.At(50, center).topLeftCorner<3, 3>()).isApprox(half, 1e-12));
 }
 
+// --- turns ---
+
+static const double degree = M_PI / 180;
+
+/// A rotation by any angle about an axis through a point.
+static Motion Turn(const Vector3d &axis, double degrees, const Vector3d &point) {
+    return Motion(TurnAbout(point, axis, degrees * degree), degrees * degree * axis.normalized(), point);
+}
+
+TEST(MotionTurn, GoesAllTheWay) {
+    const Vector3d pivot(10, -4, 2);
+    for (const Vector3d &axis : {Vector3d(0, 0, 1), Vector3d(-1, 0, 0), Vector3d(1, 2, -1)})
+        for (double degrees :
+             {-3600.0, -720.0, -540.0, -360.0, -359.9999999, -270.0,    -180.0, -179.0, 1.0,   90.0,    179.0,
+              180.0,   181.0,  270.0,  359.99, 360.0,        360.00001, 450.0,  540.0,  720.0, 100000.0})
+            for (double percent : {-20.0, 10.0, 25.0, 50.0, 75.0, 150.0, 300.0}) {
+                const Matrix4d wanted = TurnAbout(pivot, axis, degrees * degree * percent / 100);
+                EXPECT_LE((Turn(axis, degrees, pivot).At(percent, center) - wanted).norm(), 1e-7)
+                    << degrees << " at " << percent;
+            }
+}
+
+TEST(MotionTurn, HalfOfThreeQuartersIsThreeEighths) {
+    const Vector3d z(0, 0, 1), origin(0, 0, 0), x(1, 0, 0);
+    for (const auto &c : {std::pair(270.0, 135.0), std::pair(360.0, 180.0), std::pair(-270.0, -135.0)}) {
+        const Vector3d p = Apply(Turn(z, c.first, origin).At(50, center), x);
+        EXPECT_LE((p - Vector3d(std::cos(c.second * degree), std::sin(c.second * degree), 0)).norm(), 1e-12);
+    }
+}
+
+TEST(MotionTurn, HasBothEndsToTheBit) {
+    for (double degrees : {-360.0, 200.0, 270.0, 360.0, 1000.0}) {
+        const Motion turn = Turn(Vector3d(1, 2, 3), degrees, center);
+        EXPECT_FALSE(turn.turn.isZero(0));
+        EXPECT_TRUE(SameBits(turn.At(100, center), turn.matrix));
+        EXPECT_TRUE(SameBits(turn.At(0, center), Matrix4d(Matrix4d::Identity())));
+    }
+}
+
+TEST(MotionTurn, ComesCloseToTheWholeContinuously) {
+    std::mt19937 random(1);
+    for (double degrees : {-360.0, 200.0, 270.0, 360.0, 1000.0})
+        for (int i = 0; i < 20; ++i) {
+            // Stretched before, scaled after, shifted: the rotation of the whole is still the turn.
+            const Vector3d axis = RandomVector(random), pivot = RandomVector(random), shift = RandomVector(random);
+            const Eigen::Matrix3d axes = RandomRotation(random);
+            Matrix4d m = TurnAbout(pivot, axis, degrees * degree) *
+                         Affine(1.7 * axes * Vector3d(1, 2, 0.5).asDiagonal() * axes.transpose());
+            m.topRightCorner<3, 1>() += shift;
+            const Motion motion(m, degrees * degree * axis.normalized(), pivot);
+            ASSERT_FALSE(motion.turn.isZero(0));
+            EXPECT_LE((motion.At(100 - 1e-9, center) - m).norm(), 1e-8 * m.norm());
+            EXPECT_LE((motion.At(1e-9, center) - Matrix4d::Identity()).norm(), 1e-8);
+        }
+}
+
+TEST(MotionTurn, TheRestOfTheWayIsStraight) {
+    const Vector3d shift(5, 1, -2);
+    const Matrix4d m = Affine(Eigen::Matrix3d::Identity(), shift) * TurnAbout(center, Vector3d(0, 0, 1), 2 * M_PI);
+    const Motion motion(m, Vector3d(0, 0, 2 * M_PI), center);
+    for (double percent : {10.0, 50.0, 90.0, 120.0})
+        EXPECT_LE((Apply(motion.At(percent, center), center) - center - percent / 100 * shift).norm(), 1e-12);
+}
+
+TEST(MotionTurn, UpToHalfATurnIsTheScrew) {
+    for (double degrees : {-179.0, -90.0, 1.0, 179.0}) {
+        Matrix4d m = TurnAbout(center, Vector3d(1, 2, 3), degrees * degree);
+        m(0, 3) += 5;
+        const Motion motion(m, degrees * degree * Vector3d(1, 2, 3).normalized(), center);
+        EXPECT_TRUE(SameBits(motion.At(30, center), Motion(m).At(30, center)));
+    }
+}
+
+TEST(MotionTurn, IsDroppedWhereTheMatrixRotatesOtherwise) {
+    const Matrix4d quarter = TurnAbout(center, Vector3d(0, 0, 1), M_PI / 2);
+    const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Vector3d &turn : {Vector3d(0, 0, 4), Vector3d(4, 0, 0), Vector3d(0, 0, -2.5 * M_PI),
+                                 Vector3d(0, 0, infinity), Vector3d(nan, 0, 0), Vector3d(0, 0, 1e300)}) {
+        EXPECT_TRUE(Motion(quarter, turn, center).turn.isZero(0));
+        EXPECT_TRUE(SameBits(Motion(quarter, turn, center).At(50, center), Motion(quarter).At(50, center)));
+    }
+    EXPECT_TRUE(Motion(quarter, Vector3d(0, 0, 2.5 * M_PI), Vector3d(nan, 0, 0)).turn.isZero(0));
+    EXPECT_EQ(Motion(quarter, Vector3d(0, 0, 2.5 * M_PI), center).turn, Vector3d(0, 0, 2.5 * M_PI));
+}
+
+TEST(MotionIn, TheIdentityChangesNoBit) {
+    const Motion motion = Turn(Vector3d(1, 2, 3), 500, center), same = motion.In(Eigen::Affine3d::Identity());
+    EXPECT_TRUE(SameBits(same.matrix, motion.matrix));
+    EXPECT_TRUE(SameBits(same.turn, motion.turn));
+    EXPECT_TRUE(SameBits(same.pivot, motion.pivot));
+}
+
+TEST(MotionIn, FramesThatKeepAnglesKeepTurns) {
+    for (unsigned seed = 1; seed < 20; ++seed)
+        for (double scale : {1.0, 2.5, -1.0, -0.01}) // below 0: mirrors
+            for (double degrees : {-720.0, -270.0, -30.0, 180.0, 270.0, 360.0, 700.0}) {
+                Eigen::Affine3d frame = RandomRigid(seed);
+                frame.linear() *= scale;
+                Matrix4d shifted = TurnAbout(Vector3d(3, 2, 1), Vector3d(1, 2, 3), degrees * degree);
+                shifted(1, 3) += 0.5;
+                const Motion world(shifted, degrees * degree * Vector3d(1, 2, 3).normalized(), Vector3d(3, 2, 1));
+                const Motion local = world.In(frame);
+                EXPECT_EQ(local.turn.isZero(0), world.turn.isZero(0));
+                const Vector3d at = frame.inverse() * center;
+                for (double percent : {25.0, 50.0, 100.0, 130.0}) {
+                    const Matrix4d wanted = frame.inverse() * (world.At(percent, center) * frame.matrix());
+                    EXPECT_LE((local.At(percent, at) - wanted).norm(), 1e-9 * wanted.norm()) << degrees;
+                }
+            }
+}
+
+TEST(MotionIn, FramesOfSinglePrecisionKeepTurns) {
+    Eigen::Affine3d frame = RandomRigid(3);
+    frame.matrix() = frame.matrix().cast<float>().cast<double>().eval();
+    for (double degrees : {-270.0, 270.0, 360.0, 540.0})
+        EXPECT_NEAR(Turn(Vector3d(1, 2, 3), degrees, center).In(frame).turn.norm(), std::abs(degrees) * degree, 1e-12);
+}
+
+TEST(MotionIn, FramesThatShearARotationDropItsTurns) {
+    Eigen::Affine3d frame = Eigen::Affine3d::Identity();
+    frame.linear().diagonal() << 1, 2, 1;
+    EXPECT_TRUE(Turn(Vector3d(0, 0, 1), 300, center).In(frame).turn.isZero(0));
+    EXPECT_TRUE(Turn(Vector3d(1, 2, 3), 300, center).In(frame).turn.isZero(0));
+    EXPECT_LE((Turn(Vector3d(0, 1, 0), 300, center).In(frame).turn - Vector3d(0, 300 * degree, 0)).norm(), 1e-12);
+    const Matrix4d part = Turn(Vector3d(1, 2, 3), 300, center).In(frame).At(50, center);
+    EXPECT_TRUE(part.allFinite());
+}
+
+TEST(MotionIn, RefusesWhatMirrors) {
+    Motion motion;
+    motion.matrix(0, 0) = -1;
+    EXPECT_NE(MessageOf<Error>([&] { motion.In(RandomRigid(1)); }).find("determinant"), std::string::npos);
+}
+
 TEST(NodeTags, HeldBeatsFreeAndFixedBeatsAHandle) {
     const std::vector<std::pair<std::vector<int>, int>> cases{
         {{1, 1}, 1},  {{1, 2}, 2}, {{2, 1}, 2}, {{0, 1}, 0},  {{1, 0}, 0},    {{2, 0}, 0}, {{0, 2}, 0},   {{1, -1}, 0},
