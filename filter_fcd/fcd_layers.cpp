@@ -429,13 +429,18 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
     return layer;
 }
 
-MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position) {
+MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
+                                  const std::vector<float> &quality) {
     MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
+    if (!quality.empty())
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
     auto vertex = layer.cm.vert.begin();
     for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
         if (!base.cm.vert[i].IsD()) {
             const auto p = position.col(Eigen::Index(i));
             vertex->P() = Point3m(Scalarm(p[0]), Scalarm(p[1]), Scalarm(p[2]));
+            if (!quality.empty())
+                vertex->Q() = CVertexO::QualityType(quality[i]);
             ++vertex;
         }
     host::updateBoxAndNormals(layer);
@@ -469,6 +474,11 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
         vertex.N() = toPoint(graph.normal.col(i)).Normalize(); // without a normal, MeshLab draws it black
         vertex.Q() = CVertexO::QualityType(graph.radius[i]);
         vertex.C() = graph.color[std::size_t(i)];
+    }
+    if (graph.energy.size() > 0) {
+        auto energy = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, "energy");
+        for (Eigen::Index i = 0; i < graph.energy.size(); ++i)
+            energy[std::size_t(i)] = Scalarm(graph.energy[i]);
     }
     auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, graph.edge.size());
     for (const auto &ends : graph.edge) {

@@ -49,8 +49,8 @@ class NewLayers {
     NewLayers &operator=(const NewLayers &) = delete;
     ~NewLayers();
 
-    /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour) and its
-    /// edges.
+    /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour, attribute
+    /// "energy" if there is any) and its edges.
     MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
 
     /// "NAME what": the base coloured by patch, quality = patch number. \p patchOf per slot of the base's vertices, \p
@@ -58,8 +58,9 @@ class NewLayers {
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
                           const std::vector<vcg::Color4b> &color);
 
-    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices.
-    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position);
+    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p quality
+    /// per slot is that of the new layer; empty: the base's.
+    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position, const std::vector<float> &quality);
 
     /// Keeps the layers; \p current becomes the current one.
     void keep(const MeshModel &current);

@@ -227,6 +227,14 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     addParameter<RichFloat>(list, Shown::Advanced, "tolerance", Scalarm(deformation.tolerance), "Tolerance",
                             "At rest means that no node moves more than this fraction of the bounding box diagonal. "
                             "<b>Raising it</b> ends sooner and less exactly.");
+    addParameter<RichEnum>(
+        list, Shown::Advanced, "graph_weights", int(deformation.graphWeights),
+        QStringList() << "Common border"
+                      << "Uniform",
+        "Graph weights",
+        "How strongly neighbouring patches hold together. <i>Common border</i>: the more, the longer "
+        "their border and the closer their centres, so that the shape hardly depends on where the "
+        "patches lie. <i>Uniform</i>: all alike, as in the paper.");
     addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights),
                            QStringList() << "Along the surface"
                                          << "Euclidean",
@@ -251,7 +259,18 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         "How much of the motion of the handles is carried out: 0 is the mesh as it is, 100 the full motion; "
         "it may exceed 100.");
     addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
-                           "Also adds the deformation graph at rest and deformed, as two layers.");
+                           "Also adds the deformation graph at rest and deformed, as two layers; their attribute "
+                           "<i>energy</i> says where the deformation costs most.");
+    addParameter<RichEnum>(
+        list, Shown::Advanced, "deformed_quality", int(param.quality),
+        QStringList() << "As the input"
+                      << "Stretch"
+                      << "Rotation angle",
+        "Quality of the result",
+        "What the vertex quality of the deformed layer is, to be coloured ('Colorize by vertex "
+        "Quality'), selected by or saved: that of the input, the <b>stretch</b> (length of the edges "
+        "over that at rest: 1 is not stretched, 1.1 is 10 percent longer), or the <b>angle</b> by "
+        "which the surface turned, in degrees.");
     return list;
 }
 
@@ -282,6 +301,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     deformation.smoothness = list.getFloat("smoothness");
     deformation.maxIterations = list.getInt("max_iterations");
     deformation.tolerance = list.getFloat("tolerance");
+    deformation.graphWeights = vcg::fcd::GraphWeights(enumValue(list, "graph_weights", 2));
     deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
     deformation.influence = list.getFloat("influence");
     deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
@@ -289,6 +309,8 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     deformation.Validate();
 
     param.graphLayers = list.getBool("graph_layers");
+    param.quality = DeformMeshParam::Quality(enumValue(list, "deformed_quality", 3));
+    deformation.measure = param.quality != DeformMeshParam::Input;
     return param;
 }
 

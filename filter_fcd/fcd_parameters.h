@@ -42,11 +42,14 @@ struct HandleParam {
 
 /// What "FCD: Deform Mesh" is asked for.
 struct DeformMeshParam {
+    enum Quality { Input, Stretch, Rotation };
+
     HandleParam handles;
     vcg::fcd::DeformationParam deformation; ///< without nodes
     bool useGraphLayer = false;             ///< take the nodes from graphLayer
     const MeshModel *graphLayer = nullptr;
     bool graphLayers = true; ///< keep the rest and the deformed graph as layers
+    Quality quality = Input; ///< of the deformed layer
 };
 
 /// The parameters of the filters as the host shows them. Lengths are relative to the current layer, if there is one.

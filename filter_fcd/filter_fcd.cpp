@@ -210,7 +210,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         layers.addGraph("graph", result.rest);
         layers.addGraph("deformed graph", result.deformed);
     }
-    const MeshModel &deformed = layers.addDeformed("deformed", result.position);
+    const std::vector<float> none;
+    const MeshModel &deformed = layers.addDeformed("deformed", result.position,
+                                                   param.quality == DeformMeshParam::Stretch    ? result.stretch
+                                                   : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                                                                                : none);
     progress(1, "Done");
     layers.keep(deformed);
 

@@ -109,14 +109,16 @@ DEFORM_PARAMETERS = [
     ("target_radius", "RichAbsPerc", 0.0),
     ("initial_patches", "RichInt", 300),
     ("random_seed", "RichInt", 1),
-    ("smoothness", "RichFloat", 0.005),
+    ("smoothness", "RichFloat", 0.0043),
     ("max_iterations", "RichInt", 1000),
     ("tolerance", "RichFloat", 1e-5),
+    ("graph_weights", "RichEnum", 0, "Common border", "Uniform"),
     ("weights", "RichEnum", 0, "Along the surface", "Euclidean"),
-    ("influence", "RichFloat", 3.5),
+    ("influence", "RichFloat", 4.0),
     ("loose_parts", "RichEnum", 0, "Follow", "Stay"),
     ("pose", "RichFloat", 100.0),
     ("graph_layers", "RichBool", True),
+    ("deformed_quality", "RichEnum", 0, "As the input", "Stretch", "Rotation angle"),
 ]
 TAG_PARAMETERS = [
     ("q", "RichString", ""),

@@ -48,8 +48,9 @@ def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, rando
 
 def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="", point_handles_file="",
                   translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
-                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.005,
-                  max_iterations=1000, tolerance=1e-5, weights=0, influence=3.5, loose_parts=0, pose=100, graph_layers=True):
+                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.0043,
+                  max_iterations=1000, tolerance=1e-5, graph_weights=0, weights=0, influence=4, loose_parts=0, pose=100, graph_layers=True,
+                  deformed_quality=0):
     return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
             parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
@@ -64,9 +65,11 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
             parameter("Int", "initial_patches", value=initial_patches) + parameter("Int", "random_seed", value=random_seed) +
             parameter("Float", "smoothness", value=smoothness) + parameter("Int", "max_iterations", value=max_iterations) +
-            parameter("Float", "tolerance", value=tolerance) + choice("weights", weights, 2) +
+            parameter("Float", "tolerance", value=tolerance) + choice("graph_weights", graph_weights, 2) +
+            choice("weights", weights, 2) +
             parameter("Float", "influence", value=influence) + choice("loose_parts", loose_parts, 2) +
-            parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) + "</filter>")
+            parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) +
+            choice("deformed_quality", deformed_quality, 3) + "</filter>")
 
 
 class Run:
@@ -261,6 +264,8 @@ def test_tags_from_selections_saved_and_read(tmp_path):
     ([read_filter("/no/such.sel")], "/no/such.sel"),
     ([quality_filter(BONE_TAGS), save_filter("/no/such/t.sel")], "Cannot write"),
     ([quality_filter(BONE_TAGS), save_filter("t.sel", handles=3)], "from 0 to 2"),
+    ([quality_filter(BONE_TAGS), deform_filter(graph_weights=2)], "graph_weights is 2"),
+    ([quality_filter(BONE_TAGS), deform_filter(deformed_quality=3)], "deformed_quality is 3"),
 ])
 def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     run = Run(tmp_path, BONE, *script)

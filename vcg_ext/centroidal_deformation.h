@@ -43,14 +43,16 @@ enum class LooseParts {
 /// How a mesh is deformed.
 struct DeformationParam {
     GraphParam graph;
-    Eigen::Matrix3Xd nodes;    ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
-    double smoothness = 0.005; ///< alpha of Eq. 2, >= 0
-    int maxIterations = 1000;  ///< of the solver, >= 1
-    double tolerance = 1e-5;   ///< of the solver, fraction of the diagonal, > 0
+    Eigen::Matrix3Xd nodes;     ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
+    double smoothness = 0.0043; ///< alpha of Eq. 2, >= 0
+    int maxIterations = 1000;   ///< of the solver, >= 1
+    double tolerance = 1e-5;    ///< of the solver, fraction of the diagonal, > 0
+    GraphWeights graphWeights = GraphWeights::Border;
     MappingWeights weights = MappingWeights::Surface;
-    double influence = 3.5; ///< node radius over patch radius, > 1
+    double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
-    double pose = 100; ///< percent of the handles' motion
+    double pose = 100;    ///< percent of the handles' motion
+    bool measure = false; ///< also measure stretch and rotation of the surface
 
     /// \throw Error naming the value that is out of range
     void Validate() const {
@@ -75,6 +77,7 @@ struct GraphGeometry {
     Eigen::VectorXd radius;                 ///< k, mesh units
     std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
     std::vector<vcg::Color4b> color;        ///< k, neighbours differ
+    Eigen::VectorXd energy;                 ///< k, each node's share of Eq. 2, mesh units^2; empty: not deformed
 };
 
 /// A deformation graph over a mesh.
@@ -94,6 +97,9 @@ struct CentroidalGraph {
 struct DeformationResult {
     Eigen::Matrix3Xd position;    ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
     GraphGeometry rest, deformed; ///< the deformation graph before and after
+    std::vector<float> stretch;  ///< per vertex slot, if measured: root mean square length of the edges there over that
+                                 ///< at rest; 1 = not stretched
+    std::vector<float> rotation; ///< per vertex slot, if measured: degrees the surface turned there, [0, 180]
     TagCount tags;
     int iterations = 0; ///< of the solver
     bool converged = false;
@@ -329,6 +335,47 @@ inline void OpenSmallHandles(const Graph &surface, const std::vector<Index> &tag
     patches = GrowPatches(surface, open, center, progress);
 }
 
+/// Stretch and rotation of the surface at each vertex, from its edges; what they leave open is as the patch turned.
+template <class MeshType>
+void Measure(const MeshType &m, const SurfaceGraph &surface, const Patches &patches, const GraphPose &pose,
+             const Progress &progress, DeformationResult &result) {
+    const std::size_t slots = m.vert.size();
+    const Index n = surface.graph.Size();
+    Eigen::Matrix3Xf posed(3, n); // vertices of one node share their position
+    for (std::size_t i = 0; i < slots; ++i)
+        if (surface.nodeOf[i] >= 0)
+            posed.col(surface.nodeOf[i]) =
+                surface.frame.ToFrame(Eigen::Vector3d(result.position.col(i))).template cast<float>();
+    std::vector<float> stretch(n), rotation(n);
+    ParallelFor(progress, "Measuring the deformation", n, 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t u = first; u < last; ++u) {
+            Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
+            double before = 0, after = 0;
+            for (Index v : surface.graph.adjacency[Index(u)]) {
+                const Eigen::Vector3d e =
+                    (surface.graph.position.col(v) - surface.graph.position.col(u)).cast<double>();
+                const Eigen::Vector3d f = (posed.col(v) - posed.col(u)).template cast<double>();
+                s += e * f.transpose();
+                before += e.squaredNorm();
+                after += f.squaredNorm();
+            }
+            const Eigen::Matrix3d patch = RotationOf(pose.linear[patches.patchOf[u]]);
+            const double size = std::sqrt(before * after);
+            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose();
+            const Eigen::Vector4d q = FitQuaternion(s);
+            stretch[u] = before > 0 ? float(std::sqrt(after / before)) : 1.f;
+            rotation[u] = float(2 * std::atan2(q.tail<3>().norm(), std::abs(q[0])) * 180 / std::acos(-1.0));
+        }
+    });
+    result.stretch.assign(slots, 1);
+    result.rotation.assign(slots, 0);
+    for (std::size_t i = 0; i < slots; ++i)
+        if (surface.nodeOf[i] >= 0) {
+            result.stretch[i] = stretch[surface.nodeOf[i]];
+            result.rotation[i] = rotation[surface.nodeOf[i]];
+        }
+}
+
 inline Index CountComponents(const DeformationGraph &graph) {
     std::vector<Index> componentOf;
     return ConnectedComponents(graph.graph.adjacency, componentOf);
@@ -414,8 +461,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
         D = *std::max_element(patches.radius.begin(), patches.radius.end());
     }
     fcd::detail::OpenSmallHandles(surface.graph, tag, D, patches, progress.Slice(0.6, 0.6));
-    const DeformationGraph graph = MakeDeformationGraph(surface.graph, patches, surface.averageEdge,
-                                                        GraphWeights::Border, progress.Slice(0.6, 0.61));
+    const DeformationGraph graph = MakeDeformationGraph(surface.graph, patches, surface.averageEdge, param.graphWeights,
+                                                        progress.Slice(0.6, 0.61));
     result.secondsGraph = watch.Seconds();
 
     // Motion of the graph.
@@ -442,6 +489,10 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.61, 0.75));
     if (param.looseParts == LooseParts::Follow)
         FollowNearest(graph, deformer, pose);
+    std::vector<bool> given(graph.Size());
+    for (Index j = 0; j < graph.Size(); ++j)
+        given[j] = constrained[j] && !turns[j];
+    FitLinear(graph, given, pose);
     for (Index j = 0; j < graph.Size(); ++j)
         if (turns[j]) { // run over into the motion that the surface makes there
             Eigen::Affine3d &there = motion[tag[patches.center[j]]];
@@ -452,15 +503,14 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
 
     // Mesh.
     watch = {};
-    // Run-overs of 1.5 D leave bends at the borders no sharper than those of SR-ARAP on the benchmark; narrower ones
-    // crease.
-    const GraphMapping mapping(surface.graph, tag, patches, graph, param.weights, param.influence, 1.5 * D,
+    // Narrower run-overs crease, wider ones hold back what is free.
+    const GraphMapping mapping(surface.graph, tag, patches, graph, param.weights, param.influence, 2.5 * D,
                                progress.Slice(0.75, 0.85));
     const GraphMapping::Posed mapped = mapping.At(pose, motion);
     const std::size_t slotCount = m.vert.size(), block = 1 << 19; // progress is reported between blocks
     result.position.resize(3, slotCount);
     for (std::size_t start = 0; start < slotCount; start += block) {
-        progress(0.85 + 0.15 * double(start) / slotCount, "Mapping to the mesh");
+        progress(0.85 + 0.1 * double(start) / slotCount, "Mapping to the mesh");
         ParallelFor(
             progress.threads, std::min(block, slotCount - start), 1 << 12, [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = start + first; i < start + last; ++i) {
@@ -476,10 +526,13 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
                 }
             });
     }
+    if (param.measure)
+        fcd::detail::Measure(m, surface, patches, pose, progress.Slice(0.95, 1), result);
     result.secondsMap = watch.Seconds();
 
     const double scale = surface.frame.scale;
     result.rest = fcd::detail::GeometryOf(m, surface, patches, graph);
+    result.rest.energy = Eigen::Map<const Eigen::VectorXd>(pose.nodeEnergy.data(), graph.Size()) * (scale * scale);
     result.deformed = result.rest;
     for (Index j = 0; j < graph.Size(); ++j) {
         result.deformed.position.col(j) = surface.frame.FromFrame(Eigen::Vector3d(pose.position.col(j)));

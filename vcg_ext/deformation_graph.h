@@ -4,6 +4,7 @@
 
 #include "patch_sampling.h"
 
+#include <Eigen/Geometry>
 #include <vcg/space/color4.h>
 
 namespace vcg {
@@ -21,9 +22,57 @@ struct DeformationGraph {
     Graph graph;               ///< k nodes
     std::vector<float> weight; ///< w_ij of each adjacency item, symmetric, > 0
     std::vector<float> radius; ///< k, d_j: radius of the patch
+    Eigen::Matrix3Xf edge;     ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a held and a free patch it
+                               ///< spans the free one only: a held patch is rigid up to its border
 
     Index Size() const { return graph.Size(); }
 };
+
+namespace detail {
+
+/// The edges of \p d between the centres of the patches, but those between a held and a free patch (tag 1), which end
+/// at the mean of the held nodes where the two touch.
+inline void MakeEdges(const Graph &surface, const Patches &patches, DeformationGraph &d, const Progress &progress) {
+    const Csr &adjacency = d.graph.adjacency;
+    const Index k = d.Size();
+    auto free = [&](Index j) { return patches.tag[j] == 1; };
+    std::vector<Eigen::Vector4d> border(adjacency.item.size(), Eigen::Vector4d::Zero()); // sum and count
+    const std::vector<Index> held =
+        CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
+            if (free(patches.patchOf[u]))
+                return;
+            for (Index v : surface.adjacency[u])
+                if (free(patches.patchOf[v])) {
+                    found.push_back(u);
+                    return;
+                }
+        });
+    for (Index u : held)
+        for (Index v : surface.adjacency[u]) {
+            const Index i = patches.patchOf[u], j = patches.patchOf[v];
+            if (!free(j))
+                continue;
+            const auto first = adjacency.item.begin();
+            const auto e = std::lower_bound(first + adjacency.begin[i], first + adjacency.begin[i + 1], j) - first;
+            border[e] += surface.position.col(u).cast<double>().homogeneous();
+        }
+    d.edge.resize(3, adjacency.item.size());
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
+            d.edge.col(e) = d.graph.position.col(i) - d.graph.position.col(adjacency.item[e]);
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
+            if (border[e][3] > 0) {
+                const Index j = adjacency.item[e];
+                const auto first = adjacency.item.begin();
+                const auto back =
+                    std::lower_bound(first + adjacency.begin[j], first + adjacency.begin[j + 1], i) - first;
+                d.edge.col(e) = (border[e].head<3>() / border[e][3]).cast<float>() - d.graph.position.col(j);
+                d.edge.col(back) = -d.edge.col(e);
+            }
+}
+
+} // namespace detail
 
 /// \param averageEdge mean edge length of \p surface
 inline DeformationGraph MakeDeformationGraph(const Graph &surface, const Patches &patches, double averageEdge,
@@ -36,6 +85,7 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const Patches
     for (Index j = 0; j < k; ++j)
         d.graph.position.col(j) = surface.position.col(patches.center[j]);
     d.radius = patches.radius;
+    detail::MakeEdges(surface, patches, d, progress);
     d.weight.assign(d.graph.adjacency.item.size(), 1);
     if (weights == GraphWeights::Uniform || d.weight.empty())
         return d;
@@ -43,8 +93,8 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const Patches
     for (Index i = 0; i < k; ++i)
         for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = d.graph.adjacency.item[e];
-            const float length = (d.graph.position.col(i) - d.graph.position.col(j)).norm();
-            d.weight[e] = float(dual.crossings[e] * averageEdge / 2) / std::max(length, 1e-6f);
+            const float least = 0.1f * std::min(d.radius[i], d.radius[j]); // a centre may lie at the border
+            d.weight[e] = float(dual.crossings[e] * averageEdge / 2) / std::max({d.edge.col(e).norm(), least, 1e-6f});
             sum += d.weight[e];
         }
     const float scale = float(double(d.weight.size()) / sum);

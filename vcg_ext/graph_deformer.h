@@ -15,72 +15,99 @@ namespace fcd {
 
 /// How the graph is deformed (paper, sec. 2.2).
 struct SolverParam {
-    double smoothness = 0.005; ///< alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread
-    int maxIterations = 1000;  ///< >= 0
-    double tolerance = 1e-5;   ///< stop when no node moves more than this fraction of the graph's diagonal
+    double smoothness = 0.0043; ///< alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread
+    int maxIterations = 1000;   ///< >= 0
+    double tolerance = 1e-5;    ///< stop when no node moves more than this fraction of the graph's diagonal
 };
 
 /// Where each node of a deformation graph went: x -> linear * (x - rest) + position.
 struct GraphPose {
     Eigen::Matrix3Xd position;           ///< 3 x k, c'_j
-    std::vector<Eigen::Matrix3d> linear; ///< k, R_j; of a constrained node the linear part of its motion
+    std::vector<Eigen::Matrix3d> linear; ///< k, R_j (see FitLinear); of a constrained node that of its motion
     double energy = 0;                   ///< Eq. 2, frame units^2
+    std::vector<double> nodeEnergy;      ///< k, each node's share of it
     int iterations = 0;
     bool converged = true;
 };
 
 namespace detail {
 
-/// The rotation R that maximises tr(R S).
+/// The rotation R that maximises tr(R S), as a unit quaternion (w, x, y, z).
 ///
-/// Its quaternion is the eigenvector of the largest eigenvalue of a symmetric, traceless 4 x 4 matrix (Davenport; Horn
+/// The quaternion is the eigenvector of the largest eigenvalue of a symmetric, traceless 4 x 4 matrix (Davenport; Horn
 /// 1987). The eigenvalue is the largest root of a quartic, found by Newton's method from above (Theobald 2005), the
 /// eigenvector a column of the adjugate. Where the eigenvalue is close to double, the rotation is not unique and an SVD
 /// chooses one.
-inline Eigen::Matrix3d FitRotation(const Eigen::Matrix3d &unscaled) {
+/// \param near a unit quaternion; the closer, the fewer steps, but the result is the same to rounding
+inline Eigen::Vector4d FitQuaternion(const Eigen::Matrix3d &unscaled,
+                                     const Eigen::Vector4d &near = Eigen::Vector4d::UnitX()) {
     const double size = unscaled.cwiseAbs().maxCoeff();
     if (!(size > 0) || !std::isfinite(size))
-        return Eigen::Matrix3d::Identity();
-    const Eigen::Matrix3d s = unscaled / size;
+        return Eigen::Vector4d::UnitX();
+    const Eigen::Matrix3d s = unscaled * (1 / size);
     Eigen::Matrix4d k;
-    k << s(0, 0) + s(1, 1) + s(2, 2), s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0), //
-        0, s(0, 0) - s(1, 1) - s(2, 2), s(0, 1) + s(1, 0), s(2, 0) + s(0, 2),                  //
-        0, 0, s(1, 1) - s(0, 0) - s(2, 2), s(1, 2) + s(2, 1),                                  //
-        0, 0, 0, s(2, 2) - s(0, 0) - s(1, 1);
-    k.triangularView<Eigen::StrictlyLower>() = k.transpose();
-    // 2 x 2 minors of the upper and of the lower two rows serve the determinant and the adjugate.
+    k(0, 0) = s(0, 0) + s(1, 1) + s(2, 2);
+    k(1, 1) = s(0, 0) - s(1, 1) - s(2, 2);
+    k(2, 2) = s(1, 1) - s(0, 0) - s(2, 2);
+    k(3, 3) = s(2, 2) - s(0, 0) - s(1, 1);
+    k(0, 1) = k(1, 0) = s(1, 2) - s(2, 1);
+    k(0, 2) = k(2, 0) = s(2, 0) - s(0, 2);
+    k(0, 3) = k(3, 0) = s(0, 1) - s(1, 0);
+    k(1, 2) = k(2, 1) = s(0, 1) + s(1, 0);
+    k(1, 3) = k(3, 1) = s(2, 0) + s(0, 2);
+    k(2, 3) = k(3, 2) = s(1, 2) + s(2, 1);
     const double norm2 = s.squaredNorm(), c2 = -2 * norm2, c1 = -8 * s.determinant(), c0 = k.determinant();
-    double lambda = std::sqrt(3 * norm2);
-    for (int i = 0; i < 50; ++i) {
-        const double l2 = lambda * lambda, value = (l2 + c2) * l2 + c1 * lambda + c0,
-                     slope = (4 * l2 + 2 * c2) * lambda + c1;
-        if (!(value > 1e-14 * norm2 * norm2)) // rounding
-            break;
-        lambda -= value / slope;
-    }
+    const auto slope = [&](double x) { return (4 * x * x + 2 * c2) * x + c1; };
+    const auto value = [&](double x) { return (x * x + c2) * x * x + c1 * x + c0; };
+    // The Rayleigh quotient lies below the root. Where the quartic is convex and rises, a step from there leads above
+    // it.
+    double lambda = near.dot(k * near);
+    if (lambda > 0 && 3 * lambda * lambda > norm2 && slope(lambda) > 0.1 * norm2 * lambda)
+        lambda -= value(lambda) / slope(lambda);
+    else
+        lambda = std::sqrt(3 * norm2);
+    for (int i = 0; i < 50 && value(lambda) > 1e-14 * norm2 * norm2; ++i) // up to rounding
+        lambda -= value(lambda) / slope(lambda);
+
     k.diagonal().array() -= lambda;
-    Eigen::Matrix4d adjugate;
-    for (int column = 0; column < 4; ++column) {
+    const auto adjugate = [&](int column) {
         const int i = (column + 1) & 3, j = (column + 2) & 3, l = (column + 3) & 3;
         const double m01 = k(i, 0) * k(j, 1) - k(i, 1) * k(j, 0), m02 = k(i, 0) * k(j, 2) - k(i, 2) * k(j, 0),
                      m03 = k(i, 0) * k(j, 3) - k(i, 3) * k(j, 0), m12 = k(i, 1) * k(j, 2) - k(i, 2) * k(j, 1),
                      m13 = k(i, 1) * k(j, 3) - k(i, 3) * k(j, 1), m23 = k(i, 2) * k(j, 3) - k(i, 3) * k(j, 2);
-        adjugate.col(column) << k(l, 1) * m23 - k(l, 2) * m13 + k(l, 3) * m12,
-            -(k(l, 0) * m23 - k(l, 2) * m03 + k(l, 3) * m02), k(l, 0) * m13 - k(l, 1) * m03 + k(l, 3) * m01,
-            -(k(l, 0) * m12 - k(l, 1) * m02 + k(l, 2) * m01);
+        return Eigen::Vector4d(
+            k(l, 1) * m23 - k(l, 2) * m13 + k(l, 3) * m12, k(l, 2) * m03 - k(l, 0) * m23 - k(l, 3) * m02,
+            k(l, 0) * m13 - k(l, 1) * m03 + k(l, 3) * m01, k(l, 1) * m02 - k(l, 0) * m12 - k(l, 2) * m01);
+    };
+    // All columns are multiples of the quaternion; that of its largest component is the longest.
+    int column;
+    near.cwiseAbs().maxCoeff(&column);
+    Eigen::Vector4d q = adjugate(column);
+    for (int other = 0; other < 4 && 2 * std::abs(q[column]) < q.norm(); ++other) {
+        const Eigen::Vector4d candidate = adjugate(other);
+        if (candidate.squaredNorm() > q.squaredNorm()) {
+            q = candidate;
+            column = other;
+        }
     }
-    int best;
-    const double length2 = adjugate.colwise().squaredNorm().maxCoeff(&best);
-    if (length2 < 1e-9 * norm2 * norm2 * norm2) {
+    const double length2 = q.squaredNorm();
+    if (!(length2 >= 1e-9 * norm2 * norm2 * norm2)) {
         const Eigen::JacobiSVD<Eigen::Matrix3d> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
         Eigen::Matrix3d u = svd.matrixU();
         if ((svd.matrixV() * u.transpose()).determinant() < 0)
             u.col(2) *= -1; // singular values are sorted: the smallest is the last
-        return svd.matrixV() * u.transpose();
+        const Eigen::Quaterniond fitted(Eigen::Matrix3d(svd.matrixV() * u.transpose()));
+        return Eigen::Vector4d(fitted.w(), fitted.x(), fitted.y(), fitted.z());
     }
-    const Eigen::Vector4d q = adjugate.col(best) / std::sqrt(length2);
+    return q / std::sqrt(length2);
+}
+
+inline Eigen::Matrix3d ToMatrix(const Eigen::Vector4d &q) {
     return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
+
+/// The rotation R that maximises tr(R S).
+inline Eigen::Matrix3d FitRotation(const Eigen::Matrix3d &s) { return ToMatrix(FitQuaternion(s)); }
 
 /// The rotation part of a linear map with a positive determinant.
 inline Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear) { return FitRotation(linear.transpose()); }
@@ -90,16 +117,23 @@ inline Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear) { return FitRot
 /// SR-ARAP on a graph (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6 with the local step corrected: S_i sums
 /// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
 ///
-/// Constrained nodes are eliminated rows and columns. A component of the graph without one is not part of the system;
+/// Constrained nodes are eliminated rows and columns. Edges between a held and a free patch end at their border, where
+/// the held patch's motion begins. A component of the graph without one is not part of the system;
 /// its nodes come back at rest.
 class GraphDeformer {
   public:
+    /// How strongly a given rotation holds those of its neighbours. With 1 the surface would leave a held region as if
+    /// it were clamped; SR-ARAP, where the rotations of held vertices are unknowns too, lets it turn there. Chosen by
+    /// the distance to SR-ARAP on the benchmark of Botsch and Sorkine (2008).
+    static constexpr double heldCoupling = 0.17;
+
     /// \param constrained k flags: the node's position is given, and its rotation with it
     /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free \param area A, frame
     /// units^2 \throw Error when the system cannot be factorised
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                   const std::vector<bool> &turns = {})
-        : graph(graph), constrained(constrained), turns(turns), area(area) {
+        : graph(graph), constrained(constrained.begin(), constrained.end()), turns(turns.begin(), turns.end()),
+          area(area) {
         const Index k = graph.Size();
         this->turns.resize(k, false);
         const Index components = ConnectedComponents(graph.graph.adjacency, componentOf);
@@ -118,13 +152,26 @@ class GraphDeformer {
             if (constrained[i] && this->turns[i])
                 turning.push_back(i);
         edge.resize(graph.weight.size());
+        coupling.resize(graph.weight.size());
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
-                const Eigen::Vector3d d =
-                    graph.graph.position.col(i).cast<double>() - graph.graph.position.col(Neighbour(e)).cast<double>();
+                const Eigen::Vector3d d = graph.edge.col(e).cast<double>();
                 edge[e] = graph.weight[e] * d;
+                coupling[e] = graph.weight[e] * (IsTurned(i) == IsTurned(Neighbour(e)) ? 1 : heldCoupling);
                 edgeLength += d.norm() / double(edge.size());
             }
+        for (Index i = 0; i < k; ++i)
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                if (i < Neighbour(e) && held[componentOf[i]])
+                    pairs.push_back({i, Neighbour(e), e});
+        openPairs = std::size_t(std::stable_partition(pairs.begin(), pairs.end(),
+                                                      [&](const Pair &p) { return !IsTurned(p.i) || !IsTurned(p.j); }) -
+                                pairs.begin());
+        for (Index i : unknown) {
+            sumOfEdges.push_back(Eigen::Vector3d::Zero());
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                sumOfEdges.back() += edge[e];
+        }
         if (unknown.empty())
             return;
         std::vector<Eigen::Triplet<double>> free, known;
@@ -177,6 +224,7 @@ class GraphDeformer {
         GraphPose pose;
         pose.position = rest;
         pose.linear.assign(k, Eigen::Matrix3d::Identity());
+        pose.nodeEnergy.assign(k, 0);
         std::vector<Eigen::Matrix3d> rotation(k, Eigen::Matrix3d::Identity());
         using Matrix34d = Eigen::Matrix<double, 3, 4>;
         Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12); // motion minus identity of the constrained nodes
@@ -202,19 +250,24 @@ class GraphDeformer {
             rotation[unknown[u]] = detail::RotationOf(m.leftCols<3>());
         }
 
-        State state{std::move(pose.position), std::move(rotation), 0};
-        const double smooth = param.smoothness * area;
+        State state{std::move(pose.position), std::move(rotation), {}, 0};
+        for (const Eigen::Matrix3d &r : state.rotation) {
+            const Eigen::Quaterniond q(r);
+            state.quaternion.emplace_back(q.w(), q.x(), q.y(), q.z());
+        }
+        const Given given(*this, motion, state, param.smoothness * area);
         const double still = param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
-        state.energy = Energy(state, pose.linear, smooth);
-        Anderson anderson(12 * turning.size());
+        state.energy = Energy(state, given);
         State stepped = state, mixed = state;
-        Eigen::VectorXd before(12 * turning.size()), after(12 * turning.size());
-        Eigen::MatrixX3d right(n, 3);
+        const std::size_t size = 3 * unknown.size() + 4 * turning.size();
+        Anderson anderson(size);
+        Eigen::VectorXd before(size), after(size);
+        Work work{std::vector<Eigen::Matrix3d>(k), Eigen::MatrixX3d(n, 3), Eigen::MatrixX3d(n, 3)};
         pose.converged = false;
         for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - std::exp(-4.0 * pose.iterations / param.maxIterations), "Deforming the graph");
-            Step(state, pose.linear, smooth, stepped, right);
+            Step(state, given, stepped, work);
             double moved = 0;
             for (Index i : unknown)
                 moved = std::max(moved, (stepped.position.col(i) - state.position.col(i)).squaredNorm());
@@ -228,10 +281,15 @@ class GraphDeformer {
             Pack(stepped, after);
             anderson.Mix(before, after);
             Unpack(after, mixed);
-            mixed.energy = Energy(mixed, pose.linear, smooth);
+            mixed.energy = Energy(mixed, given);
             std::swap(state, stepped);
             if (mixed.energy < state.energy)
                 std::swap(state, mixed);
+        }
+        for (const Pair &p : pairs) {
+            const Eigen::Vector2d share = PairEnergy(p, state, given);
+            pose.nodeEnergy[p.i] += share[0];
+            pose.nodeEnergy[p.j] += share[1];
         }
         pose.position = std::move(state.position);
         pose.energy = state.energy;
@@ -245,88 +303,150 @@ class GraphDeformer {
     Index Neighbour(std::uint32_t e) const { return graph.graph.adjacency.item[e]; }
 
     struct State {
-        Eigen::Matrix3Xd position;             // 3 x k
-        std::vector<Eigen::Matrix3d> rotation; // k
+        Eigen::Matrix3Xd position;               // 3 x k
+        std::vector<Eigen::Matrix3d> rotation;   // k
+        std::vector<Eigen::Vector4d> quaternion; // k, of the rotations
         double energy;
     };
 
-    /// A node's linear part as its neighbours' edges see it: a constrained node's may scale.
-    const Eigen::Matrix3d &Linear(const State &x, const std::vector<Eigen::Matrix3d> &linear, Index i) const {
-        return constrained[i] && !turns[i] ? linear[i] : x.rotation[i];
+    /// Whether the node's rotation is given.
+    bool IsTurned(Index i) const { return constrained[i] && !turns[i]; }
+
+    /// What a pose gives.
+    struct Given {
+        double smooth;                       // alpha A
+        std::vector<Eigen::Matrix3d> linear; // k, of nodes whose rotation is given; may scale
+        std::vector<Eigen::Vector3d> from; // the ends of each adjacency item's edge, where constrained nodes hold them
+        std::vector<Eigen::Vector3d> to;
+        Eigen::MatrixX3d right; // of the global step: what the constrained ends contribute
+        double energy = 0;      // of the edges between nodes whose rotations are given
+
+        Given(const GraphDeformer &d, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
+            : smooth(smooth), linear(motion.size()), from(d.edge.size()), to(d.edge.size()),
+              right(Eigen::MatrixX3d::Zero(Eigen::Index(d.unknown.size()), 3)) {
+            const auto rest = [&](Index i) { return d.graph.graph.position.col(i).template cast<double>(); };
+            for (Index i = 0; i < d.graph.Size(); ++i) {
+                linear[i] = motion[i].linear();
+                for (std::uint32_t e = d.Begin(i); e < d.Begin(i + 1); ++e) {
+                    const Index j = d.Neighbour(e);
+                    const Eigen::Vector3d way = d.graph.edge.col(e).cast<double>();
+                    from[e] = d.IsTurned(i) && !d.constrained[j] ? Eigen::Vector3d(motion[i] * (rest(j) + way))
+                                                                 : Eigen::Vector3d(x.position.col(i));
+                    to[e] = d.IsTurned(j) && !d.constrained[i] ? Eigen::Vector3d(motion[j] * (rest(i) - way))
+                                                               : Eigen::Vector3d(x.position.col(j));
+                    if (d.unknownOf[i] >= 0 && d.constrained[j])
+                        right.row(d.unknownOf[i]) += d.graph.weight[e] * to[e].transpose();
+                }
+            }
+            for (std::size_t p = d.openPairs; p < d.pairs.size(); ++p)
+                energy += d.PairEnergy(d.pairs[p], x, *this).sum();
+        }
+    };
+
+    /// An edge of the graph, once.
+    struct Pair {
+        Index i, j;
+        std::uint32_t e; // from j to i
+    };
+
+    /// From the second to the first end of a pair.
+    Eigen::Vector3d Way(const Pair &p, const State &x, const Given &given) const {
+        return (constrained[p.i] ? given.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
+               (constrained[p.j] ? given.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
+    }
+    /// A node's linear part as its neighbours' edges see it.
+    const Eigen::Matrix3d &Linear(const State &x, const Given &given, Index i) const {
+        return IsTurned(i) ? given.linear[i] : x.rotation[i];
     }
 
+    struct Work {
+        std::vector<Eigen::Matrix3d> s; // k, of Eq. 5
+        Eigen::MatrixX3d right, solved; // of Eq. 6
+    };
+
     /// One local and one global step. The energy cannot rise.
-    void Step(const State &x, const std::vector<Eigen::Matrix3d> &linear, double smooth, State &y,
-              Eigen::MatrixX3d &right) const {
+    void Step(const State &x, const Given &given, State &y, Work &work) const {
         // Local step (Eq. 5), each rotation from its neighbours' latest.
+        for (Eigen::Matrix3d &s : work.s)
+            s.setZero();
+        for (std::size_t n = 0; n < openPairs; ++n) {
+            const Pair &p = pairs[n];
+            const Eigen::Matrix3d s = edge[p.e] * Way(p, x, given).transpose();
+            work.s[p.i] += s;
+            work.s[p.j] += s;
+        }
         y.rotation = x.rotation;
         for (Index i : turning) {
-            Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
-            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
-                const Index j = Neighbour(e);
-                s += edge[e] * (x.position.col(i) - x.position.col(j)).transpose();
-                s += (graph.weight[e] * smooth) * y.rotation[j].transpose();
-            }
-            y.rotation[i] = detail::FitRotation(s);
+            Eigen::Matrix3d neighbours = Eigen::Matrix3d::Zero();
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                neighbours += coupling[e] * y.rotation[Neighbour(e)];
+            const Eigen::Matrix3d s = work.s[i] + given.smooth * neighbours.transpose();
+            const Eigen::Vector4d q = detail::FitQuaternion(s, x.quaternion[i]);
+            y.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
+            y.rotation[i] = detail::ToMatrix(q);
         }
-        y.position = x.position;
         // Global step (Eq. 6).
         for (std::size_t u = 0; u < unknown.size(); ++u) {
             const Index i = unknown[u];
-            Eigen::Vector3d b = Eigen::Vector3d::Zero(), own = Eigen::Vector3d::Zero();
-            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
-                const Index j = Neighbour(e);
-                own += edge[e];
-                b += Linear(y, linear, j) * edge[e];
-                if (constrained[j])
-                    b += (2 * graph.weight[e]) * x.position.col(j);
-            }
-            b += y.rotation[i] * own;
-            right.row(u) = 0.5 * b.transpose();
+            Eigen::Vector3d b = y.rotation[i] * sumOfEdges[u];
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                b += Linear(y, given, Neighbour(e)) * edge[e];
+            work.right.row(u) = given.right.row(u) + 0.5 * b.transpose();
         }
-        if (!unknown.empty())
-            right = globalStep.solve(right);
+        if (!unknown.empty()) { // as globalStep.solve(), without an allocation
+            work.solved.noalias() = globalStep.permutationP() * work.right;
+            globalStep.matrixL().solveInPlace(work.solved);
+            work.solved.array().colwise() /= globalStep.vectorD().array();
+            globalStep.matrixU().solveInPlace(work.solved);
+            work.right.noalias() = globalStep.permutationPinv() * work.solved;
+        }
         for (std::size_t u = 0; u < unknown.size(); ++u)
-            y.position.col(unknown[u]) = right.row(u).transpose();
-        y.energy = Energy(y, linear, smooth);
+            y.position.col(unknown[u]) = work.right.row(u).transpose();
+        y.energy = Energy(y, given);
     }
 
-    /// Eq. 2, the smoothness of each pair of nodes counted once (so that Eq. 5 is its minimum).
-    double Energy(const State &x, const std::vector<Eigen::Matrix3d> &linear, double smooth) const {
-        double energy = 0;
-        for (Index i = 0; i < graph.Size(); ++i) {
-            if (!held[componentOf[i]])
-                continue;
-            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
-                const Index j = Neighbour(e);
-                const double w = graph.weight[e];
-                energy +=
-                    w * (x.position.col(i) - x.position.col(j) - Linear(x, linear, i) * (edge[e] / w)).squaredNorm();
-                if (i < j)
-                    energy += w * smooth * (x.rotation[i] - x.rotation[j]).squaredNorm();
-            }
-        }
+    /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
+    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const Given &given) const {
+        const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), way = Way(p, x, given);
+        const double cosine = x.quaternion[p.i].dot(x.quaternion[p.j]); // |R_i - R_j|^2 = 8 (1 - cosine^2)
+        const double smooth = 4 * coupling[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+        return {graph.weight[p.e] * (way - Linear(x, given, p.i) * rest).squaredNorm() + smooth,
+                graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
+    }
+
+    /// Eq. 2.
+    double Energy(const State &x, const Given &given) const {
+        double energy = given.energy;
+        for (std::size_t p = 0; p < openPairs; ++p)
+            energy += PairEnergy(pairs[p], x, given).sum();
         return energy;
     }
 
-    /// The unknowns as one vector: positions, and rotations times the length of an edge, so that both weigh the same.
+    /// The unknowns as one vector: positions, and quaternions times twice the length of an edge, so that both weigh
+    /// about the same.
     void Pack(const State &x, Eigen::VectorXd &v) const {
         double *at = v.data();
-        for (Index i : turning) {
+        for (Index i : unknown) {
             Eigen::Map<Eigen::Vector3d> p(at);
             p = x.position.col(i);
-            Eigen::Map<Eigen::Matrix3d> r(at + 3);
-            r = x.rotation[i] * edgeLength;
-            at += 12;
+            at += 3;
+        }
+        for (Index i : turning) {
+            Eigen::Map<Eigen::Vector4d> r(at);
+            r = x.quaternion[i] * (2 * edgeLength);
+            at += 4;
         }
     }
     void Unpack(const Eigen::VectorXd &v, State &x) const {
         const double *at = v.data();
+        for (Index i : unknown) {
+            x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
+            at += 3;
+        }
         for (Index i : turning) {
-            if (!constrained[i])
-                x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
-            x.rotation[i] = detail::RotationOf(Eigen::Map<const Eigen::Matrix3d>(at + 3));
-            at += 12;
+            x.quaternion[i] = Eigen::Map<const Eigen::Vector4d>(at).stableNormalized();
+            x.rotation[i] = detail::ToMatrix(x.quaternion[i]);
+            at += 4;
         }
     }
 
@@ -348,31 +468,68 @@ class GraphDeformer {
             ++steps;
             if (used == 0)
                 return;
-            const auto df = differenceF.leftCols(used);
-            Eigen::MatrixXd gram = df.transpose() * df;
-            gram.diagonal().array() += 1e-12 * gram.diagonal().maxCoeff() + 1e-300;
-            const Eigen::VectorXd theta = gram.ldlt().solve(df.transpose() * f);
+            const int last = (steps - 2) % depth;
+            Small right(used);
+            for (int c = 0; c < used; ++c) {
+                gram(c, last) = gram(last, c) = differenceF.col(c).dot(differenceF.col(last));
+                right[c] = differenceF.col(c).dot(f);
+            }
+            Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, depth, depth> system =
+                gram.topLeftCorner(used, used);
+            system.diagonal().array() += 1e-12 * system.diagonal().maxCoeff() + 1e-300;
+            const Small theta = system.ldlt().solve(right);
             if (theta.allFinite())
-                gx -= differenceG.leftCols(used) * theta;
+                for (int c = 0; c < used; ++c)
+                    gx -= theta[c] * differenceG.col(c);
         }
 
       private:
         static constexpr int depth = 6;
+        using Small = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, depth, 1>;
         Eigen::MatrixXd differenceF, differenceG;
+        Eigen::Matrix<double, depth, depth> gram = Eigen::Matrix<double, depth, depth>::Zero();
         Eigen::VectorXd f, g;
         int steps = 0;
     };
 
     const DeformationGraph &graph;
-    std::vector<bool> constrained, turns, held;
+    std::vector<char> constrained, turns, held;         // flags
     std::vector<Index> componentOf, unknownOf, unknown; // unknown positions
     std::vector<Index> turning;                         // unknown rotations
     double area;
-    std::vector<Eigen::Vector3d> edge; // w_ij e_ij of each adjacency item
-    double edgeLength = 0;             // mean
+    std::vector<Eigen::Vector3d> edge;       // w_ij e_ij of each adjacency item
+    std::vector<double> coupling;            // w_ij of each adjacency item for the rotations
+    std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown node
+    std::vector<Pair> pairs;                 // the edges of components that are held
+    std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
+    double edgeLength = 0;                   // mean
     Eigen::SparseMatrix<double> constrainedColumns, transposedColumns;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> globalStep, initialGuess;
 };
+
+/// Replaces the rotations of \p pose by the linear maps that fit the edges of the graph best, in the least-squares
+/// sense; what the edges leave open (across the surface) stays as the rotation has it. The surface then stretches as
+/// the graph does instead of in steps from node to node. \param keep k flags: nodes to leave as they are
+inline void FitLinear(const DeformationGraph &graph, const std::vector<bool> &keep, GraphPose &pose) {
+    const double openness = 0.1; // weight of the rotation, as a fraction of that of the edges
+    for (Index i = 0; i < graph.Size(); ++i) {
+        if (keep[i])
+            continue;
+        Eigen::Matrix3d rest = Eigen::Matrix3d::Zero(), posed = Eigen::Matrix3d::Zero();
+        for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
+            const Index j = graph.graph.adjacency.item[e];
+            const Eigen::Vector3d way = (graph.graph.position.col(i) - graph.graph.position.col(j)).cast<double>();
+            rest += graph.weight[e] * way * way.transpose();
+            posed += graph.weight[e] * (pose.position.col(i) - pose.position.col(j)) * way.transpose();
+        }
+        const double weight = openness * rest.trace();
+        rest.diagonal().array() += weight;
+        posed += weight * pose.linear[i];
+        const Eigen::Matrix3d fitted = posed * rest.inverse();
+        if (fitted.allFinite())
+            pose.linear[i] = fitted;
+    }
+}
 
 /// Gives the nodes of every component without a constrained node the rigid motion of the nearest node of a component
 /// with one: a button follows the sleeve.

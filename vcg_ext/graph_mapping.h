@@ -17,10 +17,12 @@ enum class MappingWeights {
 /// Carries the motion of the deformation graph's nodes over to the nodes of the surface (paper, sec. 2.3, Eqs. 7 and
 /// 8).
 ///
-/// p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero at `influence`
-/// times the radius of j's patch. Near a held region, the blend runs over into that region's own motion, with two
-/// continuous derivatives, so that held nodes are exact and no crease is left at their border. Small held parts may lie
-/// in patches of free nodes.
+/// p' = sum_j w_j(p) ((R_j + R(p)) / 2 (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero
+/// at `influence` times the radius of j's patch, and R(p) = sum_j w_j(p) R_j. (The paper has R_j alone, which is of
+/// first order from node to vertex and leaves ripples of patch size where the surface bends; the mean of the two ends
+/// is of second order, as the trapezoidal rule is.) Near a held region, the blend runs over into that region's own
+/// motion, with two continuous derivatives, so that held nodes are exact and no crease is left at their border. Small
+/// held parts may lie in patches of free nodes.
 class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
@@ -59,20 +61,24 @@ class GraphMapping {
             const Eigen::Vector3f x = mapping.surface.position.col(node);
             // What the candidates' motions differ by from that of the vertex's own patch is small, and float is enough.
             Difference blend = Difference::Zero();
+            Eigen::Vector3f offset = Eigen::Vector3f::Zero(); // from x to the mean of the candidates
             float total = 0;
             for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
                 const Ball &ball = mapping.ball[c];
-                const float u = 1 - (x - Eigen::Vector3f(ball.x, ball.y, ball.z)).squaredNorm() * ball.inverse;
+                const Eigen::Vector3f way = Eigen::Vector3f(ball.x, ball.y, ball.z) - x;
+                const float u = 1 - way.squaredNorm() * ball.inverse;
                 if (!(u > 0))
                     continue;
                 const float w = Kernel(u);
                 blend += w * difference[c];
+                offset += w * way;
                 total += w;
             }
             Eigen::Vector3d sum = own[patch] * p;
             if (total > 0) { // else no ball reaches here, as around an isolated vertex
+                const Eigen::Vector3f center = mapping.graph.graph.position.col(patch);
                 const Eigen::Vector3f local =
-                    (p - mapping.graph.graph.position.col(patch).cast<double>()).cast<float>();
+                    (p - center.cast<double>()).cast<float>() - 0.5f * (x - center + offset / total);
                 sum += ((local[0] * blend.segment<3>(0) + local[1] * blend.segment<3>(3) +
                          local[2] * blend.segment<3>(6) + blend.segment<3>(9)) /
                         total)
@@ -107,7 +113,8 @@ class GraphMapping {
                     const Index j = mapping.candidates.item[c];
                     const Eigen::Matrix3d linear = pose.linear[j] - pose.linear[patch];
                     const Eigen::Vector3d shift =
-                        pose.linear[j] * (rest(patch) - rest(j)) + pose.position.col(j) - pose.position.col(patch);
+                        0.5 * (pose.linear[j] + pose.linear[patch]) * (rest(patch) - rest(j)) + pose.position.col(j) -
+                        pose.position.col(patch);
                     difference[c] << linear.col(0).cast<float>(), linear.col(1).cast<float>(),
                         linear.col(2).cast<float>(), shift.cast<float>();
                 }
@@ -139,7 +146,12 @@ class GraphMapping {
         float distance; ///< to the held region over the fade's width, (0, 1)
     };
 
-    static double Falloff(double x) { return 1 - x * x * x * (10 + x * (6 * x - 15)); }
+    /// From 1 at x = 0, where it is level, to 0 at x = 1 with two continuous derivatives. It leaves 1 soon: what it
+    /// multiplies grows with x, and this shape keeps the curvature of the product low.
+    static double Falloff(double x) {
+        const double level = 0.1, y = x * x * (1 + level) / (x + level), y2 = y * y;
+        return 1 - y * (15 - y2 * (10 - 3 * y2)) / 8;
+    }
 
     /// The nodes that may influence each patch. Along the surface: those from which a chain of touching free patches
     /// leads there, each of which the node's ball touches. Where two neighbouring vertices lie inside the ball, their

@@ -632,6 +632,52 @@ TEST(DeformCentroidal, TakesHandlesThatScale) {
     ExpectHeldExact(mesh, c.handles, Deformed(c));
 }
 
+TEST(DeformCentroidal, TheShapeHardlyDependsOnTheNumberOfNodesOrTheSeed) {
+    const Case c = CaseOf(Tube(160, 48), [](const Vector3d &p) { return TubeTag(p); });
+    const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+    const double diagonal = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+    DeformationParam param = Param(400);
+    const Matrix3Xd first = Deformed(c, param);
+    auto rms = [&](const DeformationParam &other) {
+        return std::sqrt((Deformed(c, other) - first).squaredNorm() / double(rest.cols())) / diagonal;
+    };
+    for (int patches : {200, 1000}) // 300 and 1500 nodes instead of 600
+        EXPECT_LT(rms(Param(patches)), 0.0075) << patches;
+    for (unsigned seed : {2, 3}) {
+        param.graph.randomSeed = seed;
+        EXPECT_LT(rms(param), 0.003) << "seed " << seed;
+    }
+    DeformationParam uniform = Param(400);
+    uniform.graphWeights = GraphWeights::Uniform;
+    EXPECT_GT(rms(uniform), 0) << "another choice of weights does something";
+}
+
+TEST(DeformCentroidal, MeasuresStretchAndRotation) {
+    DeformationParam param = Param();
+    Case c = TubeCase();
+    EXPECT_TRUE(DeformCentroidal(MeshD(c.shape), c.handles, param).stretch.empty());
+    param.measure = true;
+    const Affine3d all(Eigen::Translation3d(1, 2, 3) *
+                       Eigen::AngleAxisd(40 * std::acos(-1.0) / 180, Vector3d::UnitZ()));
+    c.handles.motion[2] = c.handles.motion[3] = Motion(all.matrix());
+    for (int &t : c.handles.tag)
+        t = t == 0 ? 3 : t;
+    const DeformationResult result = DeformCentroidal(MeshD(c.shape), c.handles, param);
+    ASSERT_EQ(result.stretch.size(), c.shape.position.size());
+    for (std::size_t i = 0; i < result.stretch.size(); ++i) {
+        EXPECT_NEAR(result.stretch[i], 1, 1e-4);
+        EXPECT_NEAR(result.rotation[i], 40, 0.05);
+    }
+    for (const Shape &shape : {PointCloud(300), Join(Grid(9, 9), Points(Moved(Grid(2, 1), bend)))}) {
+        const Case other{shape, TagsInTurn(int(shape.position.size()))};
+        const DeformationResult measured = DeformCentroidal(MeshD(shape), other.handles, param);
+        for (std::size_t i = 0; i < shape.position.size(); ++i) {
+            EXPECT_TRUE(std::isfinite(measured.stretch[i]) && measured.stretch[i] >= 0);
+            EXPECT_TRUE(measured.rotation[i] >= 0 && measured.rotation[i] <= 180.01);
+        }
+    }
+}
+
 TEST(DeformCentroidal, ReportsWhatItDid) {
     const Case c = TubeCase();
     const DeformationResult r = DeformCentroidal(MeshD(c.shape), c.handles, Param());

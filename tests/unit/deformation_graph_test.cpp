@@ -67,13 +67,37 @@ TEST(DeformationGraph, BorderWeightsAreBorderOverDistance) {
                 for (const auto &s : EdgesOf(rig.surface.graph.adjacency))
                     crossings +=
                         std::minmax(rig.patches.patchOf[s.first], rig.patches.patchOf[s.second]) == std::minmax(i, j);
-                const double length = (rig.graph.graph.position.col(i) - rig.graph.graph.position.col(j)).norm();
+                const double length = rig.graph.edge.col(e).norm();
+                EXPECT_EQ(rig.graph.edge.col(e), rig.graph.graph.position.col(i) - rig.graph.graph.position.col(j));
                 const double here = weight[e] * length / crossings;
                 ratio = ratio > 0 ? ratio : here;
                 EXPECT_NEAR(here / ratio, 1, 1e-5);
             }
         EXPECT_NEAR(sum / double(weight.size()), 1, 1e-5);
     }
+}
+
+TEST(DeformationGraph, EdgesBetweenHeldAndFreePatchesEndAtTheBorder) {
+    const Rig rig(Grid(40, 40, 0.1), 0.5, [](const Eigen::Vector3d &p) { return p[0] < 1.55 ? 0 : 1; });
+    const DeformationGraph &d = rig.graph;
+    const Patches &patches = rig.patches;
+    const double border = rig.surface.frame.ToFrame(Eigen::Vector3d(1.5, 0, 0))[0];
+    int cut = 0;
+    for (Index i = 0; i < d.Size(); ++i)
+        for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
+            const Index j = d.graph.adjacency.item[e];
+            const Eigen::Vector3f edge = d.edge.col(e), whole = d.graph.position.col(i) - d.graph.position.col(j);
+            const auto back = std::lower_bound(d.graph.adjacency[j].begin(), d.graph.adjacency[j].end(), i);
+            EXPECT_EQ(Eigen::Vector3f(d.edge.col(back - d.graph.adjacency.item.data())), Eigen::Vector3f(-edge));
+            if (patches.tag[i] == patches.tag[j]) {
+                EXPECT_EQ(edge, whole);
+            } else if (patches.tag[i] == 1) {
+                ++cut;
+                EXPECT_NEAR(d.graph.position(0, i) - edge[0], border, 1e-5);
+                EXPECT_LT(edge.norm(), whole.norm());
+            }
+        }
+    EXPECT_GT(cut, 3);
 }
 
 TEST(DeformationGraph, UniformWeightsAreOne) {

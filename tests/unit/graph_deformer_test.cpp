@@ -81,16 +81,26 @@ static SolverParam Iterations(int n) {
     return param;
 }
 
-/// Eq. 2, the difference of two rotations counted once an edge.
-static double Energy(const DeformationGraph &g, const GraphPose &pose, double smooth) {
+/// Eq. 2, the difference of two rotations counted once an edge. Edges that a held patch ends at its border move there
+/// as the patch does.
+static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const GraphPose &pose, double smooth) {
+    const DeformationGraph &g = rig.graph;
     double energy = 0;
     const Csr &adjacency = g.graph.adjacency;
     for (Index i = 0; i < g.Size(); ++i)
         for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {
             const Index j = adjacency.item[e];
-            const Vector3d rest = (g.graph.position.col(i).cast<double>() - g.graph.position.col(j).cast<double>());
-            energy += g.weight[e] * (pose.position.col(i) - pose.position.col(j) - pose.linear[i] * rest).squaredNorm();
-            energy += g.weight[e] * smooth * 0.5 * (pose.linear[i] - pose.linear[j]).squaredNorm();
+            const Vector3d edge = g.edge.col(e).cast<double>();
+            const bool cut = rig.constrained[i] != rig.constrained[j];
+            const Vector3d rest[2] = {g.graph.position.col(i).cast<double>(), g.graph.position.col(j).cast<double>()};
+            Vector3d from = pose.position.col(i), to = pose.position.col(j);
+            if (cut && rig.constrained[i])
+                from = motion[i] * Vector3d(rest[1] + edge);
+            else if (cut)
+                to = motion[j] * Vector3d(rest[0] - edge);
+            energy += g.weight[e] * (from - to - pose.linear[i] * edge).squaredNorm();
+            energy += g.weight[e] * (cut ? GraphDeformer::heldCoupling : 1) * smooth * 0.5 *
+                      (pose.linear[i] - pose.linear[j]).squaredNorm();
         }
     return energy;
 }
@@ -104,8 +114,10 @@ TEST(GraphDeformer, ReportsTheEnergy) {
             SolverParam param = Iterations(n);
             param.smoothness = smoothness;
             const GraphPose pose = deformer.Solve(motion, param);
-            const double energy = Energy(rig.graph, pose, smoothness * rig.surface.area);
+            const double energy = Energy(rig, motion, pose, smoothness * rig.surface.area);
             EXPECT_NEAR(pose.energy, energy, 1e-6 * energy) << smoothness << ", " << n << " iterations";
+            EXPECT_NEAR(std::accumulate(pose.nodeEnergy.begin(), pose.nodeEnergy.end(), 0.0), energy, 1e-6 * energy);
+            EXPECT_GE(*std::min_element(pose.nodeEnergy.begin(), pose.nodeEnergy.end()), 0);
         }
 }
 
@@ -157,9 +169,10 @@ TEST(GraphDeformer, ConvergesToAStationaryPoint) {
         param.smoothness = smoothness;
         param.maxIterations = 20000;
         param.tolerance = 1e-10;
-        const GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), param);
+        const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+        const GraphPose pose = deformer.Solve(motion, param);
         ASSERT_TRUE(pose.converged);
-        const double smooth = smoothness * rig.surface.area, least = Energy(rig.graph, pose, smooth);
+        const double smooth = smoothness * rig.surface.area, least = Energy(rig, motion, pose, smooth);
         std::mt19937 random(1);
         for (Index j = 0; j < rig.graph.Size(); ++j) {
             if (rig.constrained[j])
@@ -168,10 +181,10 @@ TEST(GraphDeformer, ConvergesToAStationaryPoint) {
             for (double sign : {-1.0, 1.0}) {
                 GraphPose other = pose;
                 other.position.col(j) += sign * step;
-                EXPECT_GE(Energy(rig.graph, other, smooth), least) << "position of " << j << ", alpha " << smoothness;
+                EXPECT_GE(Energy(rig, motion, other, smooth), least) << "position of " << j << ", alpha " << smoothness;
                 other = pose;
                 other.linear[j] = Eigen::AngleAxisd(sign * 1e-4, step.normalized()) * pose.linear[j];
-                EXPECT_GE(Energy(rig.graph, other, smooth), least * (1 - 1e-12))
+                EXPECT_GE(Energy(rig, motion, other, smooth), least * (1 - 1e-12))
                     << "rotation of " << j << ", alpha " << smoothness;
             }
         }
@@ -253,11 +266,48 @@ TEST(FollowNearest, TakesASingleHeldNode) {
         EXPECT_LE((pose.position.col(i) - motion[held] * rig.graph.graph.position.col(i).cast<double>()).norm(), 1e-6);
 }
 
+TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
+    const Rig rig(Grid(20, 20, 0.2), 0.6, [](const Vector3d &p) { return p[0] < 1 ? 0 : 1; });
+    Matrix3d map; // in the plane
+    map << 1.3, 0.2, 0, -0.1, 0.9, 0, 0, 0, 1;
+    GraphPose pose;
+    pose.position = map * rig.graph.graph.position.cast<double>();
+    pose.linear.assign(rig.graph.Size(), Matrix3d::Identity());
+    GraphPose fitted = pose;
+    FitLinear(rig.graph, rig.constrained, fitted);
+    for (Index j = 0; j < rig.graph.Size(); ++j) {
+        if (rig.constrained[j]) {
+            EXPECT_EQ(fitted.linear[j], pose.linear[j]);
+        } else {
+            EXPECT_LT((fitted.linear[j] - map).norm(), 0.3 * (pose.linear[j] - map).norm());
+            EXPECT_LE((fitted.linear[j].col(2) - Vector3d::UnitZ()).norm(), 1e-6) << "open across the plane";
+        }
+    }
+    const Matrix3d rotation = RandomRigid(1).linear();
+    pose.position = rotation * rig.graph.graph.position.cast<double>();
+    pose.linear.assign(rig.graph.Size(), rotation);
+    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
+    for (const Matrix3d &linear : pose.linear)
+        EXPECT_LE((linear - rotation).norm(), 1e-6);
+}
+
+TEST(GraphDeformer, FitLinearKeepsTheRotationWhereThereAreNoEdges) {
+    Rig rig = TubeRig();
+    rig.graph.graph.position.setZero();
+    GraphPose pose;
+    pose.position = rig.graph.graph.position.cast<double>();
+    pose.linear.assign(rig.graph.Size(), RandomRigid(2).linear());
+    const std::vector<Matrix3d> before = pose.linear;
+    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
+    EXPECT_EQ(pose.linear, before);
+}
+
 TEST(GraphDeformer, IsScaleInvariant) {
     Rig rig = TubeRig();
     const double scale = 1024;
     DeformationGraph large = rig.graph;
     large.graph.position *= float(scale);
+    large.edge *= float(scale);
     std::vector<Affine3d> motion = rig.NodeMotion(BendTube), largeMotion = motion;
     for (Affine3d &m : largeMotion)
         m.translation() *= scale;
