@@ -217,8 +217,10 @@ class GraphDeformer {
 
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
-    GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param,
-                    const Progress &progress = {}) const {
+    /// \param start a pose of this graph to begin with, such as the last one of an animation; taken where its energy is
+    ///        lower than that of the guess
+    GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param, const Progress &progress = {},
+                    const GraphPose *start = nullptr) const {
         const Index k = graph.Size(), n = Index(unknown.size());
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         GraphPose pose;
@@ -258,6 +260,18 @@ class GraphDeformer {
         const Given given(*this, motion, state, param.smoothness * area);
         const double still = param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
         state.energy = Energy(state, given);
+        if (start) {
+            State last = state;
+            for (Index i : unknown)
+                last.position.col(i) = start->position.col(i);
+            for (Index i : turning) {
+                last.quaternion[i] = detail::FitQuaternion(start->linear[i].transpose());
+                last.rotation[i] = detail::ToMatrix(last.quaternion[i]);
+            }
+            last.energy = Energy(last, given);
+            if (last.energy < state.energy)
+                state = std::move(last);
+        }
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.size() + 4 * turning.size();
         Anderson anderson(size);

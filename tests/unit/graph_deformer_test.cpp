@@ -302,6 +302,21 @@ TEST(GraphDeformer, FitLinearKeepsTheRotationWhereThereAreNoEdges) {
     EXPECT_EQ(pose.linear, before);
 }
 
+TEST(GraphDeformer, BeginsWithTheLastPoseWhereItIsCloser) {
+    const Rig rig = TubeRig();
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    SolverParam tight;
+    tight.tolerance = 1e-9;
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    const GraphPose first = deformer.Solve(motion, tight), again = deformer.Solve(motion, tight, {}, &first);
+    EXPECT_LE(again.iterations, 2);
+    EXPECT_GT(first.iterations, 5);
+    EXPECT_LE((again.position - first.position).norm(), 1e-6);
+    GraphPose bad = first;
+    bad.position.setRandom();
+    EXPECT_TRUE(SameBits(deformer.Solve(motion, tight, {}, &bad).position, first.position)) << "the guess is closer";
+}
+
 TEST(GraphDeformer, IsScaleInvariant) {
     Rig rig = TubeRig();
     const double scale = 1024;
