@@ -330,10 +330,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     const Eigen::Vector3d extent = total.box.max() * 0.5 - total.box.min() * 0.5; // half of it: no overflow
     const double halfDiagonal = extent.stableNorm();
     s.frame.origin = total.box.min() * 0.5 + total.box.max() * 0.5;
-    int exponent = 0;
-    if (halfDiagonal > 0)
-        std::frexp(halfDiagonal, &exponent); // halfDiagonal in [0.5, 1) * 2^exponent
-    s.frame.scale = halfDiagonal > 0 ? std::ldexp(1.0, exponent + 1) : 1;
+    s.frame.scale = halfDiagonal > 0 ? 2 * halfDiagonal : 1;
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
 
