@@ -333,7 +333,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     int exponent = 0;
     if (halfDiagonal > 0)
         std::frexp(halfDiagonal, &exponent); // halfDiagonal in [0.5, 1) * 2^exponent
-    s.frame.scale = halfDiagonal > 0 ? std::ldexp(1.0, exponent + 1) : 1;
+    s.frame.scale = halfDiagonal > 0 ? std::ldexp(1.0, std::min(exponent + 1, 1023)) : 1;
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
 
