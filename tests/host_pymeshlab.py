@@ -22,9 +22,11 @@ DEFORM_DEFAULTS = {
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
     "random_seed": 1, "smoothness": 0.005, "max_iterations": 1000, "tolerance": 1e-5, "weights": 0, "influence": 3.5,
     "loose_parts": 0, "pose": 100, "graph_layers": True}
-GRAPH_RETURNS = {"patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
+SURFACE_RETURNS = {"components": int, "welded_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
+                   "degenerate_faces": int}
+GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
-DEFORM_RETURNS = {"nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
+DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
                   "outside_vertices": int, "converged": bool, "energy": float, "seconds_graph": float,
                   "seconds_solve": float, "seconds_map": float}
 
@@ -308,6 +310,39 @@ def test_negative_tags_are_never_moved():
     result = ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
     assert result["outside_vertices"] == (tags < 0).sum() > 0
     assert same_points(ms.current_mesh().vertex_matrix()[tags <= 0], rest[tags <= 0])
+
+
+def test_what_was_met_is_returned_and_logged(capfd):
+    """A sheet, cut along a seam; three triangles on one edge; a lone triangle; faces without area; vertices without faces."""
+    n = 12
+    x, y = (a.ravel().astype(float) for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    a = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    quads = np.vstack([np.column_stack([a, a + n, a + 1]), np.column_stack([a + 1, a + n, a + n + 1])])
+    sheet = np.column_stack([x, y, 0 * x])
+    fan = np.array([[0, 20, 0], [1, 20, 0], [0, 21, 0], [0, 19, 0], [0.5, 20, 1]])
+    lone = np.array([[40, 0, 0], [41, 0, 0], [40, 1, 0]])
+    points = np.vstack([sheet, sheet + [n - 1, 0, 0], fan, lone, [[50, 0, 0], [51, 0, 0]]])  # the two sheets share n places
+    start = 2 * n * n
+    faces = np.vstack([quads, quads + n * n, start + np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]]), start + 5 + np.array([[0, 1, 2]]),
+                       [[0, 0, 1], [n - 1, n - 1, n - 1]]])
+    tags = np.where(points[:, 1] < 2.5, 0.0, np.where(points[:, 1] > 8.5, 2.0, 1.0))
+    tags[start + 5:] = 1  # nothing holds the lone triangle and the vertices without faces
+    expected = {"components": 5, "welded_vertices": n, "isolated_vertices": 2, "non_manifold_edges": 1, "degenerate_faces": 2}
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags), "met")
+    ms.set_verbosity(True)
+    sentence = (f"5 connected parts, {n} vertices at the place of another (treated as one), 2 isolated vertices, "
+                "1 non-manifold edges, 2 degenerate faces.")
+    for name, parameters, more, said in ((GRAPH, {}, {}, ""),
+                                         (DEFORM, {}, {"loose_parts": 3}, "3 parts are loose"),
+                                         (DEFORM, {"loose_parts": 1}, {"loose_parts": 3}, "staying in place")):
+        ms.set_current_mesh(0)
+        capfd.readouterr()
+        result = ms.apply_filter(name, **parameters)
+        log = capfd.readouterr().err
+        for key, value in {**expected, **more}.items():
+            assert result[key] == value, key
+        assert sentence in log and said in log, log
 
 
 # --- where the handles come from ----------------------------------------------------------------------------------------
@@ -728,6 +763,127 @@ def test_coordinates_that_are_not_finite_are_an_error():
     with pytest.raises(pymeshlab.PyMeshLabException, match="finite"):
         ms.apply_filter(GRAPH)
     assert len(list(ms)) == 1
+
+
+# --- the worst that can be made up ---------------------------------------------------------------------------------------
+
+
+def loose_triangles(n):
+    corner = 2.0 * np.column_stack(np.unravel_index(np.arange(n), (50, 50, -(-n // 2500))))
+    turn = 0.1 * np.arange(n)
+    second = corner + np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    points = np.stack([corner, second, corner + [0, 0.5, 1]], axis=1).reshape(-1, 3)
+    return points, np.arange(3 * n).reshape(-1, 3)
+
+
+def fan(n):
+    angle = 2 * np.pi * np.arange(n) / n
+    points = np.vstack([[[0, 0, 0], [0, 0, 1]], np.column_stack([np.cos(angle), np.sin(angle), 0.5 + 0 * angle])])
+    return points, np.column_stack([np.zeros(n, int), np.ones(n, int), np.arange(2, n + 2)])
+
+
+def sheet(n, spacing=1.0, at=(0, 0, 0)):
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    a = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    faces = np.vstack([np.column_stack([a, a + n, a + 1]), np.column_stack([a + 1, a + n, a + n + 1])])
+    return np.asarray(at) + spacing * np.column_stack([x, y, np.sin(0.1 * x * y)]), faces
+
+
+def no_area(n):
+    i = np.arange(n * n - 2)
+    return sheet(n)[0], np.vstack([np.column_stack([i, i, i]), np.column_stack([i, i + 1, i + i % 2]), np.column_stack([i, i, i + 2])])
+
+
+def collinear(n):
+    along = np.arange(n)
+    return np.column_stack([along, 2.0 * along, 0 * along]), np.column_stack([along[:-2], along[1:-1], along[2:]])
+
+
+WORST = {
+    "a hundred thousand components": loose_triangles(100000),
+    "a fan of a hundred thousand faces": fan(100000),
+    "faces without area": no_area(100),
+    "one triangle": (np.eye(3), np.array([[0, 1, 2]])),
+    "collinear": collinear(2000),
+    "far from the origin": sheet(60, 0.01, (1e7, -1e7, 1e7)),
+    "tiny": sheet(60, 1e-30),
+    "huge": sheet(60, 1e30),
+}
+
+
+@pytest.mark.parametrize("case", WORST)
+def test_worst_cases(case):
+    points, faces = WORST[case]
+    n = len(points)
+    tags = np.ones(n)
+    tags[:n // 4 + 1] = 0
+    tags[-(n // 4) - 1:] = 2
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    move = np.array([0, 0, np.float32(0.2 * size)], float)  # a script passes points in single precision
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags), "worst")
+    before = snapshot(ms.mesh(0))
+    rest = before["points"]
+    check_returned(ms.apply_filter(GRAPH), GRAPH_RETURNS)
+    ms.set_current_mesh(0)
+    check_returned(ms.apply_filter(DEFORM, translation=move), DEFORM_RETURNS)
+    assert_unchanged(before, ms.mesh(0))
+    moved = ms.current_mesh().vertex_matrix()
+    assert np.isfinite(moved).all()
+    assert same_points(moved[tags == 0], rest[tags == 0])
+    assert np.abs(moved[tags == 2] - rest[tags == 2] - move).max() <= 1e-12 * np.abs(rest).max() + 1e-12 * size
+    for layer in ms:
+        assert np.isfinite(layer.vertex_matrix()).all() and np.isfinite(layer.vertex_normal_matrix()).all()
+
+
+def test_all_vertices_at_one_point():
+    points, faces = sheet(60)
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(np.tile([1.0, 2, 3], (len(points), 1)), faces, v_scalar_array=np.arange(len(points)) % 2 + 1.0), "one")
+    check_returned(ms.apply_filter(GRAPH), GRAPH_RETURNS)
+    ms.set_current_mesh(0)
+    check_returned(ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.5])), DEFORM_RETURNS)
+    assert np.abs(ms.current_mesh().vertex_matrix() - [1, 2, 3.5]).max() < 1e-12
+
+
+def bad_coordinate(value):
+    points, faces = sheet(10)
+    points[17, 1] = value
+    return points, faces
+
+
+IMPOSSIBLE = {
+    "one vertex, fixed": ((np.eye(3)[:1], np.zeros((0, 3), int)), [-1.0], {}, "no handle"),
+    "one vertex, moved": ((np.eye(3)[:1], np.zeros((0, 3), int)), [2.0], {}, "nothing to deform"),
+    "a coordinate is not a number": (bad_coordinate(np.nan), None, {}, "Vertex 17"),
+    "a coordinate is infinite": (bad_coordinate(-np.inf), None, {}, "Vertex 17"),
+    "everything is fixed": (sheet(10), [-1.0] * 100, {}, "no handle"),
+    "nothing is tagged": (sheet(10), [1.0] * 100, {}, "no handle"),
+    "everything moves": (sheet(10), [2.0] * 100, {}, "nothing to deform"),
+    "a tag is not a number": (sheet(10), [0.0] * 50 + [np.nan] + [2.0] * 49, {}, "quality of vertex 50"),
+    "a tag is infinite": (sheet(10), [0.0] * 50 + [np.inf] + [2.0] * 49, {}, "quality of vertex 50"),
+    "a tag is half a number": (sheet(10), [0.0] * 50 + [1.5] + [2.0] * 49, {}, "whole numbers"),
+    "a tag is too large": (sheet(10), [0.0] * 50 + [1e30] + [2.0] * 49, {}, "whole numbers"),
+    "a mirror": (sheet(10), None, dict(transformmatrix=np.diag([1.0, 1, -1, 1])), "mirrors"),
+    "a flat": (sheet(10), None, dict(transformmatrix=np.diag([0.0, 0, 0, 1])), "flattens"),
+    "too far": (sheet(10), None, dict(translation=np.array([0, 0, 1e38])), "too far"),
+    "too far beyond the motion": (sheet(10), None, dict(translation=np.array([0, 0, 1.0]), pose=1e35), "too far"),
+}
+
+
+@pytest.mark.parametrize("case", IMPOSSIBLE)
+def test_what_cannot_be_done_is_one_message(case):
+    (points, faces), tags, parameters, word = IMPOSSIBLE[case]
+    if tags is None:
+        tags = [0.0] * 30 + [1.0] * 40 + [2.0] * 30
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=np.array(tags)), "impossible")
+    before = snapshot(ms.mesh(0))
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        ms.apply_filter(DEFORM, **parameters)
+    assert word in str(error.value) and len(str(error.value)) < 700, str(error.value)
+    assert len(list(ms)) == 1
+    assert_unchanged(before, ms.mesh(0))
 
 
 # --- benchmark meshes ---------------------------------------------------------------------------------------------------

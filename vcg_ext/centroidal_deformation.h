@@ -100,6 +100,7 @@ struct DeformationResult {
     double energy = 0; ///< Eq. 2, mesh units^2
     double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
     SurfaceReport surface;
+    Index looseParts = 0; ///< connected components without a fixed or handle vertex
 };
 
 namespace detail {
@@ -498,7 +499,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     result.converged = pose.converged;
     result.energy = pose.energy * scale * scale;
     result.surface = surface.report;
-    result.surface.components = fcd::detail::CountComponents(graph);
+    result.surface.components = deformer.Components();
+    result.looseParts = deformer.LooseComponents();
     progress(1, "Mapping to the mesh");
     return result;
 }

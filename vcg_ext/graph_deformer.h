@@ -178,6 +178,8 @@ class GraphDeformer {
     /// Whether node \p i is in a component with a constrained node.
     bool IsHeld(Index i) const { return held[componentOf[i]]; }
     const std::vector<Index> &ComponentOf() const { return componentOf; }
+    Index Components() const { return Index(held.size()); }
+    Index LooseComponents() const { return Index(std::count(held.begin(), held.end(), false)); }
 
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
@@ -419,7 +421,7 @@ inline void FollowNearest(const DeformationGraph &graph, const GraphDeformer &de
         return;
     NodeTree tree(graph.graph.position, nodeAt);
     const std::vector<Index> &componentOf = deformer.ComponentOf();
-    const Index components = *std::max_element(componentOf.begin(), componentOf.end()) + 1;
+    const Index components = deformer.Components();
     std::vector<float> nearest(components, std::numeric_limits<float>::infinity());
     std::vector<Index> leader(components, -1);
     for (Index i = 0; i < graph.Size(); ++i) {

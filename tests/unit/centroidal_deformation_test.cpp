@@ -432,6 +432,9 @@ TEST(DeformCentroidal, LoosePartsFollowOrStay) {
         EXPECT_LE((stayed.col(i) - rest.col(i)).norm(), 1e-6);
     }
     EXPECT_LE((followed - stayed).leftCols(button).norm(), 1e-12);
+    const DeformationResult r = DeformCentroidal(MeshD(c.shape), c.handles, param);
+    EXPECT_EQ(r.surface.components, 2);
+    EXPECT_EQ(r.looseParts, 1);
 }
 
 TEST(DeformCentroidal, UsesGivenNodes) {
