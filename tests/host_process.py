@@ -160,3 +160,14 @@ os.remove("t.sel")
 os.remove("t.def")
 assert before == (environment(), files(), os.getcwd(), os.umask(0o22))
 """, cwd=work, HOME=home, TMPDIR=temporary)
+
+
+def test_a_cancel_leaves_the_document_as_it_was():
+    program = PLUGIN.parents[2] / "cmake" / PLUGIN.parent.name / "host_cancel"
+    if not program.exists():
+        pytest.skip(f"{program} is not built")
+    done = subprocess.run([str(program), str(PLUGIN)], text=True, timeout=300, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          env={**os.environ, "LD_LIBRARY_PATH": str(Path(pymeshlab.__file__).parent / "lib")})
+    assert done.returncode == 0, done.stderr[-3000:]
+    times = [int(line.split()[-2]) for line in done.stdout.splitlines() if "was cancelled" in line]
+    assert len(times) == 2 and min(times) > 20, done.stdout

@@ -89,6 +89,7 @@ for version in 2025.7:venv 2022.2:venv-2022; do
     elif ! "$python" -c 'import pymeshlab' 2>"$results/$host.log"; then
         without "$host" "$(tail -n 1 "$results/$host.log")"
     else
+        nice ninja -C "$build/cmake/$host" host_cancel >"$results/host_cancel-$host.log" 2>&1 || fail "building host_cancel for $host"
         host "$host" "$python" tests/host_pymeshlab.py tests/host_process.py
     fi
 done

@@ -389,9 +389,9 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
 
 /// Deforms a mesh: fixed vertices and vertices outside the region of influence keep their position to the bit, handle
 /// vertices are their motion of their rest position, the free ones follow as rigidly as possible. The mesh is only
-/// read. \throw fcd::Error no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free,
-/// or a
-///        parameter out of range
+/// read.
+/// \throw fcd::Error no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
+///        motion by more than 1e30 times the mesh, or a parameter out of range
 /// \throw fcd::Cancelled
 template <class MeshType>
 fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,

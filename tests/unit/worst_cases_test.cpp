@@ -383,3 +383,25 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
     point.handles.point.push_back({300, Vector3d(1e100, 0, 0)});
     ExpectError(point, "Point handle 1 moves too far");
 }
+
+TEST(WorstCases, TheThreadsMakeNoDifference) {
+    const Shape duplicates = Join(PointCloud(3000), PointCloud(3000));
+    for (const Shape &shape :
+         {LooseTriangles(30000), NoArea(120), Fan(5000), Points(duplicates), Unwelded(Jittered(Grid(160, 160), 0.2))}) {
+        const MeshD mesh(shape);
+        const Handles handles = TagsInTurn(shape.position.size());
+        DeformationParam param;
+        param.maxIterations = 20;
+        const DeformationResult one = DeformCentroidal(mesh, handles, param, Threads(1));
+        const CentroidalGraph graph = BuildCentroidalGraph(mesh, param.graph, Threads(1));
+        for (unsigned threads : {2u, 7u}) {
+            const DeformationResult same = DeformCentroidal(mesh, handles, param, Threads(threads));
+            EXPECT_TRUE(SameBits(same.position, one.position));
+            EXPECT_EQ(same.energy, one.energy);
+            const CentroidalGraph sameGraph = BuildCentroidalGraph(mesh, param.graph, Threads(threads));
+            EXPECT_EQ(sameGraph.patchOf, graph.patchOf);
+            EXPECT_EQ(sameGraph.cost, graph.cost);
+            EXPECT_TRUE(SameBits(sameGraph.geometry.radius, graph.geometry.radius));
+        }
+    }
+}
