@@ -885,6 +885,17 @@ def test_what_cannot_be_done_is_one_message(case):
     assert_unchanged(before, ms.mesh(0))
 
 
+def test_a_layer_whose_matrix_flattens_it():
+    ms = clean_bone()
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([1.0, 1, 0, 1]), freeze=False)
+    before = snapshot(ms.mesh(0))
+    with pytest.raises(pymeshlab.PyMeshLabException, match="The matrix of the layer 'bone.ply' cannot be inverted"):
+        ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
+    assert len(list(ms)) == 1
+    check_returned(ms.apply_filter(GRAPH), GRAPH_RETURNS)  # which needs no matrix
+    assert_unchanged(before, ms.mesh(0))
+
+
 # --- benchmark meshes ---------------------------------------------------------------------------------------------------
 
 
