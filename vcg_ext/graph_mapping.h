@@ -149,7 +149,7 @@ class GraphMapping {
     /// A ball that touches very many patches is made smaller, so that memory is enough for any graph.
     void FindCandidates(MappingWeights weights) {
         const Index k = graph.Size();
-        const std::size_t most = std::max<std::size_t>(64, (1 << 24) / std::size_t(k)); // patches a ball
+        const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(k)); // patches a ball
         auto position = [&](Index j) { return graph.graph.position.col(j); };
         auto touches = [&](Index j, Index patch) {
             return (position(j) - position(patch)).norm() < reach[j] + graph.radius[patch];

@@ -14,6 +14,13 @@
 
 namespace fcd_test {
 
+/// Sanitizers slow everything down tenfold: large tests are smaller then.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
 using vcg::fcd::Csr;
 using vcg::fcd::Graph;
 using vcg::fcd::Index;

@@ -15,11 +15,7 @@ using Eigen::Vector3d;
 using vcg::tri::BuildCentroidalGraph;
 using vcg::tri::DeformCentroidal;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-static const int many = 10000; // sanitizers slow everything down tenfold
-#else
-static const int many = 100000;
-#endif
+static const int many = sanitized ? 5000 : 100000;
 
 /// \p n triangles, each by itself, in a box.
 static Shape LooseTriangles(int n) {
@@ -385,9 +381,9 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
 }
 
 TEST(WorstCases, TheThreadsMakeNoDifference) {
-    const Shape duplicates = Join(PointCloud(3000), PointCloud(3000));
-    for (const Shape &shape :
-         {LooseTriangles(30000), NoArea(120), Fan(5000), Points(duplicates), Unwelded(Jittered(Grid(160, 160), 0.2))}) {
+    const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(many / 650, 160);
+    for (const Shape &shape : {LooseTriangles(many / 3), NoArea(sanitized ? 40 : 120), Fan(many / 20),
+                               Points(duplicates), Unwelded(Jittered(sheet, 0.2))}) {
         const MeshD mesh(shape);
         const Handles handles = TagsInTurn(shape.position.size());
         DeformationParam param;
