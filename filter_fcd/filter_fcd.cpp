@@ -43,6 +43,15 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
     return line.str() + ".";
 }
 
+/// What describe() tells, for scripts.
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface) {
+    return {{"components", surface.components},
+            {"welded_vertices", surface.welded},
+            {"isolated_vertices", surface.isolated},
+            {"non_manifold_edges", surface.nonManifoldEdges},
+            {"degenerate_faces", surface.degenerateFaces}};
+}
+
 } // namespace
 
 FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags}); }
@@ -182,14 +191,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
     logLine(line.str());
     if (!graph.converged)
         logLine("The patches did not converge: raise max_iterations if they look uneven.", GLLogStream::WARNING);
-    return {{"patches", patches},
-            {"edges", edges},
-            {"iterations", graph.iterations},
-            {"converged", graph.converged},
-            {"cost", graph.cost},
-            {"target_radius", graph.targetRadius},
-            {"average_edge", graph.averageEdge},
-            {"seconds", graph.seconds}};
+    ReturnedValues values = valuesOf(graph.surface);
+    values.insert({{"patches", patches},
+                   {"edges", edges},
+                   {"iterations", graph.iterations},
+                   {"converged", graph.converged},
+                   {"cost", graph.cost},
+                   {"target_radius", graph.targetRadius},
+                   {"average_edge", graph.averageEdge},
+                   {"seconds", graph.seconds}});
+    return values;
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &parameters, MeshDocument &document,
@@ -226,23 +237,31 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
          << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, " << result.secondsMap
          << " s for the mesh.";
     logLine(line.str());
+    if (result.looseParts > 0)
+        logLine(std::to_string(result.looseParts) + (result.looseParts == 1 ? " part is" : " parts are") +
+                " loose (no fixed or handle vertex): " +
+                (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
+                                                                              : "staying in place."));
     if (!result.converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
     if (layer.cm.fn == 0)
         logLine("The normals of a point cloud cannot be recomputed from faces; the new layer has those of the input.");
-    return {{"nodes", nodes},
-            {"iterations", result.iterations},
-            {"fixed_vertices", result.tags.fixed},
-            {"handle_vertices", result.tags.handle},
-            {"free_vertices", result.tags.free},
-            {"outside_vertices", result.tags.outside},
-            {"converged", result.converged},
-            {"energy", result.energy},
-            {"seconds_graph", result.secondsGraph},
-            {"seconds_solve", result.secondsSolve},
-            {"seconds_map", result.secondsMap}};
+    ReturnedValues values = valuesOf(result.surface);
+    values.insert({{"loose_parts", result.looseParts},
+                   {"nodes", nodes},
+                   {"iterations", result.iterations},
+                   {"fixed_vertices", result.tags.fixed},
+                   {"handle_vertices", result.tags.handle},
+                   {"free_vertices", result.tags.free},
+                   {"outside_vertices", result.tags.outside},
+                   {"converged", result.converged},
+                   {"energy", result.energy},
+                   {"seconds_graph", result.secondsGraph},
+                   {"seconds_solve", result.secondsSolve},
+                   {"seconds_map", result.secondsMap}});
+    return values;
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {

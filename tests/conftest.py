@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the host tests share: the sample meshes that pymeshlab ships, and the optional benchmark meshes beside the checkout."""
+import lzma
 import os
 from pathlib import Path
 
@@ -19,6 +20,14 @@ def shared():
     if not (SHARED / "meshes").is_dir():
         pytest.skip(f"no benchmark meshes ({SHARED / 'meshes'} is absent)")
     return SHARED
+
+
+def unpacked(path, folder):
+    """The path itself, or of the file unpacked into the folder where it is packed."""
+    if path.suffix != ".xz":
+        return path
+    (folder / path.stem).write_bytes(lzma.decompress(path.read_bytes()))
+    return folder / path.stem
 
 
 def rotation(axis, degrees):

@@ -5,14 +5,16 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import SAMPLES, about, rotation, transformed, translation, write_tags, write_transforms
+from conftest import SAMPLES, about, rotation, transformed, translation, unpacked, write_tags, write_transforms
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
+PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"
 
 BONE_TAGS = "(x &lt; 0.25) ? 0 : ((x &gt; 0.75) ? 2 : 1)"
 
@@ -75,14 +77,14 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 class Run:
     """A filter script on a mesh: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters):
+    def __init__(self, folder, mesh, *filters, server=SERVER):
         shutil.copy(mesh, folder)
         script = folder / "script.mlx"
         script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>" + "\n".join(filters) + "</FilterScript>\n")
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", SERVER, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
+            ["xvfb-run", "-a", server, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime)})
         self.log, self.code = done.stdout, done.returncode
@@ -272,3 +274,52 @@ def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     assert word in run.log
     assert "terminate called" not in run.log and run.code >= 0
     assert not list(tmp_path.glob("*.sel"))
+
+
+DIRTY = ["blobby_shuffled.off", "boeing_soup.off", "bunny_zipper_isolated_36k.ply", "cube_40k_nonmanifold.ply", "double_torus_nm.off",
+         "dragon_vrip_res2_100k.ply.xz", "elephant_with_holes.off", "fan3.obj", "fly_aedes_63k.ply", "moebius.obj",
+         "office_chair.obj", "rangemap_lato315_63k.ply", "thingi_73416_38k.stl.xz", "truck_3k.obj"]
+
+
+@pytest.mark.parametrize("name", DIRTY)
+def test_dirty_meshes(shared, name, tmp_path):
+    source = tmp_path / "source"
+    source.mkdir()
+    ms = pymeshlab.MeshSet()  # the host's own importer stops at some of the OBJ files, hence PLY
+    ms.load_new_mesh(str(unpacked(shared / "meshes" / "dirty" / name, source)))
+    path = source / "dirty.ply"
+    ms.save_current_mesh(str(path))
+    axis = int(np.argmax(np.ptp(ms.current_mesh().vertex_matrix(), axis=0)))
+    along = np.unique(ms.current_mesh().vertex_matrix()[:, axis])
+    low, high = along[[len(along) // 4, -1 - len(along) // 4]] if len(along) > 4 else along[[0, -1]]
+    gap = 1e-6 * np.abs(along).max()  # the host has single precision
+    low, high = float(f"{low + gap:.9g}"), float(f"{high - gap:.9g}")
+    letter = "xyz"[axis]
+    move = np.zeros(3)
+    move[(axis + 1) % 3] = 0.125 * np.ptp(along)
+    run = Run(tmp_path, path, quality_filter(f"({letter} &lt;= {low}) ? 0 : (({letter} &gt;= {high}) ? 2 : 1)"),
+              graph_filter(patches_layer=False), deform_filter(translation=move, graph_layers=False))
+    assert run.code == 0, run.log
+    assert set(run.meshes) == {"dirty", "dirtygraph", "dirtydeformed"}, run.log
+    rest, points = run.meshes["dirty"].vertex_matrix(), run.meshes["dirtydeformed"].vertex_matrix()
+    x = rest[:, axis]
+    fixed, handle = x <= low, x >= high
+    assert int(run.value("fixed_vertices")) == fixed.sum() > 0 and int(run.value("handle_vertices")) == handle.sum() > 0
+    assert np.isfinite(points).all() and np.isfinite(run.meshes["dirtygraph"].vertex_matrix()).all()
+    assert points[fixed].tobytes() == rest[fixed].tobytes()
+    assert np.abs(points[handle] - rest[handle] - move).max() < 2e-6 * np.abs(rest).max()
+
+
+def test_the_plugins_of_other_hosts_are_left_out(tmp_path):
+    """MeshLab 2020.09 loads what is in its folder, and checks no versions."""
+    other = [path for path in sorted(PLUGINS.glob("pymeshlab-*/libfilter_fcd.so"))]
+    if not other:
+        pytest.skip(f"no plugin for another host in {PLUGINS}")
+    server = tmp_path / "host"
+    shutil.copytree(Path(SERVER).parent, server, symlinks=True)
+    for path in other:
+        shutil.copy(path, server / "plugins" / f"lib{path.parent.name}.so")
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(translation=(0, 0, 0.25)), server=server / "meshlabserver")
+    assert run.code == 0 and "bonedeformed" in run.meshes, run.log
+    for path in other:
+        assert re.search(f"Cannot load library .*lib{path.parent.name}.so", run.log), run.log

@@ -58,11 +58,12 @@ unit() {
     if [ -s "$results/unit-$name.xml" ]; then count "$results/unit-$name.xml"; else fail "unit tests ($name) gave no result"; fi
 }
 
-# host NAME PYTHON FILE: host tests with the Python of a pymeshlab.
+# host NAME PYTHON FILE...: host tests with the Python of a pymeshlab.
 host() {
-    local name=$1 python=$2 file=$3
+    local name=$1 python=$2
+    shift 2
     echo "== host tests ($name)"
-    "$python" -m pytest -q -ra -p no:cacheprovider --junitxml="$results/host-$name.xml" "$file" 2>&1 |
+    "$python" -m pytest -q -ra -p no:cacheprovider --junitxml="$results/host-$name.xml" "$@" 2>&1 |
         tee "$results/host-$name.log"
     if [ -s "$results/host-$name.xml" ]; then count "$results/host-$name.xml"; else fail "host tests ($name) ended early"; fi
 }
@@ -88,7 +89,8 @@ for version in 2025.7:venv 2022.2:venv-2022; do
     elif ! "$python" -c 'import pymeshlab' 2>"$results/$host.log"; then
         without "$host" "$(tail -n 1 "$results/$host.log")"
     else
-        host "$host" "$python" tests/host_pymeshlab.py
+        nice ninja -C "$build/cmake/$host" host_cancel >"$results/host_cancel-$host.log" 2>&1 || fail "building host_cancel for $host"
+        host "$host" "$python" tests/host_pymeshlab.py tests/host_process.py
     fi
 done
 

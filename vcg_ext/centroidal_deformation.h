@@ -106,6 +106,7 @@ struct DeformationResult {
     double energy = 0; ///< Eq. 2, mesh units^2
     double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
     SurfaceReport surface;
+    Index looseParts = 0; ///< connected components without a fixed or handle vertex
 };
 
 namespace detail {
@@ -186,15 +187,26 @@ inline PatchParam ToPatchParam(const GraphParam &param, double targetRadius) {
 
 /// How each node of a surface is held.
 struct Constraints {
-    std::vector<Index>
-        tag; ///< n: 0 fixed, 1 free, from 2 handles; from firstAlone the tags of single nodes that turn freely
-    Index firstAlone;
-    std::vector<Index> original;             ///< tag of the single nodes before, -1 for point handles
+    std::vector<Index> tag;      ///< n: 0 fixed, 1 free, from 2 handles; -1, -2, ... single nodes that turn freely
+    std::vector<Index> original; ///< tag of the single nodes before, -1 for point handles
     std::map<Index, Eigen::Matrix4d> motion; ///< of every tag but 1, at the pose wanted, mesh units
 
-    bool Turns(Index t) const { return t >= firstAlone; }
-    bool IsFixed(Index t) const { return t == 0 || (Turns(t) && original[t - firstAlone] == 0); }
+    static bool Turns(Index t) { return t < 0; }
+    bool IsFixed(Index t) const { return t == 0 || (Turns(t) && original[-1 - t] == 0); }
+
+    /// Holds node \p u, alone. \return its tag
+    Index HoldAlone(Index u, Index tagBefore) {
+        original.push_back(tagBefore);
+        return tag[u] = -Index(original.size());
+    }
 };
+
+/// \throw Error when \p motion leads so far that the numbers do not hold what follows from it
+inline void ExpectNear(const Frame &frame, const Eigen::Matrix4d &motion, const std::string &name) {
+    const double most = 1e30; // frame units; floats end at 3e38
+    if (!(frame.ToFrame(motion).matrix().cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most))
+        throw Error(name + " moves too far: beyond 1e30 times the size of the mesh. Check its motion, and the pose.");
+}
 
 /// A node that is held without a neighbour that is held alike, and not told to turn, has no orientation of its own:
 /// only its position is constrained. (Holding its orientation leaves a bump around it.)
@@ -221,6 +233,7 @@ Constraints MakeConstraints(const MeshType &m, const SurfaceGraph &surface, cons
         const Motion motion = given == handles.motion.end() ? Motion() : given->second;
         c.motion[s.first] =
             motion.At(pose, surface.frame.FromFrame(Eigen::Vector3d(s.second.position / s.second.count)));
+        ExpectNear(surface.frame, c.motion[s.first], "Handle " + std::to_string(s.first));
         rotates[s.first] = motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity();
     }
 
@@ -236,7 +249,6 @@ Constraints MakeConstraints(const MeshType &m, const SurfaceGraph &surface, cons
         if (free)
             found.push_back(u);
     });
-    c.firstAlone = std::max(2, 1 + *std::max_element(c.tag.begin(), c.tag.end()));
     for (std::size_t i = 0; i < handles.point.size(); ++i) {
         const PointHandle &point = handles.point[i];
         const std::string name = "Point handle " + std::to_string(i + 1);
@@ -245,22 +257,20 @@ Constraints MakeConstraints(const MeshType &m, const SurfaceGraph &surface, cons
             throw Error(name + " is at vertex " + std::to_string(point.vertex) + ", which does not exist.");
         if (!point.target.allFinite())
             throw Error(name + " has a target that is not finite.");
-        if (c.tag[node] >= c.firstAlone)
-            throw Error(name + " is at the same place as point handle " +
-                        std::to_string(c.tag[node] - c.firstAlone + 1) + "; leave one of them out.");
+        if (c.Turns(c.tag[node]))
+            throw Error(name + " is at the same place as point handle " + std::to_string(-c.tag[node]) +
+                        "; leave one of them out.");
         if (c.tag[node] != 1)
             throw Error(name + " is at vertex " + std::to_string(point.vertex) +
                         ", which is held already; point handles belong where the surface is free.");
-        c.tag[node] = c.firstAlone + Index(i);
-        c.original.push_back(-1);
-        Eigen::Matrix4d &motion = c.motion[c.tag[node]] = Eigen::Matrix4d::Identity();
+        Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
         motion.topRightCorner<3, 1>() = (point.target - vcg::tri::PositionOf(m.vert[point.vertex])) * (pose / 100);
+        ExpectNear(surface.frame, motion, name);
+        c.motion[c.HoldAlone(node, -1)] = motion;
     }
     for (Index u : alone) {
-        const Index t = c.firstAlone + Index(c.original.size());
-        c.original.push_back(c.tag[u]);
-        c.motion[t] = c.motion[c.tag[u]];
-        c.tag[u] = t;
+        const Eigen::Matrix4d motion = c.motion.at(c.tag[u]);
+        c.motion[c.HoldAlone(u, c.tag[u])] = motion;
     }
     return c;
 }
@@ -426,9 +436,9 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
 
 /// Deforms a mesh: fixed vertices and vertices outside the region of influence keep their position to the bit, handle
 /// vertices are their motion of their rest position, the free ones follow as rigidly as possible. The mesh is only
-/// read. \throw fcd::Error no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free,
-/// or a
-///        parameter out of range
+/// read.
+/// \throw fcd::Error no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
+///        motion by more than 1e30 times the mesh, or a parameter out of range
 /// \throw fcd::Cancelled
 template <class MeshType>
 fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,
@@ -519,7 +529,7 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
                     const Index t = node < 0 ? 0 : tag[node]; // vertices of a seam may have different tags
                     if (constraints.IsFixed(t))
                         result.position.col(i) = p;
-                    else if (t > 1)
+                    else if (t != 1)
                         result.position.col(i) = (constraints.motion.at(t) * p.homogeneous()).template head<3>();
                     else
                         result.position.col(i) = surface.frame.FromFrame(mapped(node, surface.frame.ToFrame(p)));
@@ -542,7 +552,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     result.converged = pose.converged;
     result.energy = pose.energy * scale * scale;
     result.surface = surface.report;
-    result.surface.components = fcd::detail::CountComponents(graph);
+    result.surface.components = deformer.Components();
+    result.looseParts = deformer.LooseComponents();
     progress(1, "Mapping to the mesh");
     return result;
 }

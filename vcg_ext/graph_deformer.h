@@ -205,8 +205,19 @@ class GraphDeformer {
         Eigen::SparseMatrix<double> laplacian(n, n);
         laplacian.setFromTriplets(square.begin(), square.end());
         globalStep.compute(laplacian);
-        transposedColumns = columns.transpose();
-        initialGuess.compute(Eigen::SparseMatrix<double>(transposedColumns * columns));
+        // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, the Laplacian is
+        // good enough.
+        double joined = 0;
+        for (Index i = 0; i < k; ++i)
+            joined += double(graph.graph.adjacency[i].size()) * double(graph.graph.adjacency[i].size());
+        if (joined < 4e6 + 400.0 * k) {
+            guessRows = columns.transpose();
+        } else {
+            guessRows.resize(n, k);
+            for (Index u = 0; u < n; ++u)
+                guessRows.insert(u, unknown[u]) = 1;
+        }
+        initialGuess.compute(Eigen::SparseMatrix<double>(guessRows * columns));
         if (globalStep.info() != Eigen::Success || initialGuess.info() != Eigen::Success)
             throw Error("The deformation graph's system cannot be factorised.");
     }
@@ -214,6 +225,8 @@ class GraphDeformer {
     /// Whether node \p i is in a component with a constrained node.
     bool IsHeld(Index i) const { return held[componentOf[i]]; }
     const std::vector<Index> &ComponentOf() const { return componentOf; }
+    Index Components() const { return Index(held.size()); }
+    Index LooseComponents() const { return Index(std::count(held.begin(), held.end(), false)); }
 
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
@@ -244,7 +257,7 @@ class GraphDeformer {
         // Initial guess: the motions' matrices, interpolated by the bi-Laplacian. One motion of all is met exactly.
         Eigen::MatrixXd guess;
         if (n > 0)
-            guess = initialGuess.solve(-(transposedColumns * (constrainedColumns * change)));
+            guess = initialGuess.solve(-(guessRows * (constrainedColumns * change)));
         for (Index u = 0; u < n; ++u) {
             const Eigen::Matrix<double, 1, 12> row = guess.row(u);
             const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + Matrix34d::Identity();
@@ -517,7 +530,7 @@ class GraphDeformer {
     std::vector<Pair> pairs;                 // the edges of components that are held
     std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
     double edgeLength = 0;                   // mean
-    Eigen::SparseMatrix<double> constrainedColumns, transposedColumns;
+    Eigen::SparseMatrix<double> constrainedColumns, guessRows;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> globalStep, initialGuess;
 };
 
@@ -545,22 +558,41 @@ inline void FitLinear(const DeformationGraph &graph, const std::vector<bool> &ke
     }
 }
 
+/// Finds the nearest of some nodes.
+class NodeTree {
+  public:
+    /// \param position 3 x n \param node which of them, at least one; the tree numbers them in this order
+    NodeTree(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) : NodeTree(PointsOf(position, node)) {}
+
+    static vcg::Point3f Point(const Eigen::Vector3f &p) { return vcg::Point3f(p[0], p[1], p[2]); }
+    vcg::KdTree<float> *operator->() { return &tree; }
+
+  private:
+    explicit NodeTree(const std::vector<vcg::Point3f> &point)
+        : tree(vcg::ConstDataWrapper<vcg::Point3f>(point.data(), int(point.size()))) {}
+
+    static std::vector<vcg::Point3f> PointsOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
+        std::vector<vcg::Point3f> point;
+        for (Index i : node)
+            point.push_back(Point(position.col(i)));
+        return point;
+    }
+
+    vcg::KdTree<float> tree;
+};
+
 /// Gives the nodes of every component without a constrained node the rigid motion of the nearest node of a component
 /// with one: a button follows the sleeve.
 inline void FollowNearest(const DeformationGraph &graph, const GraphDeformer &deformer, GraphPose &pose) {
-    std::vector<vcg::Point3f> point;
     std::vector<Index> nodeAt;
     for (Index i = 0; i < graph.Size(); ++i)
-        if (deformer.IsHeld(i)) {
-            point.emplace_back(graph.graph.position(0, i), graph.graph.position(1, i), graph.graph.position(2, i));
+        if (deformer.IsHeld(i))
             nodeAt.push_back(i);
-        }
-    if (point.empty() || Index(point.size()) == graph.Size())
+    if (nodeAt.empty() || Index(nodeAt.size()) == graph.Size())
         return;
-    vcg::ConstDataWrapper<vcg::Point3f> wrapper(point.data(), int(point.size()));
-    vcg::KdTree<float> tree(wrapper);
+    NodeTree tree(graph.graph.position, nodeAt);
     const std::vector<Index> &componentOf = deformer.ComponentOf();
-    const Index components = *std::max_element(componentOf.begin(), componentOf.end()) + 1;
+    const Index components = deformer.Components();
     std::vector<float> nearest(components, std::numeric_limits<float>::infinity());
     std::vector<Index> leader(components, -1);
     for (Index i = 0; i < graph.Size(); ++i) {
@@ -568,8 +600,7 @@ inline void FollowNearest(const DeformationGraph &graph, const GraphDeformer &de
             continue;
         unsigned found = 0;
         float d = 0;
-        tree.doQueryClosest(
-            vcg::Point3f(graph.graph.position(0, i), graph.graph.position(1, i), graph.graph.position(2, i)), found, d);
+        tree->doQueryClosest(tree.Point(graph.graph.position.col(i)), found, d);
         if (d < nearest[componentOf[i]]) {
             nearest[componentOf[i]] = d;
             leader[componentOf[i]] = nodeAt[found];

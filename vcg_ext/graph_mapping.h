@@ -5,6 +5,8 @@
 #include "graph_deformer.h"
 #include "handles.h"
 
+#include <numeric>
+
 namespace vcg {
 namespace fcd {
 
@@ -153,37 +155,66 @@ class GraphMapping {
         return 1 - y * (15 - y2 * (10 - 3 * y2)) / 8;
     }
 
-    /// The nodes that may influence each patch. Along the surface: those from which a chain of touching free patches
-    /// leads there, each of which the node's ball touches. Where two neighbouring vertices lie inside the ball, their
-    /// patches are both on the chain or neither is, so the set of nodes changes only where their weight is zero.
+    /// The nodes that may influence each free patch. Along the surface: those from which a chain of touching free
+    /// patches leads there, each of which the node's ball touches. Where two neighbouring vertices lie inside the ball,
+    /// their patches are both on the chain or neither is, so the set of nodes changes only where their weight is zero.
+    /// A ball that touches very many patches is made smaller, so that memory is enough for any graph.
     void FindCandidates(MappingWeights weights) {
         const Index k = graph.Size();
+        const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(k)); // patches a ball
         auto position = [&](Index j) { return graph.graph.position.col(j); };
         auto touches = [&](Index j, Index patch) {
             return (position(j) - position(patch)).norm() < reach[j] + graph.radius[patch];
         };
         std::vector<std::pair<Index, Index>> pair; // patch, node
         if (weights == MappingWeights::Euclidean) {
+            if (std::size_t(k) > most)
+                LimitReach(most);
+            // Patches of similar radius at a time, so that a few large ones do not widen the search for all.
+            std::map<int, std::vector<Index>> bySize;
             for (Index patch = 0; patch < k; ++patch)
-                for (Index j = 0; j < k; ++j)
-                    if (touches(j, patch))
-                        pair.emplace_back(patch, j);
+                if (patches.tag[patch] == 1)
+                    bySize[std::ilogb(std::max(graph.radius[patch], 1e-6f))].push_back(patch);
+            std::vector<unsigned> found;
+            std::vector<float> squares;
+            for (const auto &size : bySize) {
+                NodeTree tree(graph.graph.position, size.second);
+                const float widest = std::ldexp(2.f, size.first);
+                for (Index j = 0; j < k; ++j) {
+                    found.clear();
+                    squares.clear();
+                    tree->doQueryDist(tree.Point(position(j)), 1.001f * (reach[j] + widest), found, squares);
+                    for (unsigned f : found)
+                        if (touches(j, size.second[f]))
+                            pair.emplace_back(size.second[f], j);
+                }
+            }
         } else {
             std::vector<Index> seen(k, -1), queue;
-            for (Index j = 0; j < k; ++j) {
+            for (Index j = 0; j < k;) {
                 const Index own = patches.tag[j];
                 queue.assign(1, j);
                 seen[j] = j;
-                for (std::size_t q = 0; q < queue.size(); ++q) {
-                    pair.emplace_back(queue[q], j);
+                for (std::size_t q = 0; q < queue.size() && queue.size() <= most; ++q)
                     for (Index next : graph.graph.adjacency[queue[q]]) {
                         const Index there = patches.tag[next];
                         if (seen[next] != j && (there == 1 || there == own) && touches(j, next)) {
                             seen[next] = j;
                             queue.push_back(next);
+                            if (queue.size() > most)
+                                break;
                         }
                     }
+                if (queue.size() > most) {
+                    for (Index patch : queue)
+                        seen[patch] = -1;
+                    reach[j] *= 0.5f;
+                    continue;
                 }
+                for (Index patch : queue)
+                    if (patches.tag[patch] == 1)
+                        pair.emplace_back(patch, j);
+                ++j;
             }
         }
         std::sort(pair.begin(), pair.end());
@@ -199,6 +230,23 @@ class GraphMapping {
         for (Index j : candidates.item)
             ball.push_back({graph.graph.position(0, j), graph.graph.position(1, j), graph.graph.position(2, j),
                             1 / (reach[j] * reach[j])});
+    }
+
+    /// Makes the ball of each node so small that it holds at most \p most other nodes.
+    void LimitReach(std::size_t most) {
+        std::vector<Index> all(graph.Size());
+        std::iota(all.begin(), all.end(), 0);
+        NodeTree tree(graph.graph.position, all);
+        vcg::KdTree<float>::PriorityQueue nearest;
+        for (Index j = 0; j < graph.Size(); ++j)
+            for (std::size_t wanted : {std::size_t(64), most}) { // few of them tell of most nodes that all is well
+                tree->doQueryK(tree.Point(graph.graph.position.col(j)), int(wanted) + 1, nearest);
+                const float d = std::sqrt(nearest.getTopWeight());
+                if (d >= reach[j])
+                    break;
+                if (wanted == most)
+                    reach[j] = std::max(d, 1e-6f);
+            }
     }
 
     /// For each free node the held regions within the fade's width along the surface, and how far they are: the

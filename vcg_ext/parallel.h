@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -42,7 +41,7 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain, const Body 
     try {
         for (std::size_t t = 1; t < count; ++t)
             helpers.emplace_back(work);
-    } catch (const std::system_error &) {
+    } catch (const std::exception &) { // no thread to be had, or no memory for one
     }
     work();
     for (std::thread &t : helpers)

@@ -256,9 +256,10 @@ inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &po
     std::unique_ptr<Index[]> corner = LargeArray<Index>(3 * triangles);
     ParallelFor(progress, "Finding neighbours", n, 1 << 12, [&](std::size_t first, std::size_t last) {
         vcg::KdTree<float>::PriorityQueue queue;
+        std::vector<Index> found;
         for (std::size_t i = first; i < last; ++i) {
             tree.doQueryK(point[i], wanted + 1, queue);
-            std::vector<Index> found;
+            found.clear();
             for (int j = 0; j < queue.getNofElements(); ++j)
                 if (queue.getIndex(j) != int(i))
                     found.push_back(queue.getIndex(j));
@@ -330,7 +331,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     const Eigen::Vector3d extent = total.box.max() * 0.5 - total.box.min() * 0.5; // half of it: no overflow
     const double halfDiagonal = extent.stableNorm();
     s.frame.origin = total.box.min() * 0.5 + total.box.max() * 0.5;
-    s.frame.scale = halfDiagonal > 0 ? 2 * halfDiagonal : 1;
+    s.frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
 
@@ -411,7 +412,9 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     const Index nodes = firstNode[ranges];
     s.report.welded = Index(total.live) - nodes;
     fcd::AssignLarge(s.nodeOf, slotCount, Index(-1));
-    bySlot.resize(3, s.report.welded ? nodes : 0);
+    bySlot.resize(3, 0); // first: Eigen's resize frees the old memory twice where it gets no new one
+    if (s.report.welded)
+        bySlot.resize(3, nodes);
     ParallelFor(progress.Slice(0.3, 0.4), stage, ranges, 1, [&](std::size_t range, std::size_t) {
         Index node = firstNode[range] - 1;
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i) {

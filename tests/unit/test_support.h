@@ -3,7 +3,7 @@
 #define FCD_TEST_SUPPORT_H
 
 #include "deformation_graph.h"
-#include "surface_graph.h"
+#include "handles.h"
 #include "test_mesh.h"
 
 #include <cstring>
@@ -13,6 +13,13 @@
 #include <thread>
 
 namespace fcd_test {
+
+/// Sanitizers slow everything down tenfold: large tests are smaller then.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
 
 using vcg::fcd::Csr;
 using vcg::fcd::Graph;
@@ -224,6 +231,62 @@ struct Rig {
 /// Tags of a Tube of the given length: its first sixth fixed, its last a handle.
 inline int TubeTag(const Eigen::Vector3d &p, double length = 6) {
     return p[2] < length / 6 ? 0 : p[2] > length * 5 / 6 ? 2 : 1;
+}
+
+/// A motion that turns and shifts.
+inline const Eigen::Affine3d bend =
+    Eigen::Translation3d(1.5, 0.5, -0.5) * Eigen::AngleAxisd(1, Eigen::Vector3d(1, 0.3, 0.2).normalized());
+
+/// A shape and what is to be done with it.
+struct Case {
+    Shape shape;
+    vcg::fcd::Handles handles;
+};
+
+/// \param tagAt tag of a position \param motion of handle 2
+template <class Tag>
+Case CaseOf(const Shape &shape, const Tag &tagAt, const Eigen::Affine3d &motion = bend) {
+    Case c{shape, {}};
+    for (const Eigen::Vector3d &p : shape.position)
+        c.handles.tag.push_back(tagAt(p));
+    c.handles.motion[2] = vcg::fcd::Motion(motion.matrix());
+    return c;
+}
+
+template <class Mesh>
+Eigen::Matrix3Xd PositionsOf(const Mesh &mesh) {
+    Eigen::Matrix3Xd x(3, mesh.vert.size());
+    for (int i = 0; i < int(mesh.vert.size()); ++i)
+        x.col(i) = mesh.At(i);
+    return x;
+}
+
+/// Live vertices that are fixed or outside, and deleted ones, keep their bits; those of handles are where their motion
+/// puts them at 100 percent; all are finite.
+template <class Mesh>
+void ExpectHeldExact(const Mesh &mesh, const vcg::fcd::Handles &handles, const Eigen::Matrix3Xd &result) {
+    const Eigen::Matrix3Xd rest = PositionsOf(mesh);
+    ASSERT_EQ(result.cols(), rest.cols());
+    double size = 0;
+    for (int i = 0; i < int(rest.cols()); ++i)
+        if (!mesh.vert[i].IsD())
+            size = std::max(size, rest.col(i).cwiseAbs().maxCoeff());
+    int wrong = 0;
+    for (int i = 0; i < int(rest.cols()) && wrong < 5; ++i) {
+        const Eigen::Vector3d before = rest.col(i), after = result.col(i);
+        const int tag = handles.tag[i];
+        bool right = after.allFinite();
+        if (tag <= 0 || mesh.vert[i].IsD()) {
+            right = SameBits(after, before);
+        } else if (tag >= 2) {
+            const auto m = handles.motion.find(tag);
+            const Eigen::Affine3d motion(m == handles.motion.end() ? Eigen::Matrix4d::Identity() : m->second.matrix);
+            right = (after - motion * before).norm() <= 1e-12 * (size + motion.translation().norm());
+        }
+        wrong += !right;
+        EXPECT_TRUE(right) << "vertex " << i << " with tag " << tag << " goes from " << before.transpose() << " to "
+                           << after.transpose();
+    }
 }
 
 } // namespace fcd_test

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plugin inside processes of pymeshlab that are started for one test each: what a process has once (memory, its
+environment, its plugins). FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pymeshlab
+import pytest
+
+PLUGIN = Path(os.environ["FCD_PLUGIN"]).resolve()
+NAMES = ["generate_fcd_deformation_graph", "generate_fcd_deformed_mesh", "compute_fcd_tags_from_selection",
+         "compute_fcd_tags_from_files", "save_fcd_tags"]
+
+PRELUDE = """
+import ctypes, hashlib, os, resource, sys
+import numpy as np
+import pymeshlab
+
+def sheet(n):
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    a = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    faces = np.vstack([np.column_stack([a, a + n, a + 1]), np.column_stack([a + 1, a + n, a + n + 1])])
+    points = np.column_stack([x, y, 3 * np.sin(0.05 * x) * np.cos(0.07 * y)])
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=np.where(x < n / 5, 0.0, np.where(x > n * 4 / 5, 2.0, 1.0))), "sheet")
+    return ms
+
+GRAPH, DEFORM = "generate_fcd_deformation_graph", "generate_fcd_deformed_mesh"
+MOTION = dict(translation=np.array([1.0, 2, 3]), rotation_axis=np.array([0, 1.0, 0]), rotation_angle=-50.0)
+"""
+
+
+def run(code, plugin=PLUGIN, cwd=None, **environment):
+    """What the code prints."""
+    load = f"pymeshlab.load_plugin({str(plugin)!r})\n" if plugin else ""
+    done = subprocess.run([sys.executable, "-c", PRELUDE + load + code], cwd=cwd, text=True, timeout=300,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, **environment})
+    assert done.returncode == 0, done.stdout + done.stderr[-3000:]
+    return done.stdout
+
+
+def test_two_processes_give_the_same_bits():
+    code = """
+ms = sheet(400)
+ms.apply_filter(GRAPH)
+print(hashlib.sha256(ms.mesh(1).vertex_matrix().tobytes()).hexdigest())
+ms.set_current_mesh(0)
+ms.apply_filter(DEFORM, **MOTION)
+for mesh in ms:
+    print(hashlib.sha256(mesh.vertex_matrix().tobytes()).hexdigest())
+"""
+    first = run(code)
+    assert len(set(first.split())) >= 5
+    # Memory that is not set before it is read, and the number of cores, would show.
+    assert run(code, MALLOC_PERTURB_="165", MALLOC_ARENA_MAX="1", LC_ALL="C") == first
+    assert run("os.sched_setaffinity(0, list(os.sched_getaffinity(0))[:1])\n" + code, MALLOC_PERTURB_="90") == first
+
+
+@pytest.mark.parametrize("filter_call", ["GRAPH", "DEFORM, **MOTION"])
+def test_out_of_memory_is_a_message_and_changes_nothing(filter_call):
+    """With too little memory to spare, and a little more each time, until it is enough."""
+    failures = run("""
+ms = sheet(500)
+rest, faces, quality = ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix(), ms.mesh(0).vertex_scalar_array()
+unlimited = resource.getrlimit(resource.RLIMIT_AS)
+
+error, failures = None, 0
+for spare in range(2, 1000, 4):
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + (spare << 20), unlimited[1]))
+    try:
+        ms.apply_filter(FILTER_CALL)
+        error = ""
+    except pymeshlab.PyMeshLabException as e:
+        error = str(e)
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, unlimited)
+    if not error:
+        break
+    failures += 1
+    assert "Out of memory" in error and "Nothing was changed" in error, error
+    assert len(list(ms)) == 1 and ms.current_mesh_id() == 0
+    assert ms.mesh(0).vertex_matrix().tobytes() == rest.tobytes() and ms.mesh(0).face_matrix().tobytes() == faces.tobytes()
+    assert ms.mesh(0).vertex_scalar_array().tobytes() == quality.tobytes()
+assert error == "" and len(list(ms)) > 1
+print(failures)
+""".replace("FILTER_CALL", filter_call))
+    assert int(failures) >= 5
+
+
+@pytest.mark.parametrize("host", ["pymeshlab-2025.7", "pymeshlab-2022.2", "meshlab-2020.09"])
+def test_the_plugin_of_another_host_is_refused(host):
+    other = PLUGIN.parents[1] / host / PLUGIN.name
+    if other == PLUGIN:
+        pytest.skip("this is the host of that plugin")
+    if not other.exists():
+        pytest.skip(f"{other} is absent")
+    out = run(f"""
+before = pymeshlab.filter_list()
+try:
+    pymeshlab.load_plugin({str(other)!r})
+except pymeshlab.PyMeshLabException as e:
+    print(e)
+assert pymeshlab.filter_list() == before
+pymeshlab.load_plugin({str(PLUGIN)!r})
+sheet(20).apply_filter(DEFORM)
+""", plugin=None)
+    assert "libfilter_fcd.so" in out and ("version" in out or "not a MeshLab plugin" in out)
+
+
+def test_loads_next_to_all_other_plugins():
+    out = run(f"""
+before = pymeshlab.filter_list()
+pymeshlab.load_plugin({str(PLUGIN)!r})
+after = pymeshlab.filter_list()
+assert set(before) < set(after) and len(before) > 100
+print(*set(after) - set(before))
+""", plugin=None).split()
+    assert set(NAMES) <= set(out)
+
+
+def test_nothing_but_the_entry_of_a_plugin_is_exported():
+    symbols = subprocess.run(["nm", "-D", "--defined-only", str(PLUGIN)], stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert sorted(line.split()[2] for line in symbols.splitlines()) == ["qt_plugin_instance", "qt_plugin_query_metadata"]
+
+
+def test_leaves_no_files_and_no_environment_behind(tmp_path):
+    folders = [tmp_path / name for name in ("work", "home", "temporary")]
+    for folder in folders:
+        folder.mkdir()
+    work, home, temporary = map(str, folders)
+    run("""
+def environment():
+    at, entries = ctypes.POINTER(ctypes.c_char_p).in_dll(ctypes.CDLL(None), "environ"), []
+    while at[len(entries)]:
+        entries.append(at[len(entries)])
+    return entries
+
+def files():
+    return sorted(os.path.join(folder, name) for top in TOPS for folder, _, names in os.walk(top) for name in names)
+
+TOPS = [os.getcwd(), os.environ["HOME"], os.environ["TMPDIR"]]
+before = environment(), files(), os.getcwd(), os.umask(0o22)
+ms = sheet(60)
+ms.apply_filter(GRAPH)
+ms.set_current_mesh(0)
+ms.apply_filter(DEFORM, **MOTION)
+ms.set_current_mesh(0)
+ms.apply_filter("save_fcd_tags", tag_file="t.sel", transform_file="t.def", **MOTION)
+ms.apply_filter("compute_fcd_tags_from_files", tag_file="t.sel")
+ms.apply_filter("set_selection_all")
+ms.apply_filter("compute_fcd_tags_from_selection")
+try:
+    ms.apply_filter(DEFORM)
+except pymeshlab.PyMeshLabException:
+    pass
+os.remove("t.sel")
+os.remove("t.def")
+assert before == (environment(), files(), os.getcwd(), os.umask(0o22))
+""", cwd=work, HOME=home, TMPDIR=temporary)
+
+
+def test_a_cancel_leaves_the_document_as_it_was():
+    program = PLUGIN.parents[2] / "cmake" / PLUGIN.parent.name / "host_cancel"
+    if not program.exists():
+        pytest.skip(f"{program} is not built")
+    done = subprocess.run([str(program), str(PLUGIN)], text=True, timeout=300, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          env={**os.environ, "LD_LIBRARY_PATH": str(Path(pymeshlab.__file__).parent / "lib")})
+    assert done.returncode == 0, done.stderr[-3000:]
+    times = [int(line.split()[-2]) for line in done.stdout.splitlines() if "was cancelled" in line]
+    assert len(times) == 2 and min(times) > 20, done.stdout
