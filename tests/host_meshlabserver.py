@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -71,7 +72,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 class Run:
     """A filter script on a mesh: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters):
+    def __init__(self, folder, mesh, *filters, **environment):
         shutil.copy(mesh, folder)
         script = folder / "script.mlx"
         script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>" + "\n".join(filters) + "</FilterScript>\n")
@@ -80,7 +81,7 @@ class Run:
         done = subprocess.run(
             ["xvfb-run", "-a", SERVER, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
-            env={**os.environ, "XDG_RUNTIME_DIR": str(runtime)})
+            env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
         self.log, self.code = done.stdout, done.returncode
         self.meshes, self.sets = {}, []  # a mesh lives as long as its set
         for path in sorted(folder.glob("*_out.*")):
@@ -256,3 +257,21 @@ def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     assert word in run.log
     assert "terminate called" not in run.log and run.code >= 0
     assert not list(tmp_path.glob("*.sel"))
+
+
+def test_a_decimal_comma_makes_no_difference(tmp_path):
+    locales = Path(__file__).resolve().parents[1] / "build" / "locale"
+    assert (locales / "de_DE.UTF-8").is_dir()
+    runs = {}
+    for name, environment in ("point", {}), ("comma", {"LC_ALL": "de_DE.UTF-8", "LOCPATH": str(locales)}):
+        folder = tmp_path / name
+        folder.mkdir()
+        files = dict(tag_file=str(folder / "t.sel"), transform_file=str(folder / "t.def"))
+        runs[name] = Run(folder, BONE, quality_filter(BONE_TAGS), save_filter(**files, translation=(0, 0, 0.25)),
+                         deform_filter(handles=3, **files, smoothness=0.0075, graph_layers=False),
+                         deform_filter(transforms="2: translate 0.125 0 0", graph_layers=False), **environment)
+        assert runs[name].code == 0, runs[name].log
+        assert "0.25" in (folder / "t.def").read_text()
+    assert len(runs["point"].meshes) == 3
+    for label, mesh in runs["point"].meshes.items():
+        assert mesh.vertex_matrix().tobytes() == runs["comma"].meshes[label].vertex_matrix().tobytes()

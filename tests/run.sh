@@ -42,20 +42,20 @@ if ! bash tests/setup.sh; then
     finish
 fi
 
-# unit NAME CMAKE-ARGUMENT...: the unit tests, built one way.
-unit() {
-    local name=$1 directory=$build/unit-$1
+# suite NAME CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME.
+suite() {
+    local name=$1 directory=$build/$1
     shift
-    echo "== unit tests ($name)"
-    if ! { cmake -G Ninja -S . -B "$directory" -DFCD_BUILD_TESTS=ON -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" "$@" &&
-        nice ninja -C "$directory"; } >"$results/unit-$name.log" 2>&1; then
-        grep -m 5 -E 'error|Error' "$results/unit-$name.log" || tail -n 5 "$results/unit-$name.log"
-        fail "building the unit tests ($name), see $results/unit-$name.log"
+    echo "== $name"
+    if ! { cmake -G Ninja -S . -B "$directory" -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" "$@" &&
+        nice ninja -C "$directory"; } >"$results/$name.log" 2>&1; then
+        grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"
+        fail "building $name, see $results/$name.log"
         return
     fi
-    ctest --test-dir "$directory" --output-on-failure --output-junit "$results/unit-$name.xml" -j 2 2>&1 |
-        tee -a "$results/unit-$name.log" | grep -vE '^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start '
-    if [ -s "$results/unit-$name.xml" ]; then count "$results/unit-$name.xml"; else fail "unit tests ($name) gave no result"; fi
+    LOCPATH=$build/locale ctest --test-dir "$directory" --output-on-failure --output-junit "$results/$name.xml" -j 2 2>&1 |
+        tee -a "$results/$name.log" | grep -vE '^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start '
+    if [ -s "$results/$name.xml" ]; then count "$results/$name.xml"; else fail "$name gave no result"; fi
 }
 
 # host NAME PYTHON FILE: host tests with the Python of a pymeshlab.
@@ -76,9 +76,10 @@ without() {
     fi
 }
 
-unit release -DCMAKE_BUILD_TYPE=Release
-unit sanitized -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
-unit threads -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
+suite unit-release -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
+suite unit-sanitized -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
+suite unit-threads -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
+suite fuzz -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 
 for version in 2025.7:venv 2022.2:venv-2022; do
     host=pymeshlab-${version%:*} python=$build/${version#*:}/bin/python

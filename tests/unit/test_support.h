@@ -6,6 +6,7 @@
 #include "surface_graph.h"
 #include "test_mesh.h"
 
+#include <clocale>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <set>
@@ -126,6 +127,16 @@ std::string MessageOf(const Run &run) {
     ADD_FAILURE() << "no exception";
     return {};
 }
+
+/// A decimal comma for the C library, as long as it lives. tests/setup.sh makes the locale; LOCPATH names its folder.
+class CommaLocale {
+  public:
+    const std::string before = std::setlocale(LC_ALL, nullptr);
+    const bool set = std::setlocale(LC_ALL, "de_DE.UTF-8") && std::localeconv()->decimal_point == std::string(",");
+    static constexpr const char *missing = "there is no locale de_DE.UTF-8 (LOCPATH=build/locale after tests/setup.sh)";
+
+    ~CommaLocale() { std::setlocale(LC_ALL, before.c_str()); }
+};
 
 /// What a progress callback was told. One at a time.
 class CallbackLog {
