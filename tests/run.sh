@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets the machine up, builds, and runs every test. The last line is the sum: "N passed, N failed, N skipped".
-# Host tests that cannot run count as skipped, as failed where CI=true.
+# What cannot run counts as skipped, as failed where CI=true.
 #
 #   bash tests/run.sh
 set -uo pipefail
@@ -66,15 +66,35 @@ host() {
         tee "$results/host-$name.log"
     if [ -s "$results/host-$name.xml" ]; then count "$results/host-$name.xml"; else fail "host tests ($name) ended early"; fi
 }
-# without NAME REASON: host tests that cannot run.
+# without NAME REASON: what cannot run.
 without() {
     if [ "${CI:-}" = true ]; then
-        fail "host tests ($1): $2"
+        fail "$1: $2"
     else
-        echo "SKIPPED: host tests ($1): $2" >&2
+        echo "SKIPPED: $1: $2" >&2
         skipped=$((skipped + 1))
     fi
 }
+# lint NAME PROGRAM ARGUMENT...: passes when the program, which prints what it finds, does.
+lint() {
+    local name=$1
+    shift
+    echo "== $name"
+    if ! command -v "$1" >"$results/$name.log"; then
+        without "$name" "there is no $1"
+    elif nice "$@" >"$results/$name.log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        grep -m 20 -E '(error|warning|style|performance|portability):' "$results/$name.log" || tail -n 5 "$results/$name.log"
+        fail "$name, see $results/$name.log"
+    fi
+}
+
+tools=$build/venv-tools/bin
+lint clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/pymeshlab-2025.7" -quiet \
+    -j 2 '/filter_fcd/[a-z_]+\.cpp$'
+lint cppcheck cppcheck -q -j 2 --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
+    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp
 
 suite unit-release -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
 suite unit-sanitized -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
@@ -85,9 +105,9 @@ for version in 2025.7:venv 2022.2:venv-2022; do
     host=pymeshlab-${version%:*} python=$build/${version#*:}/bin/python
     export FCD_PLUGIN=$build/plugins/$host/libfilter_fcd.so
     if [ ! -e "$FCD_PLUGIN" ]; then
-        without "$host" "there is no $FCD_PLUGIN"
+        without "host tests ($host)" "there is no $FCD_PLUGIN"
     elif ! "$python" -c 'import pymeshlab' 2>"$results/$host.log"; then
-        without "$host" "$(tail -n 1 "$results/$host.log")"
+        without "host tests ($host)" "$(tail -n 1 "$results/$host.log")"
     else
         host "$host" "$python" tests/host_pymeshlab.py
     fi
@@ -95,9 +115,9 @@ done
 
 export FCD_MESHLABSERVER=$build/meshlab-2020.09/meshlabserver
 if [ ! -x "$FCD_MESHLABSERVER" ] || [ ! -e "$build/plugins/meshlab-2020.09/libfilter_fcd.so" ]; then
-    without meshlab-2020.09 "there is no meshlabserver or no plugin for it"
+    without "host tests (meshlab-2020.09)" "there is no meshlabserver or no plugin for it"
 elif ! xvfb-run -a true 2>"$results/xvfb.log"; then
-    without meshlab-2020.09 "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
+    without "host tests (meshlab-2020.09)" "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
 else
     host meshlab-2020.09 "$build/venv/bin/python" tests/host_meshlabserver.py
 fi
