@@ -11,7 +11,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import SAMPLES, about, rotation, transformed, translation, write_tags, write_transforms
+from conftest import SAMPLES, about, record, rotation, transformed, translation, write_tags, write_transforms
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 
@@ -70,19 +70,22 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 
 
 class Run:
-    """A filter script on a mesh: the log, and the layers (label without blanks -> mesh) that were there at the end."""
+    """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
     def __init__(self, folder, mesh, *filters, **environment):
-        shutil.copy(mesh, folder)
+        if mesh:
+            shutil.copy(mesh, folder)
         script = folder / "script.mlx"
         script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>" + "\n".join(filters) + "</FilterScript>\n")
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", SERVER, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
+            ["xvfb-run", "-a", SERVER, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
+             "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
         self.log, self.code = done.stdout, done.returncode
+        record(self.log)
         self.meshes, self.sets = {}, []  # a mesh lives as long as its set
         for path in sorted(folder.glob("*_out.*")):
             if path.suffix in (".ply", ".obj"):
@@ -185,6 +188,15 @@ def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, w
     assert word in run.log
     assert "terminate called" not in run.log and run.code >= 0
     assert set(run.meshes) <= {"bone"}
+
+
+def test_no_layer_is_an_error(tmp_path):
+    for name, script in ("graph", graph_filter()), ("tags", tag_filter(2)):
+        folder = tmp_path / name
+        folder.mkdir()
+        run = Run(folder, None, script)
+        assert "There is no layer. Open a mesh first." in run.log
+        assert "terminate called" not in run.log and run.code >= 0
 
 
 def select_filter(condition):

@@ -11,6 +11,7 @@ cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
 results=$build/results
 rm -rf "$results"
 mkdir -p "$results"
+export FCD_MESSAGES=$results/messages.txt # what the tests are told, for tests/messages.py
 passed=0 failed=0 skipped=0
 
 # count FILE: adds up a JUnit file of ctest or pytest.
@@ -75,8 +76,8 @@ without() {
         skipped=$((skipped + 1))
     fi
 }
-# lint NAME PROGRAM ARGUMENT...: passes when the program, which prints what it finds, does.
-lint() {
+# check NAME PROGRAM ARGUMENT...: passes when the program, which prints what it finds, does.
+check() {
     local name=$1
     shift
     echo "== $name"
@@ -85,19 +86,22 @@ lint() {
     elif nice "$@" >"$results/$name.log" 2>&1; then
         passed=$((passed + 1))
     else
-        grep -m 20 -E '(error|warning|style|performance|portability):' "$results/$name.log" || tail -n 5 "$results/$name.log"
+        grep -m 20 -E '(error|warning|style|performance|portability):' "$results/$name.log" || tail -n 20 "$results/$name.log"
         fail "$name, see $results/$name.log"
     fi
 }
 
 tools=$build/venv-tools/bin
-lint clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/pymeshlab-2025.7" -quiet \
+check clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/pymeshlab-2025.7" -quiet \
     -j 2 '/filter_fcd/[a-z_]+\.cpp$'
-lint cppcheck cppcheck -q -j 2 --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
+check cppcheck cppcheck -q -j 2 --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp
 
 suite unit-release -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
-suite unit-sanitized -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON
+LLVM_PROFILE_FILE=$results/%4m.profraw suite unit-sanitized -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ \
+    -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1 -fprofile-instr-generate -fcoverage-mapping" -DFCD_SANITIZE=ON
+check coverage bash tests/coverage.sh "$build/unit-sanitized/tests/fcd_unit_tests" "$results"/*.profraw
+tail -n 1 "$results/coverage.log"
 suite unit-threads -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
 suite fuzz -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 
@@ -121,5 +125,7 @@ elif ! xvfb-run -a true 2>"$results/xvfb.log"; then
 else
     host meshlab-2020.09 "$build/venv/bin/python" tests/host_meshlabserver.py
 fi
+
+check messages python3 tests/messages.py "$FCD_MESSAGES"
 
 finish

@@ -42,7 +42,7 @@ flock 9
 
 packages=(build-essential cmake ninja-build dpkg-dev xz-utils ca-certificates python3 python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev
-    meshlab xvfb xauth locales clang libclang-rt-14-dev cppcheck
+    meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0)
 
 missing=()
@@ -147,7 +147,7 @@ environment() {
 }
 environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
-environment "$build/venv-tools" clang-tidy==23.1.4 gcovr==8.8
+environment "$build/venv-tools" clang-tidy==23.1.4
 
 # --- plugins ------------------------------------------------------------------------------------------------------------
 

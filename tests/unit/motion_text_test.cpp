@@ -55,6 +55,18 @@ TEST(MotionText, ReadsEachStep) {
     ExpectMatrix("matrix 1 2 3 4  0 6 7 8  0 0 11 12  0 0 0 1", m);
 }
 
+TEST(MotionText, ReadsWhatStepsAreMadeOf) {
+    const Vector3d v(1, 2.5, 30);
+    Matrix4d m = Matrix4d::Identity();
+    m(0, 1) = 0.5;
+    for (const auto &[steps, step] : std::vector<std::pair<std::string, MotionStep>>{
+             {"translate 1 2.5 30", MotionStep::Translate(v)},
+             {"rotate 1 2.5 30 40", MotionStep::Rotate(v, 40)},
+             {"scale 1 2.5 30", MotionStep::Scale(v)},
+             {"matrix 1 0.5 0 0 0 1 0 0 0 0 1 0 0 0 0 1", MotionStep::Affine(m)}})
+        EXPECT_TRUE(SameBits(MotionOf(steps).matrix, ToMotion({step}, barycenter).matrix)) << steps;
+}
+
 TEST(MotionText, RotatesCounterclockwiseWhenTheAxisPointsAtYou) {
     const Motion motion = MotionOf("rotate 0 0 1 90 about 0 0 0");
     EXPECT_LE((motion.matrix * Eigen::Vector4d(1, 0, 0, 1) - Eigen::Vector4d(0, 1, 0, 1)).norm(), 1e-15);

@@ -7,7 +7,9 @@
 #include "test_mesh.h"
 
 #include <clocale>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
@@ -116,12 +118,14 @@ bool SameBits(const Matrix &a, const Matrix &b) {
            (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof *a.data()) == 0);
 }
 
-/// Calls \p run, which must throw an Exception. \return its message
+/// Calls \p run, which must throw an Exception. \return its message, which is also left for tests/messages.py
 template <class Exception, class Run>
 std::string MessageOf(const Run &run) {
     try {
         run();
     } catch (const Exception &e) {
+        if (const char *file = std::getenv("FCD_MESSAGES"))
+            std::ofstream(file, std::ios::app) << std::string(e.what()) + "\n";
         return e.what();
     }
     ADD_FAILURE() << "no exception";
