@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +73,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 class Run:
     """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters, **environment):
+    def __init__(self, folder, mesh, *filters, under=(), **environment):
         if mesh:
             shutil.copy(mesh, folder)
         script = folder / "script.mlx"
@@ -80,7 +81,7 @@ class Run:
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", SERVER, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
+            ["xvfb-run", "-a", *under, SERVER, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
              "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
@@ -287,3 +288,20 @@ def test_a_decimal_comma_makes_no_difference(tmp_path):
     assert len(runs["point"].meshes) == 3
     for label, mesh in runs["point"].meshes.items():
         assert mesh.vertex_matrix().tobytes() == runs["comma"].meshes[label].vertex_matrix().tobytes()
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="there is no valgrind")
+def test_valgrind_finds_no_error_and_no_leak_of_the_plugin(tmp_path):
+    files = dict(tag_file=str(tmp_path / "t.sel"), transform_file=str(tmp_path / "t.def"))
+    valgrind = ["valgrind", "--quiet", "--trace-children=yes", "--xml=yes", f"--xml-file={tmp_path}/%p.xml", "--num-callers=100",
+                "--leak-check=full", "--show-leak-kinds=definite"]
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), graph_filter(initial_patches=60),
+              save_filter(**files, translation=(0, 0, 0.25)), read_filter(files["tag_file"]),
+              deform_filter(handles=3, **files, initial_patches=60), deform_filter(transforms="2: turn"), under=valgrind)
+    assert run.value("converged") == "true" and "transforms, character 4: expected" in run.log, run.log
+    reports = [xml.etree.ElementTree.parse(path) for path in tmp_path.glob("*.xml")]
+    reports = [report for report in reports if "meshlabserver.bin" in report.findtext("args/argv/exe")]
+    assert len(reports) == 1 and reports[0].findall("status")[-1].findtext("state") == "FINISHED"
+    # The host and its libraries have a few of their own.
+    ours = [error for error in reports[0].iter("error") if any("libfilter_fcd" in (o.text or "") for o in error.iter("obj"))]
+    assert not ours, "\n".join(xml.etree.ElementTree.tostring(error, "unicode") for error in ours[:3])
