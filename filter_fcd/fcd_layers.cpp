@@ -3,6 +3,7 @@
 #include <vcg_ext/motion_text.h>
 
 #include "fcd_layers.h"
+#include "fcd_points.h"
 
 #include <vcg/complex/allocate.h>
 
@@ -56,12 +57,14 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
     return tag;
 }
 
-std::vector<int> tagsFromQuality(const MeshModel &layer) {
+std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
     bool tagged = false;
     if (layer.hasDataMask(MeshModel::MM_VERTQUALITY))
         for (std::size_t i = 0; i < mesh.vert.size() && !tagged; ++i)
             tagged = !mesh.vert[i].IsD() && mesh.vert[i].cQ() != 0;
+    if (!tagged && freeIfNone)
+        return std::vector<int>(mesh.vert.size(), 1);
     if (!tagged)
         throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
                                 "vertices yet. Set the quality to a tag per vertex (") +
@@ -72,7 +75,7 @@ std::vector<int> tagsFromQuality(const MeshModel &layer) {
     return tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
 }
 
-std::vector<int> tagsFromSelection(const MeshModel &layer) {
+std::vector<int> tagsFromSelection(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
     std::vector<int> tag(mesh.vert.size(), 1);
     for (const CFaceO &face : mesh.face)
@@ -85,7 +88,7 @@ std::vector<int> tagsFromSelection(const MeshModel &layer) {
             tag[i] = 2;
             handle = true;
         }
-    if (!handle)
+    if (!handle && !freeIfNone)
         throw Error(
             "No handle: no vertex is selected. Select the vertices of the handle, and the faces of what stays fixed, "
             "or choose another source with 'handles'.");
@@ -137,16 +140,6 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 
 // --- motions ---
 
-Eigen::Affine3d matrixOf(const MeshModel &layer) {
-    Eigen::Matrix4d matrix;
-    layer.cm.Tr.ToEigenMatrix(matrix);
-    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
-        !Eigen::FullPivLU<Eigen::Matrix3d>(matrix.topLeftCorner<3, 3>()).isInvertible())
-        throw Error("The matrix of the layer '" + text(layer.label()) +
-                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
-    return Eigen::Affine3d(matrix);
-}
-
 Eigen::Vector3d coordinates(const CVertexO &vertex) {
     return Eigen::Vector3d(vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]);
 }
@@ -180,12 +173,26 @@ std::string listOfKeys(const Map &map) {
 
 } // namespace
 
+Eigen::Affine3d matrixOf(const MeshModel &layer) {
+    Eigen::Matrix4d matrix;
+    layer.cm.Tr.ToEigenMatrix(matrix);
+    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
+        !Eigen::FullPivLU<Eigen::Matrix3d>(matrix.topLeftCorner<3, 3>()).isInvertible())
+        throw Error("The matrix of the layer '" + text(layer.label()) +
+                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+    return Eigen::Affine3d(matrix);
+}
+
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
+    const bool freeIfNone = !param.pointFile.isEmpty();
     switch (param.source) {
-    case HandleParam::Quality: return tagsFromQuality(layer);
-    case HandleParam::Selection: return tagsFromSelection(layer);
+    case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone);
+    case HandleParam::Selection: return tagsFromSelection(layer, freeIfNone);
     case HandleParam::Attribute: return tagsFromAttribute(layer, param.tagAttribute);
-    case HandleParam::Files: return tagsFromFile(layer, param.tagFile);
+    case HandleParam::Files:
+        if (freeIfNone && param.tagFile.isEmpty())
+            return std::vector<int>(layer.cm.vert.size(), 1);
+        return tagsFromFile(layer, param.tagFile);
     }
     throw Error("Unknown source of tags.");
 }
@@ -203,6 +210,8 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
     const CMeshO &mesh = layer.cm;
     Handles handles;
     handles.tag = readTags(layer, param);
+    if (!param.pointFile.isEmpty())
+        handles.point = readPointHandles(layer, param.pointFile);
 
     const Eigen::Affine3d layerMatrix = matrixOf(layer);
     struct Sum {

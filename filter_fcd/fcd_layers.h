@@ -18,7 +18,12 @@ using Remark = std::function<void(const std::string &)>;
 
 // --- layers -> vcg_ext ---
 
-/// The tags of \p layer, one per slot of its vertex vector. \throw vcg::fcd::Error when they cannot be had
+/// The matrix of \p layer, which leads from its coordinates to those of the world. \throw vcg::fcd::Error when it has
+/// no inverse
+Eigen::Affine3d matrixOf(const MeshModel &layer);
+
+/// The tags of \p layer, one per slot of its vertex vector. With point handles, all is free where nothing is tagged.
+/// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 
 /// Tags (per slot of the layer's vertex vector) and motions (in the layer's own coordinates) of the handles of \p

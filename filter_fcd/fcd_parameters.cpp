@@ -155,6 +155,18 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         "line breaks and commas between numbers make no difference. May be given whatever the handles come from. "
         "Handles that are not in it move by the file above or by the translation, rotation and "
         "matrix below.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "point_handles_file", handles.pointFile,
+        QStringList() << "*.csv"
+                      << "*.pp",
+        "File with point handles (.csv, .pp)",
+        "Points and where they go, in world coordinates; between them the surface turns as it likes. Either a "
+        "list with a line for each point: <i>vertex, x, y, z</i> (the number of a vertex, from 0, and its target) or "
+        "<i>x, y, z, x, y, z</i> (start and target), with commas, semicolons or blanks between; lines that begin with "
+        "# "
+        "are comments. Or MeshLab's picked points (.pp): start, target, start, target, and so on. For a start that is "
+        "no vertex, the nearest vertex moves as the start does. Points are handles in addition to the tags, and belong "
+        "where the surface is free; with them, a layer without tags is all free.");
 
     // How it moves.
     addParameter<host::RichPositionParam>(list, Shown::Always, "translation", toPoint(handles.translation),
@@ -251,6 +263,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     handles.tagFile = list.getOpenFileName("tag_file");
     handles.transformFile = list.getOpenFileName("transform_file");
     handles.transforms = list.getString("transforms");
+    handles.pointFile = list.getOpenFileName("point_handles_file");
     handles.translation = toVector(list.getPoint3m("translation"));
     handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
     handles.rotationAngle = list.getFloat("rotation_angle");
@@ -289,7 +302,7 @@ void HandleParam::validate() const {
         throw Error("TransformMatrix is not affine: its last row must be 0 0 0 1 and all its entries finite numbers.");
     if (source == Attribute && tagAttribute.isEmpty())
         throw Error("tag_attribute is empty. Give the name of the per-vertex attribute that holds the tags.");
-    if (source == Files && tagFile.isEmpty())
-        throw Error(
-            "tag_file is empty. Give the .sel file with one tag per vertex, or choose another source of handles.");
+    if (source == Files && tagFile.isEmpty() && pointFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file with one tag per vertex, or a file with point handles, or "
+                    "choose another source of handles.");
 }

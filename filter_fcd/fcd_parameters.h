@@ -26,6 +26,7 @@ struct HandleParam {
     QString tagFile;                  ///< .sel (Files)
     QString transformFile;            ///< .def, may be empty; read with every source
     QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
+    QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
 
     // The motion of handles that neither of these moves: first matrix, then rotation, then translation.
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();

@@ -97,6 +97,7 @@ DEFORM_PARAMETERS = [
     ("tag_file", "RichOpenFile", "", "*.sel"),
     ("transform_file", "RichOpenFile", "", "*.def"),
     ("transforms", "RichString", ""),
+    ("point_handles_file", "RichOpenFile", "", "*.csv", "*.pp"),
     ("translation", "RichPoint3f", (0, 0, 0)),
     ("rotation_axis", "RichPoint3f", (0, 0, 1)),
     ("rotation_angle", "RichFloat", 0.0),
@@ -145,7 +146,8 @@ def script_parameter(name, kind, value, names, diagonal):
         rest = f'value="{value}" enum_cardinality="{len(names)}" ' + " ".join(
             f"enum_val{i}={quoteattr(n)}" for i, n in enumerate(names))
     elif kind == "RichOpenFile":
-        rest = f'value={quoteattr(value)} exts_cardinality="1" exts_val0="{names[0]}"'
+        rest = f'value={quoteattr(value)} exts_cardinality="{len(names)}" ' + " ".join(
+            f'exts_val{i}="{name}"' for i, name in enumerate(names))
     elif kind == "RichFloat":
         rest = f'value="{value:g}"'
     else:

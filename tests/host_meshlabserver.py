@@ -48,7 +48,7 @@ def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, rando
             boolean("patches_layer", patches_layer) + "</filter>")
 
 
-def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="",
+def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="", point_handles_file="",
                   translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
                   use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.005,
                   max_iterations=1000, tolerance=1e-5, weights=0, influence=3.5, loose_parts=0, pose=100, graph_layers=True):
@@ -57,7 +57,8 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
             parameter("OpenFile", "transform_file", value=transform_file, exts_cardinality=1, exts_val0="*.def") +
             parameter("String", "transforms", value=transforms) +
-            point("translation", translation) + point("rotation_axis", rotation_axis) +
+            parameter("OpenFile", "point_handles_file", value=point_handles_file, exts_cardinality=2, exts_val0="*.csv",
+                      exts_val1="*.pp") + point("translation", translation) + point("rotation_axis", rotation_axis) +
             parameter("Float", "rotation_angle", value=rotation_angle) + choice("rotation_center", rotation_center, 3) +
             point("rotation_point", rotation_point) +
             parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.ravel(matrix))}) +
@@ -155,6 +156,16 @@ def test_motions_as_text(tmp_path):
     points = run.meshes["bonedeformed"].vertex_matrix()
     half = about(rest[tags == 2].mean(0), rotation([1, 0, 0], 135))
     assert np.abs(points[tags == 2] - transformed(half, rest[tags == 2])).max() < 1e-6
+
+
+def test_point_handles(tmp_path):
+    (tmp_path / "p.csv").write_text("# start, target\n0.1 0.5 0.5 0.1 0.5 0.5\n0.5 0.5 0.5, 0.5 0.5 0.6\n0.9 0.5 0.5 0.9 0.5 0.8\n")
+    run = Run(tmp_path, BONE, deform_filter(point_handles_file=str(tmp_path / "p.csv"), graph_layers=False))
+    assert run.code == 0, run.log
+    rest, points = run.meshes["bone"].vertex_matrix(), run.meshes["bonedeformed"].vertex_matrix()
+    for start, up in (([0.1, 0.5, 0.5], 0), ([0.5, 0.5, 0.5], 0.1), ([0.9, 0.5, 0.5], 0.3)):
+        nearest = np.linalg.norm(rest - start, axis=1).argmin()
+        assert np.abs(points[nearest] - rest[nearest] - [0, 0, up]).max() < 1e-6
 
 
 def test_textures_and_colors_survive(tmp_path):

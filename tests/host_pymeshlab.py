@@ -20,7 +20,7 @@ absolute = pymeshlab.AbsoluteValue if IS_2022 else pymeshlab.PureValue
 
 GRAPH_DEFAULTS = {"target_radius": 0, "initial_patches": 300, "max_iterations": 100, "random_seed": 1, "patches_layer": True}
 DEFORM_DEFAULTS = {
-    "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "",
+    "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
     "random_seed": 1, "smoothness": 0.005, "max_iterations": 1000, "tolerance": 1e-5, "weights": 0, "influence": 3.5,
@@ -642,6 +642,147 @@ def test_unwelded_mesh_moves_as_one(tmp_path):
     first[group[::-1]] = np.arange(len(group))[::-1]
     assert len(first) < len(rest) / 3
     assert same_points(moved, moved[first[group]])
+
+
+# --- point handles ------------------------------------------------------------------------------------------------------
+
+
+def point_targets(ms):
+    """Vertices far apart on the bone and where they go, world coordinates."""
+    mesh = ms.current_mesh()
+    points = transformed(matrix(mesh), mesh.vertex_matrix())
+    wanted = transformed(matrix(mesh), np.array([[0.1, 0.5, 0.5], [0.5, 0.5, 0.5], [0.9, 0.5, 0.5], [0.9, 0.4, 0.6]]))
+    chosen = [int(np.linalg.norm(points - p, axis=1).argmin()) for p in wanted]
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    return chosen, points[chosen], points[chosen] + size * np.array([[0, 0, 0], [0, 0, 0.05], [0, 0, 0.2], [0.01, 0, 0.2]])
+
+
+def point_file(path, kind, chosen, start, target):
+    if kind == "index":
+        path.write_text("vertex;x;y;z\n" + "".join(f"{v}; {x!r}; {y!r}; {z!r}\n" for v, (x, y, z) in zip(chosen, target.tolist())))
+    elif kind == "coordinates":
+        path.write_text("# start, target\r\n" +
+                        "".join(",".join(map(repr, a + b)) + "\r\n" for a, b in zip(start.tolist(), target.tolist())))
+    else:
+        lines = [f'<point x="{x!r}" y="{y!r}" z="{z!r}" active="1" name="{i}"/>'
+                 for i, (x, y, z) in enumerate(np.stack([start, target], 1).reshape(-1, 3).tolist())]
+        lines.insert(1, '<point x="7" y="7" z="7" active="0" name="not picked"/>')
+        path.write_text("<!DOCTYPE PickedPoints>\n<PickedPoints>\n <DocumentData/>\n" + "\n".join(lines) + "\n</PickedPoints>\n")
+    return str(path)
+
+
+def test_point_handles_arrive_and_every_kind_of_file_gives_the_same_bits(tmp_path):
+    ms = untagged_bone()
+    chosen, start, target = point_targets(ms)
+    rest, results = ms.current_mesh().vertex_matrix(), []
+    for kind, name in (("index", "points.csv"), ("coordinates", "points.txt"), ("picked", "points.PP")):
+        ms.set_current_mesh(0)
+        result = ms.apply_filter(DEFORM, point_handles_file=point_file(tmp_path / name, kind, chosen, start, target), graph_layers=False)
+        assert result["converged"] and result["handle_vertices"] == 4
+        results.append(ms.current_mesh().vertex_matrix())
+    points = results[0]
+    assert np.abs(points[chosen] - target).max() < 1e-12
+    assert same_points(points, results[1]) and same_points(points, results[2])
+    # What is between them follows, without folds: edges keep their length by and large.
+    edge = np.concatenate([ms.current_mesh().face_matrix()[:, [0, 1]], ms.current_mesh().face_matrix()[:, [1, 2]]])
+    length = [np.linalg.norm(p[edge[:, 0]] - p[edge[:, 1]], axis=1) for p in (rest, points)]
+    assert 0.3 < (length[1] / length[0]).min() and (length[1] / length[0]).max() < 2
+
+
+@pytest.mark.parametrize("kind", ["index", "coordinates", "picked"])
+def test_point_handles_are_in_world_coordinates(tmp_path, kind):
+    ms = untagged_bone()
+    place = translation([3, -2, 1]) @ about([0, 0, 0], 2 * rotation([1, 2, 3], 50))
+    ms.apply_filter("set_matrix", transformmatrix=place, freeze=False)
+    chosen, start, target = point_targets(ms)
+    path = tmp_path / ("p.pp" if kind == "picked" else "p.csv")
+    ms.apply_filter(DEFORM, point_handles_file=point_file(path, kind, chosen, start, target))
+    mesh = ms.current_mesh()
+    assert np.abs(transformed(matrix(mesh), mesh.vertex_matrix())[chosen] - target).max() < 1e-11
+
+
+def test_a_start_beside_the_surface_stands_for_the_nearest_vertex(tmp_path):
+    ms = untagged_bone()
+    chosen, start, target = point_targets(ms)
+    beside = np.array([1e-5, -1e-5, 1e-5])
+    ms.apply_filter(DEFORM, point_handles_file=point_file(tmp_path / "p.csv", "coordinates", chosen, start + beside, target + beside))
+    assert np.abs(ms.current_mesh().vertex_matrix()[chosen] - target).max() < 1e-12
+
+
+def test_point_handles_with_tags_and_pose(tmp_path):
+    ms = clean_bone()
+    chosen, start, target = point_targets(ms)
+    rest, tags = ms.current_mesh().vertex_matrix(), ms.current_mesh().vertex_scalar_array()
+    path = point_file(tmp_path / "p.csv", "index", chosen[1:2], start[1:2], target[1:2])
+    ms.apply_filter(DEFORM, point_handles_file=path, translation=np.array([0, 0, 0.25]), pose=50.0)
+    points = ms.current_mesh().vertex_matrix()
+    assert same_points(points[tags == 0], rest[tags == 0])
+    assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.125]).max() < 1e-12
+    assert np.abs(points[chosen[1]] - (start[1] + target[1]) / 2).max() < 1e-12
+
+
+def test_a_point_handle_is_a_single_vertex_that_is_translated(tmp_path):
+    ms = clean_bone()
+    chosen, start, target = point_targets(ms)
+    path = point_file(tmp_path / "p.csv", "index", chosen[2:3], start[2:3], target[2:3])
+    set_quality(ms, "(x < 0.25) ? 0 : 1")
+    ms.apply_filter(DEFORM, point_handles_file=path)
+    by_file = ms.current_mesh().vertex_matrix()
+    ms.set_current_mesh(0)
+    set_quality(ms, f"(x < 0.25) ? 0 : ((vi == {chosen[2]}) ? 2 : 1)")
+    ms.apply_filter(DEFORM, translation=target[2] - start[2])
+    assert np.abs(ms.current_mesh().vertex_matrix() - by_file).max() < 1e-7
+
+
+@pytest.mark.parametrize("handles, selected", [(1, ""), (1, "faces"), (3, "")])
+def test_point_handles_need_no_tags(tmp_path, handles, selected):
+    ms = untagged_bone()
+    chosen, start, target = point_targets(ms)
+    select(ms, faces="x0 < 0.2" if selected else "")
+    mesh = ms.current_mesh()
+    fixed = np.unique(mesh.face_matrix()[mesh.face_selection_array()])
+    rest = mesh.vertex_matrix()
+    path = point_file(tmp_path / "p.csv", "index", chosen[1:], start[1:], target[1:])
+    result = ms.apply_filter(DEFORM, handles=handles, point_handles_file=path)
+    assert result["fixed_vertices"] == len(fixed) and (len(fixed) > 0) == bool(selected)
+    points = ms.current_mesh().vertex_matrix()
+    assert same_points(points[fixed], rest[fixed]) and np.abs(points[chosen[1:]] - target[1:]).max() < 1e-12
+
+
+POINT_ERRORS = {
+    "file is missing": ("/no/such.csv", None, "Cannot open '/no/such.csv'"),
+    "picked points are missing": ("/no/such.pp", None, "Cannot open '/no/such.pp'"),
+    "file is empty": ("p.csv", "", "holds no points"),
+    "a word": ("p.csv", "1, 0, 0, zero\n", "line 1: expected a number, found 'zero'"),
+    "five numbers": ("p.csv", "# list\n1 2 3 4 5\n", "line 2: found 5 numbers"),
+    "not finite": ("p.csv", "1, 0, 0, nan\n", "line 1: expected a finite number"),
+    "no such vertex": ("p.csv", "100000000, 0, 0, 0\n", "names vertex 100000000, but the layer has vertices 0 to"),
+    "vertex is a fraction": ("p.csv", "0.5, 0, 0, 0\n", "expected the number of a vertex"),
+    "vertex is negative": ("p.csv", "-1, 0, 0, 0\n", "expected the number of a vertex"),
+    "held already": ("p.csv", "0.1 0.5 0.5 0 0 0\n", "is held already"),
+    "twice": ("p.csv", "0.5 0.5 0.5 0 0 0\n0.5 0.5 0.5 0 0 1\n", "same place as point handle 1"),
+    "no pairs": ("p.pp", '<PickedPoints><point x="0" y="0" z="0" active="1"/></PickedPoints>', "holds 1 active points"),
+    "no points": ("p.pp", "<PickedPoints></PickedPoints>", "holds 0 active points"),
+    "no XML": ("p.pp", "vertex\n", "line 1: "),
+    "cut short": ("p.pp", '<PickedPoints>\n<point x="0" y="0" z="0" active="1"/>\n', "line 3: "),
+    "no coordinate": ("p.pp", '<PickedPoints>\n<point x="0" z="0" active="1"/></PickedPoints>', "line 2: expected a number as y"),
+    "coordinate is infinite": ("p.pp", '<PickedPoints>\n<point x="inf" y="0" z="0"/></PickedPoints>', "expected a number as x"),
+}
+
+
+@pytest.mark.parametrize("case", POINT_ERRORS)
+def test_an_error_in_a_file_of_points_changes_nothing(tmp_path, case):
+    name, content, word = POINT_ERRORS[case]
+    path = name if content is None else tmp_path / name
+    if content is not None:
+        path.write_text(content)
+    ms = clean_bone()
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        ms.apply_filter(DEFORM, point_handles_file=str(path))
+    assert word in str(error.value) and "Details:" in str(error.value), str(error.value)
+    assert len(list(ms)) == 1
+    assert_unchanged(before, ms.current_mesh())
 
 
 # --- errors -------------------------------------------------------------------------------------------------------------

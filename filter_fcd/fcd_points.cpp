@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/handle_file.h> // before Qt
+
+#include "fcd_layers.h"
+#include "fcd_points.h"
+
+#include <vcg/space/index/kdtree/kdtree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <QFile>
+#include <QXmlStreamReader>
+
+using vcg::fcd::Error;
+using vcg::fcd::PointHandle;
+using vcg::fcd::PointPair;
+
+namespace {
+
+std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
+
+/// MeshLab's picked points: the active ones in pairs.
+std::vector<PointPair> readPickedPoints(const QString &path) {
+    QFile file(path);
+    const std::string name = quoted(path);
+    if (!file.open(QIODevice::ReadOnly))
+        throw Error("Cannot open " + name + ".");
+    QXmlStreamReader xml(&file);
+    std::vector<Eigen::Vector3d> points;
+    while (!xml.atEnd())
+        if (xml.readNext() == QXmlStreamReader::StartElement && xml.name() == QLatin1String("point")) {
+            const QXmlStreamAttributes attributes = xml.attributes();
+            const QString active = attributes.value("active").toString();
+            if (active == "0" || active.compare("false", Qt::CaseInsensitive) == 0)
+                continue;
+            Eigen::Vector3d p;
+            const char *const coordinate[3] = {"x", "y", "z"};
+            for (int d = 0; d < 3; ++d) {
+                bool ok = false;
+                p[d] = attributes.value(coordinate[d]).toDouble(&ok);
+                if (!ok || !std::isfinite(p[d]))
+                    throw Error(name + ", line " + std::to_string(xml.lineNumber()) + ": expected a number as " +
+                                coordinate[d] + " of the point.");
+            }
+            points.push_back(p);
+        }
+    if (xml.hasError())
+        throw Error(name + ", line " + std::to_string(xml.lineNumber()) + ": " + xml.errorString().toStdString() + ".");
+    if (points.empty() || points.size() % 2)
+        throw Error(name + " holds " + std::to_string(points.size()) +
+                    " active points; expected pairs of them: start, target, start, target, ...");
+    std::vector<PointPair> pairs(points.size() / 2);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        pairs[i].start = points[2 * i];
+        pairs[i].target = points[2 * i + 1];
+    }
+    return pairs;
+}
+
+} // namespace
+
+std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString &file) {
+    const std::vector<PointPair> pairs = file.endsWith(".pp", Qt::CaseInsensitive)
+                                             ? readPickedPoints(file)
+                                             : vcg::fcd::ReadPointHandleFile(QFile::encodeName(file).toStdString());
+    const CMeshO &mesh = layer.cm;
+    const Eigen::Affine3d toLayer = matrixOf(layer).inverse();
+
+    // Live vertices: a file counts them as MeshLab would save them.
+    std::vector<std::size_t> live;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            live.push_back(i);
+
+    // To find the vertex nearest to a point.
+    std::vector<std::size_t> slot;
+    std::vector<vcg::Point3d> position;
+    if (std::any_of(pairs.begin(), pairs.end(), [](const PointPair &pair) { return pair.vertex < 0; }))
+        for (std::size_t i : live) {
+            const vcg::Point3d p = vcg::Point3d::Construct(mesh.vert[i].cP());
+            if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) {
+                slot.push_back(i);
+                position.push_back(p);
+            }
+        }
+    vcg::ConstDataWrapper<vcg::Point3d> wrapper(position.data(), int(position.size()));
+    std::unique_ptr<vcg::KdTree<double>> tree;
+    if (!position.empty())
+        tree.reset(new vcg::KdTree<double>(wrapper));
+
+    std::vector<PointHandle> handles;
+    for (const PointPair &pair : pairs) {
+        PointHandle handle;
+        handle.target = toLayer * pair.target;
+        if (pair.vertex >= 0) {
+            if (std::size_t(pair.vertex) >= live.size())
+                throw Error(quoted(file) + " names vertex " + std::to_string(pair.vertex) +
+                            ", but the layer has vertices 0 to " + std::to_string(live.size() - 1) + ".");
+            handle.vertex = live[std::size_t(pair.vertex)];
+        } else if (tree) {
+            const Eigen::Vector3d start = toLayer * pair.start;
+            unsigned nearest = 0;
+            double distance = 0;
+            tree->doQueryClosest(vcg::Point3d(start[0], start[1], start[2]), nearest, distance);
+            handle.vertex = slot[nearest];
+            const vcg::Point3d &p = position[nearest];
+            handle.target += Eigen::Vector3d(p[0], p[1], p[2]) - start;
+        } else {
+            throw Error("The coordinates of the layer are not finite numbers, so no vertex is nearest to a point.");
+        }
+        handles.push_back(handle);
+    }
+    return handles;
+}
