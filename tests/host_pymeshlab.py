@@ -785,6 +785,16 @@ def test_an_error_in_a_file_of_points_changes_nothing(tmp_path, case):
     assert_unchanged(before, ms.current_mesh())
 
 
+def test_no_vertex_is_near_a_point_where_none_is_finite(tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text("0 0 0 1 1 1\n")
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(np.full((5, 3), np.inf)), "bad")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="not finite numbers, so no vertex is nearest"):
+        ms.apply_filter(DEFORM, point_handles_file=str(path))
+    assert len(list(ms)) == 1
+
+
 # --- errors -------------------------------------------------------------------------------------------------------------
 
 ERRORS = {
