@@ -87,8 +87,8 @@ class WordReader {
 
     /// \return false at the end of the line
     bool NextInLine() {
-        while (at < text.size() && text[at] != '\n' && text[at] != '\r' && IsSpace(text[at]))
-            ++at;
+        for (skipped = 0; at < text.size() && text[at] != '\n' && text[at] != '\r' && IsSpace(text[at]); ++at)
+            skipped += !detail::IsSpace(text[at]);
         wordBegin = at;
         while (at < text.size() && !IsSpace(text[at]) && text[at] != '#')
             ++at;
@@ -112,6 +112,9 @@ class WordReader {
     bool Read(Number &value) const {
         return ToNumber(text.data() + wordBegin, text.data() + at, value);
     }
+
+    /// How many separators stand before the current word.
+    std::size_t Separators() const { return skipped; }
 
     bool LooksLikeNumber() const { return detail::LooksLikeNumber(text.data() + wordBegin, text.data() + at); }
 
@@ -137,6 +140,7 @@ class WordReader {
     const std::string &text;
     const std::string name, separators;
     std::size_t at = 0, wordBegin = 0, line = 1;
+    std::size_t skipped = 0; ///< separators before the current word
 };
 
 /// The shortest text that reads back as the same number.
@@ -203,9 +207,9 @@ struct PointPair {
 };
 
 /// Reads a list of correspondences: a line for each point with the number of a vertex (from 0) or the x, y and z of the
-/// start, and the x, y and z of the target. Between the numbers commas, semicolons or white space; comments from '#' to
-/// the end of the line, and a first line that does not begin like a number names the columns. \param name what messages
-/// call the text \throw Error a line that is not of this kind, or none at all, with name and line
+/// start, and the x, y and z of the target. Between the numbers a comma, a semicolon or white space; comments from '#'
+/// to the end of the line, and a first line that does not begin like a number names the columns. \param name what
+/// messages call the text \throw Error a line that is not of this kind, or none at all, with name and line
 inline std::vector<PointPair> ReadPointHandleText(const std::string &text, const std::string &name) {
     detail::WordReader reader(text, name, ",;");
     std::vector<PointPair> pairs;
@@ -221,6 +225,8 @@ inline std::vector<PointPair> ReadPointHandleText(const std::string &text, const
                 first = false;
                 reader.Read(pair.vertex);
             }
+            if (!title && reader.Separators() > (count == 0 ? 0u : 1u))
+                reader.Fail("expected a number between the separators; one is missing");
             if (!title && count < 6)
                 number[count] = reader.As<double>("a number");
         }

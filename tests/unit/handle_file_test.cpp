@@ -277,6 +277,9 @@ TEST_F(HandleFile, RefusesWhatIsNoListOfPoints) {
     ExpectNames(PointError("vertex,x,y,z\n"), 2, "no points");
     ExpectNames(PointError("9223372036854775808 1 2 3\n"), 1, "number of a vertex");
     ExpectNames(PointError("1e3 1 2 3\n"), 1, "number of a vertex");
+    for (const char *bad : {"1,,4,5,6", "1,2,3,,5,6,7", ",1,2,3,4", "0 ; ; 1 2 3", "1,;2,3,4", "x,,z\n;1,2,3,4"})
+        ExpectNames(PointError(std::string("\n") + bad), 2 + (*bad == 'x'), "one is missing");
+    EXPECT_EQ(ReadPointHandleFile(Written("vertex,,x,y,z\n1, 2 ,3;4\n1;2;3;4;;\n1,2,3,4,5,6,")).size(), 3u);
     for (const char *bad : {"1e999", "0x10", "1.2.3", "-", "+-1"}) // not a line that names the columns
         ExpectNames(PointError(bad + std::string(" 1 2 3\n4 5 6 7\n")), 1, bad);
 }
