@@ -88,7 +88,7 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString 
     vcg::ConstDataWrapper<vcg::Point3d> wrapper(position.data(), int(position.size()));
     std::unique_ptr<vcg::KdTree<double>> tree;
     if (!position.empty())
-        tree.reset(new vcg::KdTree<double>(wrapper));
+        tree = std::make_unique<vcg::KdTree<double>>(wrapper);
 
     std::vector<PointHandle> handles;
     for (const PointPair &pair : pairs) {

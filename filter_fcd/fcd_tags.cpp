@@ -27,9 +27,11 @@ std::string pathOf(const QString &file) { return QFile::encodeName(file).toStdSt
 
 /// The parameters that "FCD: Save Tags" has in common with "FCD: Deform Mesh": those that say how handles move, and
 /// where their tags are.
-const QStringList motionParameters{"transforms",      "translation",    "rotation_axis",  "rotation_angle",
-                                   "rotation_center", "rotation_point", "TransformMatrix"};
-const QStringList sourceParameters{"handles", "tag_attribute"};
+QStringList motionParameters() {
+    return {"transforms",      "translation",    "rotation_axis",  "rotation_angle",
+            "rotation_center", "rotation_point", "TransformMatrix"};
+}
+QStringList sourceParameters() { return {"handles", "tag_attribute"}; }
 
 void addTarget(RichParameterList &list, const TagTarget &target) {
     addParameter<RichString>(
@@ -95,7 +97,7 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
 
 vcg::Color4b colorOf(int tag) {
     const auto color = [](double r, double g, double b) {
-        const auto byte = [](double x) { return (unsigned char)(std::lround(x)); };
+        const auto byte = [](double x) { return (unsigned char)std::lround(x); };
         return vcg::Color4b(byte(r), byte(g), byte(b), 255);
     };
     if (tag < 0)
@@ -278,7 +280,7 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
         "The file to write the motions below to: one 4x4 matrix per handle, in world coordinates, for handle 2, 3, and "
         "so on (the identity for a number that no vertex has). An existing file is replaced. <b>Empty</b> (the "
         "default): only the tags are saved, and the motions below are not used.");
-    for (const QString &name : motionParameters)
+    for (const QString &name : motionParameters())
         list.addParam(all.getParameterByName(name));
     return list;
 }
@@ -287,7 +289,7 @@ SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &documen
     SaveTagsParam param;
     enumValue(list, "handles", 3);
     RichParameterList all = toRichParameters(DeformMeshParam(), document);
-    for (const QString &name : sourceParameters + motionParameters)
+    for (const QString &name : sourceParameters() + motionParameters())
         all.setValue(name, list.getParameterByName(name).value());
     param.handles = deformMeshParam(all, document).handles;
     param.tagFile = list.getSaveFileName("tag_file");

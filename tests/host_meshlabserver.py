@@ -5,13 +5,14 @@ import os
 import re
 import shutil
 import subprocess
+import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import SAMPLES, about, rotation, transformed, translation, unpacked, write_tags, write_transforms
+from conftest import SAMPLES, about, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"
@@ -75,19 +76,22 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 
 
 class Run:
-    """A filter script on a mesh: the log, and the layers (label without blanks -> mesh) that were there at the end."""
+    """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters, server=SERVER):
-        shutil.copy(mesh, folder)
+    def __init__(self, folder, mesh, *filters, server=SERVER, under=(), **environment):
+        if mesh:
+            shutil.copy(mesh, folder)
         script = folder / "script.mlx"
         script.write_text("<!DOCTYPE FilterScript>\n<FilterScript>" + "\n".join(filters) + "</FilterScript>\n")
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", server, "-i", str(folder / mesh.name), "-s", str(script), "-w", str(folder / "project.mlp")],
+            ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
+             "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
-            env={**os.environ, "XDG_RUNTIME_DIR": str(runtime)})
+            env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
         self.log, self.code = done.stdout, done.returncode
+        record(self.log)
         self.meshes, self.sets = {}, []  # a mesh lives as long as its set
         for path in sorted(folder.glob("*_out.*")):
             if path.suffix in (".ply", ".obj"):
@@ -200,6 +204,15 @@ def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, w
     assert word in run.log
     assert "terminate called" not in run.log and run.code >= 0
     assert set(run.meshes) <= {"bone"}
+
+
+def test_no_layer_is_an_error(tmp_path):
+    for name, script in ("graph", graph_filter()), ("tags", tag_filter(2)):
+        folder = tmp_path / name
+        folder.mkdir()
+        run = Run(folder, None, script)
+        assert "There is no layer. Open a mesh first." in run.log
+        assert "terminate called" not in run.log and run.code >= 0
 
 
 def select_filter(condition):
@@ -323,3 +336,38 @@ def test_the_plugins_of_other_hosts_are_left_out(tmp_path):
     assert run.code == 0 and "bonedeformed" in run.meshes, run.log
     for path in other:
         assert re.search(f"Cannot load library .*lib{path.parent.name}.so", run.log), run.log
+
+
+def test_a_decimal_comma_makes_no_difference(tmp_path):
+    locales = Path(__file__).resolve().parents[1] / "build" / "locale"
+    assert (locales / "de_DE.UTF-8").is_dir()
+    runs = {}
+    for name, environment in ("point", {}), ("comma", {"LC_ALL": "de_DE.UTF-8", "LOCPATH": str(locales)}):
+        folder = tmp_path / name
+        folder.mkdir()
+        files = dict(tag_file=str(folder / "t.sel"), transform_file=str(folder / "t.def"))
+        runs[name] = Run(folder, BONE, quality_filter(BONE_TAGS), save_filter(**files, translation=(0, 0, 0.25)),
+                         deform_filter(handles=3, **files, smoothness=0.0075, graph_layers=False),
+                         deform_filter(transforms="2: translate 0.125 0 0", graph_layers=False), **environment)
+        assert runs[name].code == 0, runs[name].log
+        assert "0.25" in (folder / "t.def").read_text()
+    assert len(runs["point"].meshes) == 3
+    for label, mesh in runs["point"].meshes.items():
+        assert mesh.vertex_matrix().tobytes() == runs["comma"].meshes[label].vertex_matrix().tobytes()
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="there is no valgrind")
+def test_valgrind_finds_no_error_and_no_leak_of_the_plugin(tmp_path):
+    files = dict(tag_file=str(tmp_path / "t.sel"), transform_file=str(tmp_path / "t.def"))
+    valgrind = ["valgrind", "--quiet", "--trace-children=yes", "--xml=yes", f"--xml-file={tmp_path}/%p.xml", "--num-callers=100",
+                "--leak-check=full", "--show-leak-kinds=definite"]
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), graph_filter(initial_patches=60),
+              save_filter(**files, translation=(0, 0, 0.25)), read_filter(files["tag_file"]),
+              deform_filter(handles=3, **files, initial_patches=60), deform_filter(transforms="2: turn"), under=valgrind)
+    assert run.value("converged") == "true" and "transforms, character 4: expected" in run.log, run.log
+    reports = [xml.etree.ElementTree.parse(path) for path in tmp_path.glob("*.xml")]
+    reports = [report for report in reports if "meshlabserver.bin" in report.findtext("args/argv/exe")]
+    assert len(reports) == 1 and reports[0].findall("status")[-1].findtext("state") == "FINISHED"
+    # The host and its libraries have a few of their own.
+    ours = [error for error in reports[0].iter("error") if any("libfilter_fcd" in (o.text or "") for o in error.iter("obj"))]
+    assert not ours, "\n".join(xml.etree.ElementTree.tostring(error, "unicode") for error in ours[:3])

@@ -4,9 +4,10 @@
 #
 #   bash tests/setup.sh
 #
-# Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/meshlab-2020.09 (private copy of the
-# distribution's MeshLab that loads our plugin), build/plugins/HOST/libfilter_fcd.so. Downloads are kept in
-# ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree. Log: build/setup.log.
+# Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
+# build/locale (for LOCPATH), build/meshlab-2020.09 (private copy of the distribution's MeshLab that loads our plugin),
+# build/plugins/HOST/libfilter_fcd.so. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
+# Log: build/setup.log.
 set -Eeuo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
@@ -41,7 +42,7 @@ flock 9
 
 packages=(build-essential cmake ninja-build dpkg-dev xz-utils ca-certificates python3 python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev
-    meshlab xvfb xauth
+    meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0)
 
 missing=()
@@ -58,6 +59,14 @@ if [ ${#missing[@]} -gt 0 ]; then
         as_root apt-get update -o Acquire::Retries=3 >>"$log" 2>&1
         install
     fi
+fi
+
+# --- a locale with a decimal comma, for tests ---------------------------------------------------------------------------
+
+if [ ! -e "$build/locale/de_DE.UTF-8/LC_NUMERIC" ]; then
+    begin "making a locale with a decimal comma"
+    mkdir -p "$build/locale"
+    localedef -i de_DE -f UTF-8 "$build/locale/de_DE.UTF-8" >>"$log" 2>&1
 fi
 
 # --- MeshLab sources ----------------------------------------------------------------------------------------------------
@@ -138,6 +147,7 @@ environment() {
 }
 environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
+environment "$build/venv-tools" clang-tidy==23.1.4
 
 # --- plugins ------------------------------------------------------------------------------------------------------------
 

@@ -285,7 +285,7 @@ class GraphMapping {
         std::size_t visits = 0;
         for (std::size_t b = 0; b < border.size();) {
             const Index t = border[b].tag;
-            const double done = double(b) / border.size();
+            const double done = double(b) / double(border.size());
             heldTag.push_back(t);
             auto spread = [&](Index from, Index source, std::size_t current) {
                 const float w = width(source);

@@ -4,11 +4,13 @@
 
 #include "handles.h"
 
+#include <algorithm>
 #include <charconv>
-#include <filesystem>
+#include <cmath>
 #include <fstream>
-#include <iterator>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace vcg {
 namespace fcd {
@@ -26,24 +28,56 @@ bool ToNumber(const char *first, const char *last, Number &value) {
     return r.ec == std::errc() && r.ptr == last;
 }
 
-/// The whitespace-separated words of a text file, with comments ('#' to the end of the line) skipped, and where they
-/// stand.
+/// Whether [first, last) is a number or, by how it begins, is meant as one.
+inline bool LooksLikeNumber(const char *first, const char *last) {
+    double number;
+    return first < last &&
+           (std::string_view("+-.0123456789").find(*first) != std::string_view::npos || ToNumber(first, last, number));
+}
+
+/// What stands in text[begin, end), for messages: cut short, and '?' for all but printable ASCII.
+inline std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end) {
+    std::string found = text.substr(begin, std::min<std::size_t>(end - begin, 40));
+    for (char &c : found)
+        if (c < ' ' || c > '~')
+            c = '?';
+    return "'" + found + "'";
+}
+
+/// The bytes of a file. \throw Error naming it
+inline std::string ReadFile(const std::string &path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file)
+        throw Error("Cannot open '" + path + "'.");
+    std::string text;
+    std::vector<char> buffer(1 << 16);
+    while (file.read(buffer.data(), std::streamsize(buffer.size())) || file.gcount() > 0)
+        text.append(buffer.data(), std::size_t(file.gcount()));
+    if (file.bad())
+        throw Error("Cannot read '" + path + "'.");
+    return text;
+}
+
+/// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
+/// A line ends with LF, CR LF or CR.
 class WordReader {
   public:
-    /// \param separators what stands between words besides white space
-    explicit WordReader(const std::string &path, const std::string &separators = "")
-        : path(path), separators(separators) {
-        std::ifstream file(path, std::ios::binary);
-        if (!file || std::filesystem::is_directory(path))
-            throw Error("Cannot open '" + path + "'.");
-        text.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-        if (file.bad())
-            throw Error("Cannot read '" + path + "'.");
-        if (text.compare(0, 3, "\xEF\xBB\xBF") == 0)
+    /// \param text must outlive the reader \param name what messages call it \param separators what stands between
+    /// words besides white space \throw Error when it is no plain text
+    WordReader(const std::string &text, const std::string &name, const std::string &separators = "")
+        : text(text), name(name), separators(separators) {
+        if (StartsWith("\xFF\xFE") || StartsWith("\xFE\xFF"))
+            Fail("expected plain text (ASCII or UTF-8), found UTF-16");
+        if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+            while (text.find_first_of("\r\n", at) < zero)
+                NextLine();
+            Fail("expected plain text (ASCII or UTF-8), found a zero byte, as in UTF-16 or binary files");
+        }
+        if (StartsWith("\xEF\xBB\xBF"))
             at = 3;
     }
 
-    /// \return false at the end of the file
+    /// \return false at the end of the text
     bool Next() {
         while (!NextInLine())
             if (!NextLine())
@@ -53,22 +87,22 @@ class WordReader {
 
     /// \return false at the end of the line
     bool NextInLine() {
-        while (at < text.size() && text[at] != '\n' && IsSpace(text[at]))
-            ++at;
+        for (skipped = 0; at < text.size() && text[at] != '\n' && text[at] != '\r' && IsSpace(text[at]); ++at)
+            skipped += !detail::IsSpace(text[at]);
         wordBegin = at;
         while (at < text.size() && !IsSpace(text[at]) && text[at] != '#')
             ++at;
         return wordBegin < at;
     }
 
-    /// To the beginning of the next line. \return false at the end of the file
+    /// To the beginning of the next line. \return false at the end of the text
     bool NextLine() {
-        at = text.find('\n', at);
+        at = text.find_first_of("\r\n", at);
         if (at == std::string::npos) {
             at = text.size();
             return false;
         }
-        ++at;
+        at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
         ++line;
         return true;
     }
@@ -79,25 +113,34 @@ class WordReader {
         return ToNumber(text.data() + wordBegin, text.data() + at, value);
     }
 
-    /// The current word as a number. \throw Error naming file and line
+    /// How many separators stand before the current word.
+    std::size_t Separators() const { return skipped; }
+
+    bool LooksLikeNumber() const { return detail::LooksLikeNumber(text.data() + wordBegin, text.data() + at); }
+
+    /// The current word as a number. \throw Error naming text and line when it is none, or not finite
     template <class Number>
     Number As(const char *expected) const {
         Number value{};
         if (!Read(value))
-            Fail(std::string("expected ") + expected + ", found '" +
-                 text.substr(wordBegin, std::min<std::size_t>(at - wordBegin, 40)) + "'");
+            Fail(std::string("expected ") + expected + ", found " + Excerpt(text, wordBegin, at));
+        if (!std::isfinite(double(value)))
+            Fail("expected a finite number, found " + Excerpt(text, wordBegin, at));
         return value;
     }
 
     [[noreturn]] void Fail(const std::string &what) const {
-        throw Error("'" + path + "', line " + std::to_string(line) + ": " + what + ".");
+        throw Error("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
     }
 
   private:
+    bool StartsWith(const std::string &mark) const { return text.compare(0, mark.size(), mark) == 0; }
     bool IsSpace(char c) const { return detail::IsSpace(c) || separators.find(c) != std::string::npos; }
 
-    std::string path, separators, text;
+    const std::string &text;
+    const std::string name, separators;
     std::size_t at = 0, wordBegin = 0, line = 1;
+    std::size_t skipped = 0; ///< separators before the current word
 };
 
 /// The shortest text that reads back as the same number.
@@ -119,24 +162,27 @@ void WriteFile(const std::string &path, const Write &write) {
 
 } // namespace detail
 
-/// Reads a `.sel` file: one tag per vertex in vertex order (0 fixed, 1 free, >= 2 handle, negative = outside),
-/// whitespace or line breaks between them, comments from '#' to the end of the line. \throw Error file not readable, or
-/// not a whole number, with file and line
-inline std::vector<int> ReadTagFile(const std::string &path) {
-    detail::WordReader reader(path);
+/// Reads the text of a `.sel` file: one tag per vertex in vertex order (0 fixed, 1 free, >= 2 handle, negative =
+/// outside), whitespace or line breaks between them, comments from '#' to the end of the line. \param name what
+/// messages call the text \throw Error not a whole number, or none at all, with name and line
+inline std::vector<int> ReadTagText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name);
     std::vector<int> tag;
     while (reader.Next())
         tag.push_back(reader.As<int>("a tag (a whole number)"));
     if (tag.empty())
-        throw Error("'" + path + "' holds no tags; expected one whole number per vertex.");
+        reader.Fail("the file holds no tags; expected one whole number per vertex");
     return tag;
 }
 
-/// Reads a `.def` file: 4 x 4 matrices, row by row, column vectors to their right; the first belongs to tag 2, the
-/// second to tag 3 and so on. Comments from '#' to the end of the line. \throw Error file not readable, not a number,
-/// or an incomplete matrix, with file and line
-inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path) {
-    detail::WordReader reader(path);
+/// ReadTagText of a file. \throw Error also when it is not readable
+inline std::vector<int> ReadTagFile(const std::string &path) { return ReadTagText(detail::ReadFile(path), path); }
+
+/// Reads the text of a `.def` file: 4 x 4 matrices, row by row, column vectors to their right; the first belongs to
+/// tag 2, the second to tag 3 and so on. Comments from '#' to the end of the line. \param name what messages call the
+/// text \throw Error not a finite number, or an incomplete matrix, with name and line
+inline std::vector<Eigen::Matrix4d> ReadTransformText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name);
     std::vector<double> number;
     while (reader.Next())
         number.push_back(reader.As<double>("a number"));
@@ -149,6 +195,11 @@ inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path) {
     return matrix;
 }
 
+/// ReadTransformText of a file. \throw Error also when it is not readable
+inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path) {
+    return ReadTransformText(detail::ReadFile(path), path);
+}
+
 /// A point that goes somewhere.
 struct PointPair {
     std::int64_t vertex = -1; ///< number of the vertex, from 0; -1 where start is given instead
@@ -156,11 +207,11 @@ struct PointPair {
 };
 
 /// Reads a list of correspondences: a line for each point with the number of a vertex (from 0) or the x, y and z of the
-/// start, and the x, y and z of the target. Between the numbers commas, semicolons or white space; comments from '#' to
-/// the end of the line, and a first line that is no number names the columns.
-/// \throw Error file not readable, or a line that is not of this kind, with file and line
-inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
-    detail::WordReader reader(path, ",;");
+/// start, and the x, y and z of the target. Between the numbers a comma, a semicolon or white space; comments from '#'
+/// to the end of the line, and a first line that does not begin like a number names the columns. \param name what
+/// messages call the text \throw Error a line that is not of this kind, or none at all, with name and line
+inline std::vector<PointPair> ReadPointHandleText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name, ",;");
     std::vector<PointPair> pairs;
     bool first = true;
     do {
@@ -170,15 +221,14 @@ inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
         bool title = false;
         for (; reader.NextInLine(); ++count) {
             if (count == 0) {
-                title = first && !reader.Read(number[0]);
+                title = first && !reader.LooksLikeNumber();
                 first = false;
                 reader.Read(pair.vertex);
             }
-            if (!title && count < 6) {
+            if (!title && reader.Separators() > (count == 0 ? 0u : 1u))
+                reader.Fail("expected a number between the separators; one is missing");
+            if (!title && count < 6)
                 number[count] = reader.As<double>("a number");
-                if (!std::isfinite(number[count]))
-                    reader.Fail("expected a finite number");
-            }
         }
         if (count == 0 || title)
             continue;
@@ -196,8 +246,13 @@ inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
         pairs.push_back(pair);
     } while (reader.NextLine());
     if (pairs.empty())
-        throw Error("'" + path + "' holds no points; expected a line with start and target for each.");
+        reader.Fail("the file holds no points; expected a line with start and target for each");
     return pairs;
+}
+
+/// ReadPointHandleText of a file. \throw Error also when it is not readable
+inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
+    return ReadPointHandleText(detail::ReadFile(path), path);
 }
 
 /// Writes what ReadTagFile reads. \throw Error

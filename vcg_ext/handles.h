@@ -129,7 +129,8 @@ struct Motion {
     /// exp(t log(rigid)) on SE(3).
     static Eigen::Matrix4d Screw(const Eigen::Matrix4d &rigid, double t) {
         const Eigen::AngleAxisd turn(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));
-        const Eigen::Vector3d axis = turn.axis(), d = rigid.topRightCorner<3, 1>();
+        const Eigen::Vector3d &axis = turn.axis();
+        const Eigen::Vector3d d = rigid.topRightCorner<3, 1>();
         const double angle = turn.angle();
         Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
         result.topLeftCorner<3, 3>() = Eigen::AngleAxisd(t * angle, axis).toRotationMatrix();

@@ -20,10 +20,10 @@ namespace fcd {
 inline void PreferLargePages(const void *memory, std::size_t bytes) {
 #ifdef __linux__
     constexpr std::uintptr_t large = 1 << 21;
-    const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(memory), first = (begin + large - 1) & ~(large - 1),
-                         last = (begin + bytes) & ~(large - 1);
+    const auto begin = reinterpret_cast<std::uintptr_t>(memory);
+    const std::uintptr_t first = (begin + large - 1) & ~(large - 1), last = (begin + bytes) & ~(large - 1);
     if (first < last)
-        madvise(reinterpret_cast<void *>(first), last - first, MADV_HUGEPAGE);
+        madvise(const_cast<char *>(static_cast<const char *>(memory)) + (first - begin), last - first, MADV_HUGEPAGE);
 #else
     (void)memory;
     (void)bytes;

@@ -99,7 +99,7 @@ class MotionTextReader {
             Next();
             step = MotionStep::Scale(Eigen::Vector3d::Zero());
             ReadNumbers("s, or sx sy sz, of 'scale'", 1, step.vector.data());
-            if (Is(",") || LooksLikeNumber())
+            if (Is(",") || LooksLikeNumber(text.data() + begin, text.data() + end))
                 ReadNumbers("sx sy sz of 'scale'", 3, step.vector.data(), 1);
             else
                 step.vector.setConstant(step.vector[0]);
@@ -157,13 +157,6 @@ class MotionTextReader {
         return true;
     }
 
-    /// For a number that may be left out. Also true of what is meant as one.
-    bool LooksLikeNumber() const {
-        double number;
-        return !AtEnd() && (std::string("+-.0123456789").find(text[begin]) != std::string::npos ||
-                            ToNumber(text.data() + begin, text.data() + end, number));
-    }
-
     static bool IsMark(char c) { return c == ':' || c == ';' || c == ','; }
 
     /// Goes to the next word; an empty one is the end.
@@ -180,11 +173,7 @@ class MotionTextReader {
     }
 
     [[noreturn]] void Expected(const std::string &what) const {
-        std::string found = text.substr(begin, std::min<std::size_t>(end - begin, 40));
-        for (char &c : found)
-            if (c < ' ' || c > '~')
-                c = '?';
-        Fail("expected " + what + ", found " + (AtEnd() ? "the end" : "'" + found + "'"));
+        Fail("expected " + what + ", found " + (AtEnd() ? "the end" : Excerpt(text, begin, end)));
     }
 
     [[noreturn]] void Fail(const std::string &what) const { Fail(what, begin); }

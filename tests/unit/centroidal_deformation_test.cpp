@@ -686,6 +686,27 @@ TEST(BuildCentroidalGraph, DescribesThePatchesInMeshUnits) {
     EXPECT_EQ(found, expected);
 }
 
+class VertexN;
+class FaceN;
+class EdgeN;
+struct TypesN
+    : vcg::UsedTypes<vcg::Use<VertexN>::AsVertexType, vcg::Use<EdgeN>::AsEdgeType, vcg::Use<FaceN>::AsFaceType> {};
+class VertexN : public vcg::Vertex<TypesN, vcg::vertex::Coord3d, vcg::vertex::Normal3d, vcg::vertex::BitFlags> {};
+class FaceN : public vcg::Face<TypesN, vcg::face::VertexRef, vcg::face::BitFlags> {};
+class EdgeN : public vcg::Edge<TypesN, vcg::edge::VertexRef, vcg::edge::BitFlags> {};
+
+TEST(BuildCentroidalGraph, GivesNodesTheNormalsOfTheirVertices) {
+    MeshOf<VertexN, EdgeN, FaceN> mesh(Jittered(Sphere(24, 32), 0.02));
+    for (auto &v : mesh.vert)
+        v.N() = vcg::Point3d(v.P()[1], v.P()[2], v.P()[0]);
+    const GraphGeometry g = BuildCentroidalGraph(mesh, Param().graph).geometry;
+    ASSERT_EQ(g.normal.cols(), g.position.cols());
+    for (Index i = 0; i < g.position.cols(); ++i) {
+        const Vector3d p = g.position.col(i);
+        EXPECT_LE((g.normal.col(i) - Vector3d(p[1], p[2], p[0])).norm(), 1e-6) << i;
+    }
+}
+
 TEST(BuildCentroidalGraph, CanBeCancelledAnywhere) {
     const MeshD mesh(Grid(40, 40));
     CallbackLog all;

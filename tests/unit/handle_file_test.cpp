@@ -2,10 +2,11 @@
 #include "handle_file.h"
 #include "test_support.h"
 
-#include <clocale>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <locale>
+#include <sstream>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -31,10 +32,19 @@ class HandleFile : public testing::Test {
     std::string TransformError(const std::string &text) const {
         return MessageOf<Error>([&] { ReadTransformFile(Written(text)); });
     }
+    std::string PointError(const std::string &text) const {
+        return MessageOf<Error>([&] { ReadPointHandleFile(Written(text)); });
+    }
     void ExpectNames(const std::string &message, int line, const std::string &word = {}) const {
-        EXPECT_NE(message.find(path), std::string::npos) << message;
-        EXPECT_NE(message.find("line " + std::to_string(line) + ":"), std::string::npos) << message;
+        EXPECT_EQ(message.find("'" + path + "', line " + std::to_string(line) + ": "), 0u) << message;
+        EXPECT_NE(message.find("expected"), std::string::npos) << message;
         EXPECT_NE(message.find(word), std::string::npos) << message;
+    }
+    /// Each reader must refuse the text with such a message.
+    void ExpectAllRefuse(const std::string &text, int line, const std::string &word) const {
+        ExpectNames(TagError(text), line, word);
+        ExpectNames(TransformError(text), line, word);
+        ExpectNames(PointError(text), line, word);
     }
 };
 
@@ -101,22 +111,28 @@ TEST_F(HandleFile, TakesNumbersOfAnyForm) {
 
 TEST_F(HandleFile, NamesTheFileThatIsMissing) {
     for (const auto &message :
-         {MessageOf<Error>([&] { ReadTagFile(path); }), MessageOf<Error>([&] { ReadTransformFile(path); })})
-        EXPECT_NE(message.find(path), std::string::npos) << message;
+         {MessageOf<Error>([&] { ReadTagFile(path); }), MessageOf<Error>([&] { ReadTransformFile(path); }),
+          MessageOf<Error>([&] { ReadPointHandleFile(path); })})
+        EXPECT_EQ(message, "Cannot open '" + path + "'.");
 }
 
 TEST_F(HandleFile, RefusesAFolder) {
     const std::string folder = std::filesystem::temp_directory_path().string();
-    EXPECT_THROW(ReadTagFile(folder), Error);
-    EXPECT_THROW(ReadTransformFile(folder), Error);
+    for (const auto &message :
+         {MessageOf<Error>([&] { ReadTagFile(folder); }), MessageOf<Error>([&] { ReadTransformFile(folder); }),
+          MessageOf<Error>([&] { ReadPointHandleFile(folder); })})
+        EXPECT_EQ(message, "Cannot read '" + folder + "'.");
     EXPECT_THROW(WriteTagFile(folder, {1}), Error);
 }
 
 TEST_F(HandleFile, RefusesAnEmptyFile) {
-    for (const char *text : {"", "\n\n", "# nothing\n", "\xEF\xBB\xBF", "#"}) {
-        EXPECT_NE(TagError(text).find(path), std::string::npos);
-        EXPECT_NE(TransformError(text).find(path), std::string::npos);
+    for (const char *text : {"", "# nothing", "\xEF\xBB\xBF", "#"}) {
+        ExpectNames(TagError(text), 1, "holds no tags");
+        ExpectNames(TransformError(text), 1, "0 numbers");
+        ExpectNames(PointError(text), 1, "holds no points");
     }
+    ExpectNames(TagError("\n\n"), 3);
+    ExpectNames(TransformError("# nothing\n"), 2);
 }
 
 TEST_F(HandleFile, NamesTheLineOfAWordThatIsNoTag) {
@@ -124,23 +140,110 @@ TEST_F(HandleFile, NamesTheLineOfAWordThatIsNoTag) {
     ExpectNames(TagError("nonsense"), 1, "'nonsense'");
     ExpectNames(TagError("1\r\n1.5\r\n"), 2, "'1.5'");
     ExpectNames(TagError("1\n99999999999\n"), 2, "'99999999999'");
-    for (const char *bad : {"1x", "0x1", "+", "-", "--1", "+-1", "++1", "1,2", "nan", "1e3", "\xFF\xFE"})
+    for (const char *bad : {"1x", "0x1", "+", "-", "--1", "+-1", "++1", "1,2", "nan", "1e3"})
         ExpectNames(TagError(std::string("1 1\n1 ") + bad + " 1\n"), 2, bad);
+    ExpectNames(TagError("1\nzw\xC3\xB6lf \x1B[31m"), 2, "'zw??lf'");
 }
 
 TEST_F(HandleFile, NamesTheLineOfAWordThatIsNoNumber) {
     ExpectNames(TransformError("1 0 0 0\n0 one 0 0\n"), 2, "'one'");
     for (const char *bad : {"1,5", "0x1p3", "1e", "1e999", "-1e999", "1.2.3", "+-1", "--1"})
         ExpectNames(TransformError(std::string("1 0 0 0\n") + bad + " 0 0 0\n"), 2, bad);
+    for (const char *bad : {"nan", "-nan", "inf", "-INF", "+infinity", "nan(1)"})
+        ExpectNames(TransformError(std::string("1 0 0 0\n") + bad + " 0 0 0\n"), 2, "finite");
 }
 
 TEST_F(HandleFile, CutsALongWordShort) { EXPECT_LT(TagError(std::string(100000, 'x')).size(), path.size() + 200); }
 
+TEST_F(HandleFile, LinesEndWithLfCrLfOrCr) {
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        EXPECT_EQ(Tags("# a comment" + end + "1" + end + "2 # another" + end + end + "-1"),
+                  (std::vector<int>{1, 2, -1}));
+        EXPECT_EQ(ReadTransformFile(Written("#" + end + identity)).size(), 1u);
+        const std::vector<PointPair> pairs =
+            ReadPointHandleFile(Written("vertex,x,y,z" + end + "7,1,2,3" + end + "8,4,5,6" + end));
+        ASSERT_EQ(pairs.size(), 2u);
+        EXPECT_EQ(pairs[1].vertex, 8);
+        ExpectNames(TagError("1" + end + end + "two" + end), 3, "'two'");
+        ExpectNames(TransformError("# 1" + end + "0 # 2" + end + "one" + end), 3, "'one'");
+        ExpectNames(PointError("x" + end + "1 2 3 4 5" + end), 2, "5 numbers");
+    }
+    ExpectNames(TagError("1\n\r\n\r\r\n\rx"), 6, "'x'");
+}
+
+TEST_F(HandleFile, RefusesUtf16) {
+    const std::string tags = "# tags\n0 1 2\n";
+    std::string little, big;
+    for (char c : tags) {
+        little += {c, '\0'};
+        big += {'\0', c};
+    }
+    ExpectAllRefuse("\xFF\xFE" + little, 1, "UTF-16");
+    ExpectAllRefuse("\xFE\xFF" + big, 1, "UTF-16");
+    ExpectAllRefuse(little, 1, "zero byte");
+    ExpectAllRefuse(big, 1, "zero byte");
+}
+
 TEST_F(HandleFile, RefusesBinaryData) {
+    ExpectAllRefuse("1 2 3\r4 5 6\n1 2\r\n" + std::string(1, '\0'), 4, "zero byte");
+    std::mt19937 random(1);
+    for (int i = 0; i < 100; ++i) {
+        std::string text(std::size_t(100 << i % 8), '\0');
+        for (char &c : text)
+            c = char(random());
+        for (const std::string &message : {TagError(text), TransformError(text), PointError(text)}) {
+            EXPECT_EQ(message.find("'" + path + "', line "), 0u) << message;
+            EXPECT_NE(message.find("expected"), std::string::npos) << message;
+            EXPECT_TRUE(std::all_of(message.begin(), message.end(), [](char c) { return c >= ' ' && c <= '~'; }))
+                << message;
+        }
+    }
+}
+
+TEST_F(HandleFile, RefusesWhatIsCutOff) {
+    const std::string text = "# a matrix\n" + identity;
+    for (std::size_t length = 0; length + 1 < text.size(); ++length) // but for the last line break
+        EXPECT_EQ(TransformError(text.substr(0, length)).find("'" + path + "', line "), 0u) << length;
+    const std::string points = "1 2 3 40 50 60";
+    for (std::size_t length = 0; length < points.size(); ++length) {
+        std::istringstream words(points.substr(0, length));
+        const auto count = std::distance(std::istream_iterator<std::string>(words), {});
+        if (count == 4 || count == 6) // nothing tells that there was more
+            EXPECT_EQ(ReadPointHandleFile(Written(words.str())).size(), 1u);
+        else
+            ExpectNames(PointError(words.str()), 1);
+    }
+}
+
+TEST_F(HandleFile, ReadsTenMillionTags) {
+    const std::size_t n = 10000000;
     std::string text;
-    for (int i = 0; i < 1000; ++i)
-        text += char(i * 7);
-    ExpectNames(TagError(text), 1);
+    for (std::size_t i = 0; i < n; ++i)
+        text += i % 3 ? "0\n" : "12 ";
+    const std::vector<int> tag = Tags(text);
+    ASSERT_EQ(tag.size(), n);
+    EXPECT_EQ(std::count(tag.begin(), tag.end(), 12), 3333334);
+    ExpectNames(TagError(text + "x"), 6666667, "'x'");
+}
+
+TEST_F(HandleFile, ReadsNumbersOfThousandsOfDigits) {
+    const std::string zeros(5000, '0'), nines(5000, '9');
+    EXPECT_EQ(Tags(zeros + "7 -" + zeros + "1"), (std::vector<int>{7, -1}));
+    ExpectNames(TagError("1\n" + nines), 2, "'9999");
+    const std::string rest = " 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0";
+    for (const auto &[text, value] : std::vector<std::pair<std::string, double>>{{zeros + "1.5" + zeros, 1.5},
+                                                                                 {"0." + nines, 1},
+                                                                                 {"1" + zeros + "e-5000", 1},
+                                                                                 {"0." + zeros + "25e5001", 2.5}}) {
+        const std::vector<Eigen::Matrix4d> m = ReadTransformFile(Written(text + rest));
+        ASSERT_EQ(m.size(), 1u);
+        EXPECT_EQ(m[0](0, 0), value) << text;
+    }
+    ExpectNames(TransformError("\n" + nines + rest), 2, "'9999");
+    ExpectNames(TransformError("1e" + nines + rest), 1, "'1e9999");
+    ExpectNames(TransformError("1e-" + nines + rest), 1, "'1e-9999");
+    ExpectNames(PointError("0 0 0 " + nines), 1, "'9999");
+    ExpectNames(PointError(nines + " 0 0 0"), 1, "'9999");
 }
 
 TEST_F(HandleFile, NamesTheEndOfATruncatedMatrix) {
@@ -162,17 +265,23 @@ TEST_F(HandleFile, ReadsPointPairs) {
 }
 
 TEST_F(HandleFile, RefusesWhatIsNoListOfPoints) {
-    auto error = [&](const std::string &text) { return MessageOf<Error>([&] { ReadPointHandleFile(Written(text)); }); };
-    ExpectNames(error("1 2 3\n"), 1, "3 numbers");
-    ExpectNames(error("0 1 2 3\n1 2 3 4 5 6 7\n"), 2, "7 numbers");
-    ExpectNames(error("vertex x y z\nname 1 2 3\n"), 2, "'name'");
-    ExpectNames(error("0 1 2 3\n0 1 zwei 3\n"), 2, "'zwei'");
-    ExpectNames(error("-1 1 2 3\n"), 1, "number of a vertex");
-    ExpectNames(error("0.5 1 2 3\n"), 1, "number of a vertex");
-    ExpectNames(error("0 1 inf 3\n"), 1, "finite");
-    ExpectNames(error("1,5;2,5;3,5;4,5\n"), 1, "point for decimals");
-    EXPECT_NE(error("# nothing\n\n").find("no points"), std::string::npos);
-    EXPECT_NE(error("vertex,x,y,z\n").find("no points"), std::string::npos);
+    ExpectNames(PointError("1 2 3\n"), 1, "3 numbers");
+    ExpectNames(PointError("0 1 2 3\n1 2 3 4 5 6 7\n"), 2, "7 numbers");
+    ExpectNames(PointError("vertex x y z\nname 1 2 3\n"), 2, "'name'");
+    ExpectNames(PointError("0 1 2 3\n0 1 zwei 3\n"), 2, "'zwei'");
+    ExpectNames(PointError("-1 1 2 3\n"), 1, "number of a vertex");
+    ExpectNames(PointError("0.5 1 2 3\n"), 1, "number of a vertex");
+    ExpectNames(PointError("0 1 inf 3\n"), 1, "finite");
+    ExpectNames(PointError("1,5;2,5;3,5;4,5\n"), 1, "point for decimals");
+    ExpectNames(PointError("# nothing\n\n"), 3, "no points");
+    ExpectNames(PointError("vertex,x,y,z\n"), 2, "no points");
+    ExpectNames(PointError("9223372036854775808 1 2 3\n"), 1, "number of a vertex");
+    ExpectNames(PointError("1e3 1 2 3\n"), 1, "number of a vertex");
+    for (const char *bad : {"1,,4,5,6", "1,2,3,,5,6,7", ",1,2,3,4", "0 ; ; 1 2 3", "1,;2,3,4", "x,,z\n;1,2,3,4"})
+        ExpectNames(PointError(std::string("\n") + bad), 2 + (*bad == 'x'), "one is missing");
+    EXPECT_EQ(ReadPointHandleFile(Written("vertex,,x,y,z\n1, 2 ,3;4\n1;2;3;4;;\n1,2,3,4,5,6,")).size(), 3u);
+    for (const char *bad : {"1e999", "0x10", "1.2.3", "-", "+-1"}) // not a line that names the columns
+        ExpectNames(PointError(bad + std::string(" 1 2 3\n4 5 6 7\n")), 1, bad);
 }
 
 TEST_F(HandleFile, RefusesToWriteWhereItCannot) {
@@ -205,13 +314,11 @@ TEST_F(HandleFile, DoesNotDependOnTheLocaleOfTheStreams) {
 }
 
 TEST_F(HandleFile, DoesNotDependOnTheLocaleOfTheProgram) {
-    const std::string before = std::setlocale(LC_ALL, nullptr);
-    const char *found = nullptr;
-    for (const char *name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "it_IT.UTF-8"})
-        if (!found)
-            found = std::setlocale(LC_ALL, name);
-    if (!found)
-        GTEST_SKIP() << "no locale with a decimal comma is installed";
+    const CommaLocale locale;
+    if (!locale.set)
+        GTEST_SKIP() << CommaLocale::missing;
     ExpectExact(path);
-    std::setlocale(LC_ALL, before.c_str());
+    ASSERT_EQ(ReadPointHandleFile(Written("1 2.5 3,5\n"))[0].target, Eigen::Vector3d(2.5, 3, 5));
+    ExpectNames(PointError("1,5;2,5;3,5;4,5\n"), 1, "point for decimals");
+    ExpectNames(TransformError("1,5" + identity), 1, "'1,51'");
 }

@@ -2,7 +2,6 @@
 #include "motion_text.h"
 #include "test_support.h"
 
-#include <clocale>
 #include <limits>
 
 using namespace vcg::fcd;
@@ -54,6 +53,18 @@ TEST(MotionText, ReadsEachStep) {
     Matrix4d m;
     m << 1, 2, 3, 4, 0, 6, 7, 8, 0, 0, 11, 12, 0, 0, 0, 1;
     ExpectMatrix("matrix 1 2 3 4  0 6 7 8  0 0 11 12  0 0 0 1", m);
+}
+
+TEST(MotionText, ReadsWhatStepsAreMadeOf) {
+    const Vector3d v(1, 2.5, 30);
+    Matrix4d m = Matrix4d::Identity();
+    m(0, 1) = 0.5;
+    for (const auto &[steps, step] : std::vector<std::pair<std::string, MotionStep>>{
+             {"translate 1 2.5 30", MotionStep::Translate(v)},
+             {"rotate 1 2.5 30 40", MotionStep::Rotate(v, 40)},
+             {"scale 1 2.5 30", MotionStep::Scale(v)},
+             {"matrix 1 0.5 0 0 0 1 0 0 0 0 1 0 0 0 0 1", MotionStep::Affine(m)}})
+        EXPECT_TRUE(SameBits(MotionOf(steps).matrix, ToMotion({step}, barycenter).matrix)) << steps;
 }
 
 TEST(MotionText, RotatesCounterclockwiseWhenTheAxisPointsAtYou) {
@@ -131,15 +142,18 @@ TEST(MotionText, TranslationsAreExact) {
 }
 
 TEST(MotionText, DoesNotDependOnTheLocale) {
-    const std::string before = std::setlocale(LC_ALL, nullptr);
-    const char *found = nullptr;
-    for (const char *name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "it_IT.UTF-8"})
-        if (!found)
-            found = std::setlocale(LC_ALL, name);
-    if (!found)
-        GTEST_SKIP() << "no locale with a decimal comma is installed";
+    const CommaLocale locale;
+    if (!locale.set)
+        GTEST_SKIP() << CommaLocale::missing;
     ExpectMatrix("translate 1.5 2,5 ", Shift(1.5, 2, 5));
-    std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST(MotionText, ReadsNumbersOfThousandsOfDigits) {
+    const std::string zeros(5000, '0'), nines(5000, '9');
+    ExpectMatrix("translate " + zeros + "1." + nines + " 1" + zeros + "e-5000 0", Shift(2, 1, 0));
+    for (const std::string &text :
+         {"2: scale " + nines, "2: scale 1e" + nines, "2: scale 1e-" + nines, nines + ": scale 1"})
+        EXPECT_NE(MessageOf<Error>([&] { ReadMotionText(text); }).find("expected"), std::string::npos);
 }
 
 // --- errors ---

@@ -251,12 +251,34 @@ TEST(SurfaceGraph, TakesAPointCloudWithDuplicates) {
     EXPECT_EQ(twice.graph.adjacency.item, once.graph.adjacency.item);
 }
 
+TEST(SurfaceGraph, WeldsWhereRangesOfVerticesMeet) {
+    const Shape grid = Grid(150, 150); // six corners at most places, and 65536 is no multiple of it
+    const SurfaceGraph welded = BuildSurfaceGraph(MeshD(grid)), soup = BuildSurfaceGraph(MeshD(Unwelded(grid)));
+    EXPECT_TRUE(SameBits(soup.graph.position, welded.graph.position));
+    EXPECT_EQ(soup.graph.adjacency.begin, welded.graph.adjacency.begin);
+    EXPECT_EQ(soup.graph.adjacency.item, welded.graph.adjacency.item);
+}
+
+TEST(SurfaceGraph, JoinsMoreNodesThanAThousandBlocksOfTheSmallestSizeHold) {
+    const Index n = 5000000;
+    const std::vector<Index> corner{0, 1, n - 1, n / 2, n / 2 + 1, n - 1};
+    const vcg::fcd::detail::TriangleGraph g =
+        vcg::fcd::detail::ConnectTriangles(Eigen::Matrix3Xf::Zero(3, n), corner.data(), 2, Threads(2));
+    ASSERT_EQ(g.adjacency.Size(), n);
+    EXPECT_EQ(g.adjacency.item,
+              (std::vector<Index>{1, n - 1, 0, n - 1, n / 2 + 1, n - 1, n / 2, n - 1, 0, 1, n / 2, n / 2 + 1}));
+    const std::vector<std::pair<Index, std::uint32_t>> firstItemOf{
+        {0, 0}, {1, 2}, {2, 4}, {n / 2, 4}, {n / 2 + 1, 6}, {n / 2 + 2, 8}, {n - 1, 8}, {n, 12}};
+    for (const auto &[node, item] : firstItemOf)
+        EXPECT_EQ(g.adjacency.begin[node], item) << node;
+}
+
 TEST(SurfaceGraph, RefusesAMeshWithoutVertices) {
-    EXPECT_THROW(BuildSurfaceGraph(MeshD()), Error);
+    EXPECT_EQ(MessageOf<Error>([] { BuildSurfaceGraph(MeshD()); }), "The mesh has no vertices.");
     MeshD mesh(Points(Triangle()));
     for (int i = 0; i < 3; ++i)
         mesh.DeleteVertex(i);
-    EXPECT_THROW(BuildSurfaceGraph(mesh), Error);
+    EXPECT_EQ(MessageOf<Error>([&] { BuildSurfaceGraph(mesh); }), "The mesh has no vertices.");
 }
 
 TEST(SurfaceGraph, RefusesNonFiniteCoordinatesByName) {

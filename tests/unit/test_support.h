@@ -6,7 +6,10 @@
 #include "handles.h"
 #include "test_mesh.h"
 
+#include <clocale>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
@@ -122,17 +125,29 @@ bool SameBits(const Matrix &a, const Matrix &b) {
            (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof *a.data()) == 0);
 }
 
-/// Calls \p run, which must throw an Exception. \return its message
+/// Calls \p run, which must throw an Exception. \return its message, which is also left for tests/messages.py
 template <class Exception, class Run>
 std::string MessageOf(const Run &run) {
     try {
         run();
     } catch (const Exception &e) {
+        if (const char *file = std::getenv("FCD_MESSAGES"))
+            std::ofstream(file, std::ios::app) << std::string(e.what()) + "\n";
         return e.what();
     }
     ADD_FAILURE() << "no exception";
     return {};
 }
+
+/// A decimal comma for the C library, as long as it lives. tests/setup.sh makes the locale; LOCPATH names its folder.
+class CommaLocale {
+  public:
+    const std::string before = std::setlocale(LC_ALL, nullptr);
+    const bool set = std::setlocale(LC_ALL, "de_DE.UTF-8") && std::localeconv()->decimal_point == std::string(",");
+    static constexpr const char *missing = "there is no locale de_DE.UTF-8 (LOCPATH=build/locale after tests/setup.sh)";
+
+    ~CommaLocale() { std::setlocale(LC_ALL, before.c_str()); }
+};
 
 /// What a progress callback was told. One at a time.
 class CallbackLog {

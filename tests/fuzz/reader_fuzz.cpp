@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What libFuzzer comes up with goes through every reader: each returns a valid value, or throws an Error that says
+// where.
+//   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
+#include "handle_file.h"
+#include "motion_text.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+using namespace vcg::fcd;
+
+static void Require(bool holds, const char *what) {
+    if (!holds) {
+        std::fprintf(stderr, "not so: %s\n", what);
+        std::abort();
+    }
+}
+#define REQUIRE(condition) Require(condition, #condition)
+
+/// Calls \p read; where it throws, the message must be one printable line that begins with \p begin.
+template <class Read>
+static void Try(const std::string &begin, const Read &read) {
+    try {
+        read();
+    } catch (const Error &e) {
+        const std::string message = e.what();
+        REQUIRE(message.compare(0, begin.size(), begin) == 0);
+        REQUIRE(message.size() < 300 && message.back() == '.');
+        for (char c : message)
+            REQUIRE(c >= ' ' && c <= '~');
+    }
+}
+
+static void Tags(const std::string &text) {
+    const std::vector<int> tag = ReadTagText(text, "input");
+    REQUIRE(!tag.empty());
+    std::string written;
+    for (int t : tag)
+        written += detail::ToText(t) + "\n";
+    REQUIRE(ReadTagText(written, "written") == tag);
+}
+
+static void Transforms(const std::string &text) {
+    const std::vector<Eigen::Matrix4d> matrix = ReadTransformText(text, "input");
+    REQUIRE(!matrix.empty());
+    std::string written;
+    for (const Eigen::Matrix4d &m : matrix) {
+        REQUIRE(m.allFinite());
+        for (int i = 0; i < 16; ++i)
+            written += detail::ToText(m(i / 4, i % 4)) + " ";
+    }
+    const std::vector<Eigen::Matrix4d> again = ReadTransformText(written, "written");
+    REQUIRE(again.size() == matrix.size());
+    for (std::size_t i = 0; i < matrix.size(); ++i)
+        REQUIRE(std::memcmp(again[i].data(), matrix[i].data(), sizeof matrix[i]) == 0);
+}
+
+static void Points(const std::string &text) {
+    const std::vector<PointPair> pairs = ReadPointHandleText(text, "input");
+    REQUIRE(!pairs.empty());
+    for (const PointPair &pair : pairs) {
+        REQUIRE(pair.vertex >= -1);
+        REQUIRE(pair.start.allFinite() && pair.target.allFinite());
+    }
+}
+
+static void Motions(const std::string &text) {
+    const Eigen::Vector3d barycenter(3, -1, 2);
+    for (const auto &[tag, steps] : ReadMotionText(text, "input")) {
+        REQUIRE(tag >= 2 && !steps.empty());
+        Try("A transform ", [&steps = steps, &barycenter] {
+            const Motion motion = ToMotion(steps, barycenter);
+            REQUIRE(motion.matrix.allFinite() && motion.turn.allFinite() && motion.pivot.allFinite());
+            motion.At(50, barycenter);
+        });
+    }
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+    const std::string text(reinterpret_cast<const char *>(data), size);
+    Try("'input', line ", [&] { Tags(text); });
+    Try("'input', line ", [&] { Transforms(text); });
+    Try("'input', line ", [&] { Points(text); });
+    Try("input, character ", [&] { Motions(text); });
+    return 0;
+}
