@@ -125,7 +125,7 @@ class GraphDeformer {
     /// How strongly a given rotation holds those of its neighbours. With 1 the surface would leave a held region as if
     /// it were clamped; SR-ARAP, where the rotations of held vertices are unknowns too, lets it turn there. Chosen by
     /// the distance to SR-ARAP on the benchmark of Botsch and Sorkine (2008).
-    static constexpr double heldCoupling = 0.17;
+    static constexpr double heldCoupling = 0.15;
 
     /// \param constrained k flags: the node's position is given, and its rotation with it
     /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free \param area A, frame
