@@ -167,10 +167,10 @@ class GraphDeformer {
         openPairs = std::size_t(std::stable_partition(pairs.begin(), pairs.end(),
                                                       [&](const Pair &p) { return !IsTurned(p.i) || !IsTurned(p.j); }) -
                                 pairs.begin());
+        sumOfEdges.assign(unknown.size(), Eigen::Vector3d::Zero());
         for (Index i : unknown) {
-            sumOfEdges.push_back(Eigen::Vector3d::Zero());
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
-                sumOfEdges.back() += edge[e];
+                sumOfEdges[unknownOf[i]] += edge[e];
         }
         if (unknown.empty())
             return;
@@ -220,6 +220,9 @@ class GraphDeformer {
         initialGuess.compute(Eigen::SparseMatrix<double>(guessRows * columns));
         if (globalStep.info() != Eigen::Success || initialGuess.info() != Eigen::Success)
             throw Error("The deformation graph's system cannot be factorised.");
+        factor = globalStep.matrixL().nestedExpression();
+        inverseDiagonal = globalStep.vectorD().cwiseInverse();
+        order.assign(globalStep.permutationP().indices().data(), globalStep.permutationP().indices().data() + n);
     }
 
     /// Whether node \p i is in a component with a constrained node.
@@ -289,7 +292,7 @@ class GraphDeformer {
         const std::size_t size = 3 * unknown.size() + 4 * turning.size();
         Anderson anderson(size);
         Eigen::VectorXd before(size), after(size);
-        Work work{std::vector<Eigen::Matrix3d>(k), Eigen::MatrixX3d(n, 3), Eigen::MatrixX3d(n, 3)};
+        Work work{std::vector<Eigen::Matrix3d>(k), Eigen::Matrix3Xd(3, n)};
         pose.converged = false;
         for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
@@ -303,15 +306,18 @@ class GraphDeformer {
                     moved = std::max(moved,
                                      (stepped.rotation[i] - state.rotation[i]).squaredNorm() * edgeLength * edgeLength);
             pose.converged = std::sqrt(moved) <= still;
-            // Accelerated step, taken only where it is better than the plain one.
+            // Accelerated step, where it lowers the energy; the plain one always does.
             Pack(state, before);
             Pack(stepped, after);
             anderson.Mix(before, after);
             Unpack(after, mixed);
             mixed.energy = Energy(mixed, given);
-            std::swap(state, stepped);
-            if (mixed.energy < state.energy)
+            if (mixed.energy < state.energy) {
                 std::swap(state, mixed);
+            } else {
+                std::swap(state, stepped);
+                state.energy = Energy(state, given);
+            }
         }
         for (const Pair &p : pairs) {
             const Eigen::Vector2d share = PairEnergy(p, state, given);
@@ -388,8 +394,27 @@ class GraphDeformer {
 
     struct Work {
         std::vector<Eigen::Matrix3d> s; // k, of Eq. 5
-        Eigen::MatrixX3d right, solved; // of Eq. 6
+        Eigen::Matrix3Xd solved;        // of Eq. 6: a column per unknown in the order of the factorisation
     };
+
+    /// The global step's solution in place of its right side: what globalStep.solve() does, for all three coordinates
+    /// at once and without an allocation.
+    void SolveGlobal(Work &work) const {
+        Eigen::Matrix3Xd &x = work.solved;
+        for (Eigen::Index c = 0; c < x.cols(); ++c) {
+            const Eigen::Vector3d xc = x.col(c);
+            for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
+                if (l.row() != c)
+                    x.col(l.row()) -= l.value() * xc;
+        }
+        for (Eigen::Index c = x.cols(); c-- > 0;) {
+            Eigen::Vector3d xc = x.col(c) * inverseDiagonal[c];
+            for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
+                if (l.row() != c)
+                    xc -= l.value() * x.col(l.row());
+            x.col(c) = xc;
+        }
+    }
 
     /// One local and one global step. The energy cannot rise.
     void Step(const State &x, const Given &given, State &y, Work &work) const {
@@ -418,18 +443,11 @@ class GraphDeformer {
             Eigen::Vector3d b = y.rotation[i] * sumOfEdges[u];
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
                 b += Linear(y, given, Neighbour(e)) * edge[e];
-            work.right.row(u) = given.right.row(u) + 0.5 * b.transpose();
+            work.solved.col(order[u]) = given.right.row(u).transpose() + 0.5 * b;
         }
-        if (!unknown.empty()) { // as globalStep.solve(), without an allocation
-            work.solved.noalias() = globalStep.permutationP() * work.right;
-            globalStep.matrixL().solveInPlace(work.solved);
-            work.solved.array().colwise() /= globalStep.vectorD().array();
-            globalStep.matrixU().solveInPlace(work.solved);
-            work.right.noalias() = globalStep.permutationPinv() * work.solved;
-        }
+        SolveGlobal(work);
         for (std::size_t u = 0; u < unknown.size(); ++u)
-            y.position.col(unknown[u]) = work.right.row(u).transpose();
-        y.energy = Energy(y, given);
+            y.position.col(unknown[u]) = work.solved.col(order[u]);
     }
 
     /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
@@ -528,6 +546,9 @@ class GraphDeformer {
     std::vector<double> coupling;            // w_ij of each adjacency item for the rotations
     std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown node
     std::vector<Pair> pairs;                 // the edges of components that are held
+    Eigen::SparseMatrix<double> factor;      // L of the global step, unit diagonal
+    Eigen::VectorXd inverseDiagonal;         // 1 / D of it
+    std::vector<Index> order;                // of each unknown in it
     std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
     double edgeLength = 0;                   // mean
     Eigen::SparseMatrix<double> constrainedColumns, guessRows;
@@ -573,6 +594,7 @@ class NodeTree {
 
     static std::vector<vcg::Point3f> PointsOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
         std::vector<vcg::Point3f> point;
+        point.reserve(node.size());
         for (Index i : node)
             point.push_back(Point(position.col(i)));
         return point;

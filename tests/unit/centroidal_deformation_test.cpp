@@ -604,7 +604,7 @@ TEST(DeformCentroidal, TheShapeHardlyDependsOnTheNumberOfNodesOrTheSeed) {
         EXPECT_LT(rms(Param(patches)), 0.0075) << patches;
     for (unsigned seed : {2, 3}) {
         param.graph.randomSeed = seed;
-        EXPECT_LT(rms(param), 0.003) << "seed " << seed;
+        EXPECT_LT(rms(param), 0.004) << "seed " << seed;
     }
     DeformationParam uniform = Param(400);
     uniform.graphWeights = GraphWeights::Uniform;
