@@ -1161,7 +1161,7 @@ ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
 
 def test_too_little_memory_is_an_error():
     done = subprocess.run([sys.executable, "-c", WITH_LITTLE_MEMORY], cwd=Path(__file__).parent, text=True, capture_output=True,
-                          env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
+                          env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "MALLOC_ARENA_MAX": "1"})
     assert done.returncode == 0, done.stderr
 
 

@@ -48,6 +48,12 @@ suite() {
     local name=$1 directory=$build/$1
     shift
     echo "== $name"
+    # CMake forgets its variables when the compiler changes.
+    if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$root $*" ]; then
+        rm -rf "$directory"
+        mkdir -p "$directory"
+        echo "$root $*" >"$directory/arguments"
+    fi
     if ! { cmake -G Ninja -S . -B "$directory" -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" "$@" &&
         nice ninja -C "$directory"; } >"$results/$name.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"

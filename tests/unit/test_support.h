@@ -18,7 +18,7 @@
 namespace fcd_test {
 
 /// Sanitizers slow everything down tenfold: large tests are smaller then.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef FCD_TEST_SANITIZED
 constexpr bool sanitized = true;
 #else
 constexpr bool sanitized = false;
