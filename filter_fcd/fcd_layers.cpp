@@ -77,17 +77,17 @@ std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
 
 std::vector<int> tagsFromSelection(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
+    const std::vector<char> onFaces = onSelectedFaces(layer);
     std::vector<int> tag(mesh.vert.size(), 1);
-    for (const CFaceO &face : mesh.face)
-        if (!face.IsD() && face.IsS())
-            for (int k = 0; k < 3; ++k)
-                tag[vcg::tri::Index(mesh, face.cV(k))] = 0;
     bool handle = false;
-    for (std::size_t i = 0; i < tag.size(); ++i)
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        if (onFaces[i])
+            tag[i] = 0;
         if (!mesh.vert[i].IsD() && mesh.vert[i].IsS()) {
             tag[i] = 2;
             handle = true;
         }
+    }
     if (!handle && !freeIfNone)
         throw Error(
             "No handle: no vertex is selected. Select the vertices of the handle, and the faces of what stays fixed, "
@@ -140,10 +140,6 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 
 // --- motions ---
 
-Eigen::Vector3d coordinates(const CVertexO &vertex) {
-    return Eigen::Vector3d(vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]);
-}
-
 /// The motion that translation, rotation and matrix describe.
 std::vector<MotionStep> stepsOf(const HandleParam &param) {
     std::vector<MotionStep> steps{MotionStep::Affine(param.matrix)};
@@ -181,6 +177,16 @@ Eigen::Affine3d matrixOf(const MeshModel &layer) {
         throw Error("The matrix of the layer '" + text(layer.label()) +
                     "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
     return Eigen::Affine3d(matrix);
+}
+
+std::vector<char> onSelectedFaces(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<char> on(mesh.vert.size(), 0);
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD() && face.IsS())
+            for (int k = 0; k < 3; ++k)
+                on[vcg::tri::Index(mesh, face.cV(k))] = 1;
+    return on;
 }
 
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
@@ -222,7 +228,7 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
     for (std::size_t i = 0; i < handles.tag.size(); ++i)
         if (!mesh.vert[i].IsD() && handles.tag[i] >= 2) {
             Sum &sum = sums[handles.tag[i]];
-            sum.position += coordinates(mesh.vert[i]);
+            sum.position += vcg::tri::PositionOf(mesh.vert[i]);
             ++sum.count;
         }
 
@@ -298,7 +304,7 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
     Eigen::Index next = 0;
     for (const CVertexO &vertex : graph->cm.vert)
         if (!vertex.IsD()) {
-            const Eigen::Vector3d position = coordinates(vertex);
+            const Eigen::Vector3d position = vcg::tri::PositionOf(vertex);
             nodes.col(next++) = same ? position : change * position;
         }
     return nodes;

@@ -22,6 +22,9 @@ using Remark = std::function<void(const std::string &)>;
 /// no inverse
 Eigen::Affine3d matrixOf(const MeshModel &layer);
 
+/// Whether each slot of the layer's vertex vector belongs to a selected face.
+std::vector<char> onSelectedFaces(const MeshModel &layer);
+
 /// The tags of \p layer, one per slot of its vertex vector. With point handles, all is free where nothing is tagged.
 /// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);

@@ -197,11 +197,7 @@ void TagSelectionParam::validate() const {
 
 TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param) {
     const CMeshO &mesh = layer.cm;
-    std::vector<char> selected(mesh.vert.size(), 0);
-    for (const CFaceO &face : mesh.face)
-        if (!face.IsD() && face.IsS())
-            for (int k = 0; k < 3; ++k)
-                selected[vcg::tri::Index(mesh, face.cV(k))] = 1;
+    std::vector<char> selected = onSelectedFaces(layer);
     for (std::size_t i = 0; i < selected.size(); ++i)
         if (!mesh.vert[i].IsD() && mesh.vert[i].IsS())
             selected[i] = 1;

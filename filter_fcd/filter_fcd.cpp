@@ -52,6 +52,20 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface
             {"degenerate_faces", surface.degenerateFaces}};
 }
 
+std::string describe(const vcg::fcd::TagCount &tags) {
+    std::ostringstream line;
+    line << tags.fixed << " fixed, " << tags.handle << " handle, " << tags.free << " free, " << tags.outside
+         << " outside vertices";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
+    return {{"fixed_vertices", tags.fixed},
+            {"handle_vertices", tags.handle},
+            {"free_vertices", tags.free},
+            {"outside_vertices", tags.outside}};
+}
+
 } // namespace
 
 FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags}); }
@@ -232,8 +246,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const int nodes = int(result.rest.position.cols());
     logLine(describe(result.surface));
     std::ostringstream line;
-    line << result.tags.fixed << " fixed, " << result.tags.handle << " handle, " << result.tags.free << " free, "
-         << result.tags.outside << " outside vertices; " << nodes << " nodes, " << result.iterations << " iterations; "
+    line << describe(result.tags) << "; " << nodes << " nodes, " << result.iterations << " iterations; "
          << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, " << result.secondsMap
          << " s for the mesh.";
     logLine(line.str());
@@ -249,13 +262,10 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     if (layer.cm.fn == 0)
         logLine("The normals of a point cloud cannot be recomputed from faces; the new layer has those of the input.");
     ReturnedValues values = valuesOf(result.surface);
+    values.merge(valuesOf(result.tags));
     values.insert({{"loose_parts", result.looseParts},
                    {"nodes", nodes},
                    {"iterations", result.iterations},
-                   {"fixed_vertices", result.tags.fixed},
-                   {"handle_vertices", result.tags.handle},
-                   {"free_vertices", result.tags.free},
-                   {"outside_vertices", result.tags.outside},
                    {"converged", result.converged},
                    {"energy", result.energy},
                    {"seconds_graph", result.secondsGraph},
@@ -265,12 +275,6 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {
-    std::ostringstream line;
-    line << tags.fixed << " fixed, " << tags.handle << " handle, " << tags.free << " free, " << tags.outside
-         << " outside vertices.";
-    logLine(line.str());
-    return {{"fixed_vertices", tags.fixed},
-            {"handle_vertices", tags.handle},
-            {"free_vertices", tags.free},
-            {"outside_vertices", tags.outside}};
+    logLine(describe(tags) + ".");
+    return valuesOf(tags);
 }

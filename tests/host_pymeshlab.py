@@ -1121,13 +1121,16 @@ def test_what_cannot_be_done_is_one_message(case):
     assert_unchanged(before, ms.mesh(0))
 
 
-
 def test_a_layer_matrix_that_flattens_is_an_error():
     ms = clean_bone()
     ms.apply_filter("set_matrix", transformmatrix=np.diag([1.0, 1, 0, 1]), freeze=False)
-    with pytest.raises(pymeshlab.PyMeshLabException, match="The matrix of the layer '.*' cannot be inverted"):
-        ms.apply_filter(DEFORM)
-    assert len(list(ms)) == 1
+    before = snapshot(ms.mesh(0))
+    for parameters in {}, dict(translation=np.array([0, 0, 0.25])):
+        with pytest.raises(pymeshlab.PyMeshLabException, match="The matrix of the layer 'bone.ply' cannot be inverted"):
+            ms.apply_filter(DEFORM, **parameters)
+        assert len(list(ms)) == 1
+    check_returned(ms.apply_filter(GRAPH), GRAPH_RETURNS)  # which needs no matrix
+    assert_unchanged(before, ms.mesh(0))
 
 
 @pytest.mark.skipif(IS_2022, reason="pymeshlab 2022.2's own functions for point attributes write past the end of the array")

@@ -43,10 +43,10 @@ enum class LooseParts {
 /// How a mesh is deformed.
 struct DeformationParam {
     GraphParam graph;
-    Eigen::Matrix3Xd nodes;     ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
-    double smoothness = 0.0043; ///< alpha of Eq. 2, >= 0
-    int maxIterations = 1000;   ///< of the solver, >= 1
-    double tolerance = 1e-5;    ///< of the solver, fraction of the diagonal, > 0
+    Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
+    double smoothness = SolverParam().smoothness;    ///< alpha of Eq. 2, >= 0
+    int maxIterations = SolverParam().maxIterations; ///< of the solver, >= 1
+    double tolerance = SolverParam().tolerance;      ///< of the solver, fraction of the diagonal, > 0
     GraphWeights graphWeights = GraphWeights::Border;
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
@@ -145,13 +145,8 @@ GraphGeometry GeometryOf(const MeshType &m, const SurfaceGraph &surface, const P
 
 /// The nodes of \p surface nearest to \p centers (3 x k, mesh units), each once.
 inline std::vector<Index> NearestNodes(const SurfaceGraph &surface, const Eigen::Matrix3Xd &centers) {
-    const Eigen::Matrix3Xf &x = surface.graph.position;
-    std::vector<vcg::Point3f> point(x.cols());
-    for (Index i = 0; i < Index(x.cols()); ++i)
-        point[i] = vcg::Point3f(x(0, i), x(1, i), x(2, i));
-    vcg::ConstDataWrapper<vcg::Point3f> wrapper(point.data(), int(point.size()));
-    vcg::KdTree<float> tree(wrapper);
-    std::vector<bool> taken(point.size(), false);
+    NodeTree tree(surface.graph.position);
+    std::vector<bool> taken(surface.graph.Size(), false);
     std::vector<Index> node;
     for (Index i = 0; i < Index(centers.cols()); ++i) {
         if (!centers.col(i).allFinite())
@@ -159,7 +154,7 @@ inline std::vector<Index> NearestNodes(const SurfaceGraph &surface, const Eigen:
         const Eigen::Vector3f c = surface.frame.ToFrame(Eigen::Vector3d(centers.col(i))).cast<float>();
         unsigned nearest = 0;
         float d = 0;
-        tree.doQueryClosest(vcg::Point3f(c[0], c[1], c[2]), nearest, d);
+        tree->doQueryClosest(tree.Point(c), nearest, d);
         if (!taken[nearest])
             node.push_back(Index(nearest));
         taken[nearest] = true;
@@ -499,10 +494,7 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     GraphPose pose = deformer.Solve(nodeMotion, solver, progress.Slice(0.61, 0.75));
     if (param.looseParts == LooseParts::Follow)
         FollowNearest(graph, deformer, pose);
-    std::vector<bool> given(graph.Size());
-    for (Index j = 0; j < graph.Size(); ++j)
-        given[j] = constrained[j] && !turns[j];
-    FitLinear(graph, given, pose);
+    FitLinear(graph, deformer, pose);
     for (Index j = 0; j < graph.Size(); ++j)
         if (turns[j]) { // run over into the motion that the surface makes there
             Eigen::Affine3d &there = motion[tag[patches.center[j]]];

@@ -35,8 +35,18 @@ namespace detail {
 inline void MakeEdges(const Graph &surface, const Patches &patches, DeformationGraph &d, const Progress &progress) {
     const Csr &adjacency = d.graph.adjacency;
     const Index k = d.Size();
+    d.edge.resize(3, adjacency.item.size());
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
+            d.edge.col(e) = d.graph.position.col(i) - d.graph.position.col(adjacency.item[e]);
     auto free = [&](Index j) { return patches.tag[j] == 1; };
-    std::vector<Eigen::Vector4d> border(adjacency.item.size(), Eigen::Vector4d::Zero()); // sum and count
+    if (std::all_of(patches.tag.begin(), patches.tag.end(), [](Index tag) { return tag == 1; }))
+        return;
+
+    auto itemOf = [&](Index i, Index j) { // of neighbour j in the row of i
+        const auto first = adjacency.item.begin();
+        return std::lower_bound(first + adjacency.begin[i], first + adjacency.begin[i + 1], j) - first;
+    };
     const std::vector<Index> held =
         CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
             if (free(patches.patchOf[u]))
@@ -47,28 +57,18 @@ inline void MakeEdges(const Graph &surface, const Patches &patches, DeformationG
                     return;
                 }
         });
+    std::vector<Eigen::Vector4d> border(adjacency.item.size(), Eigen::Vector4d::Zero()); // sum and count
     for (Index u : held)
-        for (Index v : surface.adjacency[u]) {
-            const Index i = patches.patchOf[u], j = patches.patchOf[v];
-            if (!free(j))
-                continue;
-            const auto first = adjacency.item.begin();
-            const auto e = std::lower_bound(first + adjacency.begin[i], first + adjacency.begin[i + 1], j) - first;
-            border[e] += surface.position.col(u).cast<double>().homogeneous();
-        }
-    d.edge.resize(3, adjacency.item.size());
-    for (Index i = 0; i < k; ++i)
-        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
-            d.edge.col(e) = d.graph.position.col(i) - d.graph.position.col(adjacency.item[e]);
+        for (Index v : surface.adjacency[u])
+            if (free(patches.patchOf[v]))
+                border[itemOf(patches.patchOf[u], patches.patchOf[v])] +=
+                    surface.position.col(u).cast<double>().homogeneous();
     for (Index i = 0; i < k; ++i)
         for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
             if (border[e][3] > 0) {
                 const Index j = adjacency.item[e];
-                const auto first = adjacency.item.begin();
-                const auto back =
-                    std::lower_bound(first + adjacency.begin[j], first + adjacency.begin[j + 1], i) - first;
                 d.edge.col(e) = (border[e].head<3>() / border[e][3]).cast<float>() - d.graph.position.col(j);
-                d.edge.col(back) = -d.edge.col(e);
+                d.edge.col(itemOf(j, i)) = -d.edge.col(e);
             }
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
+#include <numeric>
 #include <vcg/space/index/kdtree/kdtree.h>
 #include <vcg/space/point3.h>
 
@@ -31,6 +32,15 @@ struct GraphPose {
 };
 
 namespace detail {
+
+/// The unit quaternion (w, x, y, z) of a rotation, and the way back.
+inline Eigen::Vector4d ToQuaternion(const Eigen::Matrix3d &rotation) {
+    const Eigen::Quaterniond q(rotation);
+    return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+}
+inline Eigen::Matrix3d ToMatrix(const Eigen::Vector4d &q) {
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+}
 
 /// The rotation R that maximises tr(R S), as a unit quaternion (w, x, y, z).
 ///
@@ -96,14 +106,9 @@ inline Eigen::Vector4d FitQuaternion(const Eigen::Matrix3d &unscaled,
         Eigen::Matrix3d u = svd.matrixU();
         if ((svd.matrixV() * u.transpose()).determinant() < 0)
             u.col(2) *= -1; // singular values are sorted: the smallest is the last
-        const Eigen::Quaterniond fitted(Eigen::Matrix3d(svd.matrixV() * u.transpose()));
-        return Eigen::Vector4d(fitted.w(), fitted.x(), fitted.y(), fitted.z());
+        return ToQuaternion(svd.matrixV() * u.transpose());
     }
     return q / std::sqrt(length2);
-}
-
-inline Eigen::Matrix3d ToMatrix(const Eigen::Vector4d &q) {
-    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
 
 /// The rotation R that maximises tr(R S).
@@ -168,10 +173,9 @@ class GraphDeformer {
                                                       [&](const Pair &p) { return !IsTurned(p.i) || !IsTurned(p.j); }) -
                                 pairs.begin());
         sumOfEdges.assign(unknown.size(), Eigen::Vector3d::Zero());
-        for (Index i : unknown) {
+        for (Index i : unknown)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
                 sumOfEdges[unknownOf[i]] += edge[e];
-        }
         if (unknown.empty())
             return;
         std::vector<Eigen::Triplet<double>> free, known;
@@ -204,7 +208,7 @@ class GraphDeformer {
                 square.emplace_back(unknownOf[t.row()], t.col(), t.value());
         Eigen::SparseMatrix<double> laplacian(n, n);
         laplacian.setFromTriplets(square.begin(), square.end());
-        globalStep.compute(laplacian);
+        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> globalStep(laplacian);
         // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, the Laplacian is
         // good enough.
         double joined = 0;
@@ -227,6 +231,8 @@ class GraphDeformer {
 
     /// Whether node \p i is in a component with a constrained node.
     bool IsHeld(Index i) const { return held[componentOf[i]]; }
+    /// Whether the rotation of node \p i is given.
+    bool IsTurned(Index i) const { return constrained[i] && !turns[i]; }
     const std::vector<Index> &ComponentOf() const { return componentOf; }
     Index Components() const { return Index(held.size()); }
     Index LooseComponents() const { return Index(std::count(held.begin(), held.end(), false)); }
@@ -269,10 +275,8 @@ class GraphDeformer {
         }
 
         State state{std::move(pose.position), std::move(rotation), {}, 0};
-        for (const Eigen::Matrix3d &r : state.rotation) {
-            const Eigen::Quaterniond q(r);
-            state.quaternion.emplace_back(q.w(), q.x(), q.y(), q.z());
-        }
+        for (const Eigen::Matrix3d &r : state.rotation)
+            state.quaternion.push_back(detail::ToQuaternion(r));
         const Given given(*this, motion, state, param.smoothness * area);
         const double still = param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
         state.energy = Energy(state, given);
@@ -342,9 +346,6 @@ class GraphDeformer {
         double energy;
     };
 
-    /// Whether the node's rotation is given.
-    bool IsTurned(Index i) const { return constrained[i] && !turns[i]; }
-
     /// What a pose gives.
     struct Given {
         double smooth;                       // alpha A
@@ -397,21 +398,19 @@ class GraphDeformer {
         Eigen::Matrix3Xd solved;        // of Eq. 6: a column per unknown in the order of the factorisation
     };
 
-    /// The global step's solution in place of its right side: what globalStep.solve() does, for all three coordinates
-    /// at once and without an allocation.
+    /// The global step's solution in place of its right side: what the factorisation's solve() does, for all three
+    /// coordinates at once and without an allocation.
     void SolveGlobal(Work &work) const {
         Eigen::Matrix3Xd &x = work.solved;
         for (Eigen::Index c = 0; c < x.cols(); ++c) {
             const Eigen::Vector3d xc = x.col(c);
             for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
-                if (l.row() != c)
-                    x.col(l.row()) -= l.value() * xc;
+                x.col(l.row()) -= l.value() * xc;
         }
         for (Eigen::Index c = x.cols(); c-- > 0;) {
             Eigen::Vector3d xc = x.col(c) * inverseDiagonal[c];
             for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
-                if (l.row() != c)
-                    xc -= l.value() * x.col(l.row());
+                xc -= l.value() * x.col(l.row());
             x.col(c) = xc;
         }
     }
@@ -546,22 +545,22 @@ class GraphDeformer {
     std::vector<double> coupling;            // w_ij of each adjacency item for the rotations
     std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown node
     std::vector<Pair> pairs;                 // the edges of components that are held
-    Eigen::SparseMatrix<double> factor;      // L of the global step, unit diagonal
+    Eigen::SparseMatrix<double> factor;      // L of the global step below its unit diagonal
     Eigen::VectorXd inverseDiagonal;         // 1 / D of it
     std::vector<Index> order;                // of each unknown in it
     std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
     double edgeLength = 0;                   // mean
     Eigen::SparseMatrix<double> constrainedColumns, guessRows;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> globalStep, initialGuess;
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> initialGuess;
 };
 
 /// Replaces the rotations of \p pose by the linear maps that fit the edges of the graph best, in the least-squares
 /// sense; what the edges leave open (across the surface) stays as the rotation has it. The surface then stretches as
-/// the graph does instead of in steps from node to node. \param keep k flags: nodes to leave as they are
-inline void FitLinear(const DeformationGraph &graph, const std::vector<bool> &keep, GraphPose &pose) {
+/// the graph does instead of in steps from node to node. Rotations that are given stay.
+inline void FitLinear(const DeformationGraph &graph, const GraphDeformer &deformer, GraphPose &pose) {
     const double openness = 0.1; // weight of the rotation, as a fraction of that of the edges
     for (Index i = 0; i < graph.Size(); ++i) {
-        if (keep[i])
+        if (deformer.IsTurned(i))
             continue;
         Eigen::Matrix3d rest = Eigen::Matrix3d::Zero(), posed = Eigen::Matrix3d::Zero();
         for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
@@ -584,6 +583,8 @@ class NodeTree {
   public:
     /// \param position 3 x n \param node which of them, at least one; the tree numbers them in this order
     NodeTree(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) : NodeTree(PointsOf(position, node)) {}
+    /// Of all nodes.
+    explicit NodeTree(const Eigen::Matrix3Xf &position) : NodeTree(position, All(Index(position.cols()))) {}
 
     static vcg::Point3f Point(const Eigen::Vector3f &p) { return vcg::Point3f(p[0], p[1], p[2]); }
     vcg::KdTree<float> *operator->() { return &tree; }
@@ -591,6 +592,12 @@ class NodeTree {
   private:
     explicit NodeTree(const std::vector<vcg::Point3f> &point)
         : tree(vcg::ConstDataWrapper<vcg::Point3f>(point.data(), int(point.size()))) {}
+
+    static std::vector<Index> All(Index n) {
+        std::vector<Index> all(n);
+        std::iota(all.begin(), all.end(), 0);
+        return all;
+    }
 
     static std::vector<vcg::Point3f> PointsOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
         std::vector<vcg::Point3f> point;

@@ -5,8 +5,6 @@
 #include "graph_deformer.h"
 #include "handles.h"
 
-#include <numeric>
-
 namespace vcg {
 namespace fcd {
 
@@ -23,8 +21,8 @@ enum class MappingWeights {
 /// at `influence` times the radius of j's patch, and R(p) = sum_j w_j(p) R_j. (The paper has R_j alone, which is of
 /// first order from node to vertex and leaves ripples of patch size where the surface bends; the mean of the two ends
 /// is of second order, as the trapezoidal rule is.) Near a held region, the blend runs over into that region's own
-/// motion, with two continuous derivatives, so that held nodes are exact and no crease is left at their border. Small
-/// held parts may lie in patches of free nodes.
+/// motion, with continuous tangents at its border, so that held nodes are exact and no crease is left there. Small held
+/// parts may lie in patches of free nodes.
 class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
@@ -234,9 +232,7 @@ class GraphMapping {
 
     /// Makes the ball of each node so small that it holds at most \p most other nodes.
     void LimitReach(std::size_t most) {
-        std::vector<Index> all(graph.Size());
-        std::iota(all.begin(), all.end(), 0);
-        NodeTree tree(graph.graph.position, all);
+        NodeTree tree(graph.graph.position);
         vcg::KdTree<float>::PriorityQueue nearest;
         for (Index j = 0; j < graph.Size(); ++j)
             for (std::size_t wanted : {std::size_t(64), most}) { // few of them tell of most nodes that all is well

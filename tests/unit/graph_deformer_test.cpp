@@ -274,7 +274,7 @@ TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
     pose.position = map * rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), Matrix3d::Identity());
     GraphPose fitted = pose;
-    FitLinear(rig.graph, rig.constrained, fitted);
+    FitLinear(rig.graph, GraphDeformer(rig.graph, rig.constrained, rig.surface.area), fitted);
     for (Index j = 0; j < rig.graph.Size(); ++j) {
         if (rig.constrained[j]) {
             EXPECT_EQ(fitted.linear[j], pose.linear[j]);
@@ -286,7 +286,7 @@ TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
     const Matrix3d rotation = RandomRigid(1).linear();
     pose.position = rotation * rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), rotation);
-    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
+    FitLinear(rig.graph, GraphDeformer(rig.graph, std::vector<bool>(rig.graph.Size()), rig.surface.area), pose);
     for (const Matrix3d &linear : pose.linear)
         EXPECT_LE((linear - rotation).norm(), 1e-6);
 }
@@ -298,7 +298,7 @@ TEST(GraphDeformer, FitLinearKeepsTheRotationWhereThereAreNoEdges) {
     pose.position = rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), RandomRigid(2).linear());
     const std::vector<Matrix3d> before = pose.linear;
-    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
+    FitLinear(rig.graph, GraphDeformer(rig.graph, std::vector<bool>(rig.graph.Size()), rig.surface.area), pose);
     EXPECT_EQ(pose.linear, before);
 }
 
