@@ -1233,6 +1233,35 @@ def open_shared(path, folder):
     return ms
 
 
+def test_a_gyrus_leaves_those_across_the_sulcus_behind(shared, tmp_path):
+    ms = open_shared(shared / "meshes" / "scans" / "cortex_pia_lh_153k.ply.xz", tmp_path)
+    rest = ms.current_mesh().vertex_matrix()
+    top = rest[np.argmax(rest[:, 2])]
+    ms.apply_filter("compute_scalar_by_geodesic_distance_from_given_point_per_vertex", startpoint=top)
+    way = ms.current_mesh().vertex_scalar_array()
+    tags = tmp_path / "tags.sel"
+    np.savetxt(tags, np.where(way < 8, 2, np.where(way > 40, 0, 1)), "%d")
+    # Vertices less than 2 mm from each other and more than 8 mm along the surface.
+    free = np.flatnonzero((way >= 8) & (way <= 40))
+    points, way = rest[free], way[free]
+    pairs = []
+    for start in range(0, len(free), 1000):
+        near = np.linalg.norm(points[start:start + 1000, None] - points, axis=2) < 2
+        pairs.append(np.argwhere(near & (way[start:start + 1000, None] + 8 < way)) + [start, 0])
+    pairs = np.concatenate(pairs)
+    assert len(pairs) > 500
+    apart = []
+    for weights in (0, 1):
+        ms.set_current_mesh(0)
+        ms.apply_filter(DEFORM, handles=3, tag_file=str(tags), translation=np.array([0.0, 0, 8]), weights=weights,
+                        initial_patches=3000, graph_layers=False)
+        move = ms.current_mesh().vertex_matrix()[free] - rest[free]
+        assert np.isfinite(move).all()
+        apart.append(np.linalg.norm(move[pairs[:, 0]] - move[pairs[:, 1]], axis=1).mean())
+    assert apart[0] > 1.5 * apart[1]
+
+
+
 SCANS = ["armadillo_43k.ply"]
 if not IS_2022:  # large ones in one host
     SCANS += ["igea_134k.ply.xz", "cortex_pia_lh_153k.ply.xz", "dragon_full_436k_q11.ply.xz"]

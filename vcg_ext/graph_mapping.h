@@ -5,12 +5,17 @@
 #include "graph_deformer.h"
 #include "handles.h"
 
+#include <array>
+#include <functional>
+#include <tuple>
+
 namespace vcg {
 namespace fcd {
 
 /// What a node of the deformation graph may influence.
 enum class MappingWeights {
-    Surface,  ///< what is connected to it over free surface inside the ball of its influence
+    Surface,  ///< what is connected to it over free surface inside the ball of its influence, by a way not much longer
+              ///< than the straight one
     Euclidean ///< whatever is inside the ball (the paper's)
 };
 
@@ -45,8 +50,7 @@ class GraphMapping {
             const double radius = std::max({double(graph.radius[j]), 0.5 * spacing, 1e-6}); // a lone node has neither
             reach[j] = float(influence * radius);
         }
-        progress(0, "Preparing the mapping");
-        FindCandidates(weights);
+        FindCandidates(weights, influence, progress.Slice(0, 0.2));
         progress(0.2, "Preparing the mapping");
         FindHeldNearby(fade, progress.Slice(0.2, 1));
     }
@@ -63,16 +67,37 @@ class GraphMapping {
             Difference blend = Difference::Zero();
             Eigen::Vector3f offset = Eigen::Vector3f::Zero(); // from x to the mean of the candidates
             float total = 0;
-            for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
+            const auto add = [&](std::uint32_t c, float share) {
                 const Ball &ball = mapping.ball[c];
-                const Eigen::Vector3f way = Eigen::Vector3f(ball.x, ball.y, ball.z) - x;
+                const Eigen::Vector3f way = ball.center - x;
                 const float u = 1 - way.squaredNorm() * ball.inverse;
                 if (!(u > 0))
-                    continue;
-                const float w = Kernel(u);
+                    return;
+                const float w = share * Kernel(u);
                 blend += w * difference[c];
                 offset += w * way;
                 total += w;
+            };
+            const std::uint32_t partial = mapping.partial[patch], end = mapping.candidates.begin[patch + 1];
+            for (std::uint32_t c = mapping.candidates.begin[patch]; c < partial; ++c)
+                add(c, 1);
+            const float *shares = mapping.shares.data() + mapping.sharesBegin[patch];
+            if (partial < end) {
+                const std::vector<Ball> &nearby = mapping.nearby[patch];
+                std::array<float, mostNearby> kernel;
+                float sum = 0;
+                for (std::size_t q = 0; q < nearby.size(); ++q) {
+                    kernel[q] = Kernel(std::max(0.f, 1 - (nearby[q].center - x).squaredNorm() * nearby[q].inverse));
+                    sum += kernel[q];
+                }
+                for (std::uint32_t c = partial; c < end; c += lanes) {
+                    Lanes share = Lanes::Zero();
+                    for (std::size_t q = 0; q < nearby.size(); ++q, shares += lanes)
+                        if (kernel[q] > 0)
+                            share += kernel[q] * Eigen::Map<const Lanes>(shares);
+                    for (std::uint32_t l = c; l < std::min(end, c + lanes); ++l)
+                        add(l, sum > 0 ? share[l - c] / sum : 1);
+                }
             }
             Eigen::Vector3d sum = own[patch] * p;
             if (total > 0) { // else no ball reaches here, as around an isolated vertex
@@ -96,6 +121,9 @@ class GraphMapping {
 
       private:
         friend class GraphMapping;
+        static constexpr int lanes = 16;              // candidates whose shares are computed at once
+        static constexpr std::size_t mostNearby = 64; // small balls near a patch
+        using Lanes = Eigen::Array<float, lanes, 1>;
         using Difference = Eigen::Matrix<float, 12, 1>; // columns of a 3 x 4 affine map, about the patch's centre
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
@@ -139,7 +167,16 @@ class GraphMapping {
 
   private:
     struct Ball {
-        float x, y, z, inverse; // the node's position, 1 / reach^2
+        Eigen::Vector3f center;
+        float inverse; ///< 1 / radius^2
+        Index node;    ///< at the centre
+    };
+    Ball BallOf(Index j, float radius) const { return {graph.graph.position.col(j), 1 / (radius * radius), j}; }
+
+    struct Candidate {
+        Index patch, node;
+        bool partial;      ///< some share is less than 1
+        std::size_t share; ///< if so: the first of those from the balls near the patch
     };
     struct Held {
         Index index;    ///< in heldTag
@@ -153,81 +190,216 @@ class GraphMapping {
         return 1 - y * (15 - y2 * (10 - 3 * y2)) / 8;
     }
 
-    /// The nodes that may influence each free patch. Along the surface: those from which a chain of touching free
-    /// patches leads there, each of which the node's ball touches. Where two neighbouring vertices lie inside the ball,
-    /// their patches are both on the chain or neither is, so the set of nodes changes only where their weight is zero.
-    /// A ball that touches very many patches is made smaller, so that memory is enough for any graph.
-    void FindCandidates(MappingWeights weights) {
+    /// The share of its weight that a node keeps where the way to it over the surface is \p detour times the straight
+    /// one: all half-way round a cylinder (pi / 2; ways over the graph are somewhat longer), nothing across a fold.
+    static float Share(double detour) {
+        const double x = std::min(1.0, std::max(0.0, (detour - 1.7) / (2.5 - 1.7)));
+        return float(1 - x * x * (3 - 2 * x));
+    }
+
+    /// Whether the ball of radius \p reach about node j touches the patch.
+    bool Touches(Index j, float reach, Index patch) const {
+        const Eigen::Matrix3Xf &x = graph.graph.position;
+        return (x.col(j) - x.col(patch)).norm() < reach + graph.radius[patch];
+    }
+
+    /// The nodes that may influence each free patch. A ball that touches very many patches is made smaller, so that
+    /// memory is enough for any graph.
+    void FindCandidates(MappingWeights weights, double influence, const Progress &progress) {
         const Index k = graph.Size();
+        constexpr int lanes = Posed::lanes;
         const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(k)); // patches a ball
-        auto position = [&](Index j) { return graph.graph.position.col(j); };
-        auto touches = [&](Index j, Index patch) {
-            return (position(j) - position(patch)).norm() < reach[j] + graph.radius[patch];
-        };
-        std::vector<std::pair<Index, Index>> pair; // patch, node
-        if (weights == MappingWeights::Euclidean) {
-            if (std::size_t(k) > most)
-                LimitReach(most);
-            // Patches of similar radius at a time, so that a few large ones do not widen the search for all.
-            std::map<int, std::vector<Index>> bySize;
-            for (Index patch = 0; patch < k; ++patch)
-                if (patches.tag[patch] == 1)
-                    bySize[std::ilogb(std::max(graph.radius[patch], 1e-6f))].push_back(patch);
-            std::vector<unsigned> found;
-            std::vector<float> squares;
-            for (const auto &size : bySize) {
-                NodeTree tree(graph.graph.position, size.second);
-                const float widest = std::ldexp(2.f, size.first);
-                for (Index j = 0; j < k; ++j) {
-                    found.clear();
-                    squares.clear();
-                    tree->doQueryDist(tree.Point(position(j)), 1.001f * (reach[j] + widest), found, squares);
-                    for (unsigned f : found)
-                        if (touches(j, size.second[f]))
-                            pair.emplace_back(size.second[f], j);
-                }
-            }
-        } else {
-            std::vector<Index> seen(k, -1), queue;
-            for (Index j = 0; j < k;) {
-                const Index own = patches.tag[j];
-                queue.assign(1, j);
-                seen[j] = j;
-                for (std::size_t q = 0; q < queue.size() && queue.size() <= most; ++q)
-                    for (Index next : graph.graph.adjacency[queue[q]]) {
-                        const Index there = patches.tag[next];
-                        if (seen[next] != j && (there == 1 || there == own) && touches(j, next)) {
-                            seen[next] = j;
-                            queue.push_back(next);
-                            if (queue.size() > most)
-                                break;
-                        }
-                    }
-                if (queue.size() > most) {
-                    for (Index patch : queue)
-                        seen[patch] = -1;
-                    reach[j] *= 0.5f;
-                    continue;
-                }
-                for (Index patch : queue)
-                    if (patches.tag[patch] == 1)
-                        pair.emplace_back(patch, j);
-                ++j;
-            }
-        }
-        std::sort(pair.begin(), pair.end());
+        std::vector<Candidate> found;
+        std::vector<float> share;
+        nearby.resize(k);
+        if (weights == MappingWeights::Euclidean)
+            FindInBalls(most, found);
+        else
+            FindAlongSurface(most, influence, progress, found, share);
+        std::sort(found.begin(), found.end(), [](const Candidate &a, const Candidate &b) {
+            return std::tie(a.patch, a.partial, a.node) < std::tie(b.patch, b.partial, b.node);
+        });
+
         candidates.begin.assign(std::size_t(k) + 1, 0);
-        candidates.item.reserve(pair.size());
-        for (const auto &p : pair) {
-            ++candidates.begin[p.first + 1];
-            candidates.item.push_back(p.second);
+        candidates.item.reserve(found.size());
+        ball.reserve(found.size());
+        std::vector<std::uint32_t> partials(k, 0);
+        for (const Candidate &c : found) {
+            ++candidates.begin[c.patch + 1];
+            partials[c.patch] += c.partial;
+            candidates.item.push_back(c.node);
+            ball.push_back(BallOf(c.node, reach[c.node]));
         }
-        for (Index j = 0; j < k; ++j)
+        sharesBegin.assign(1, 0);
+        for (Index j = 0; j < k; ++j) {
             candidates.begin[j + 1] += candidates.begin[j];
-        ball.reserve(pair.size());
-        for (Index j : candidates.item)
-            ball.push_back({graph.graph.position(0, j), graph.graph.position(1, j), graph.graph.position(2, j),
-                            1 / (reach[j] * reach[j])});
+            partial.push_back(candidates.begin[j + 1] - partials[j]);
+            const std::size_t blocks = (partials[j] + lanes - 1) / lanes;
+            sharesBegin.push_back(sharesBegin.back() + blocks * nearby[j].size() * lanes);
+        }
+        shares.assign(sharesBegin.back(), 0);
+        for (std::size_t c = 0; c < found.size(); ++c)
+            if (found[c].partial) {
+                const Index patch = found[c].patch;
+                const std::size_t place = c - partial[patch], balls = nearby[patch].size();
+                float *first = &shares[sharesBegin[patch] + place / lanes * balls * lanes + place % lanes];
+                for (std::size_t q = 0; q < balls; ++q)
+                    first[q * lanes] = share[found[c].share + q];
+            }
+    }
+
+    void FindInBalls(std::size_t most, std::vector<Candidate> &found) {
+        const Index k = graph.Size();
+        if (std::size_t(k) > most)
+            LimitReach(most);
+        // Patches of similar radius at a time, so that a few large ones do not widen the search for all.
+        std::map<int, std::vector<Index>> bySize;
+        for (Index patch = 0; patch < k; ++patch)
+            if (patches.tag[patch] == 1)
+                bySize[std::ilogb(std::max(graph.radius[patch], 1e-6f))].push_back(patch);
+        std::vector<unsigned> inside;
+        std::vector<float> squares;
+        for (const auto &size : bySize) {
+            NodeTree tree(graph.graph.position, size.second);
+            const float widest = std::ldexp(2.f, size.first);
+            for (Index j = 0; j < k; ++j) {
+                inside.clear();
+                squares.clear();
+                tree->doQueryDist(tree.Point(graph.graph.position.col(j)), 1.001f * (reach[j] + widest), inside,
+                                  squares);
+                for (unsigned i : inside)
+                    if (Touches(j, reach[j], size.second[i]))
+                        found.push_back({size.second[i], j, false, 0});
+            }
+        }
+    }
+
+    /// The patches that chains of touching free patches join to a node, each of them touched by the node's ball, and
+    /// how long the way there is from centre to centre (Dijkstra).
+    class Chains {
+      public:
+        explicit Chains(const GraphMapping &mapping)
+            : mapping(mapping), way(mapping.graph.Size(), std::numeric_limits<float>::infinity()) {}
+
+        /// Of node j; \p reach is halved until there are at most \p most.
+        void Find(Index j, float &reach, std::size_t most) {
+            while (!TryToFind(j, reach, most))
+                reach *= 0.5f;
+        }
+
+        const std::vector<Index> &Patches() const { return patch; }
+        /// Infinite where no chain leads.
+        float Way(Index there) const { return way[there]; }
+
+      private:
+        bool TryToFind(Index j, float reach, std::size_t most) {
+            for (Index there : patch)
+                way[there] = std::numeric_limits<float>::infinity();
+            patch.assign(1, j);
+            way[j] = 0;
+            const Index own = mapping.patches.tag[j];
+            const Eigen::Matrix3Xf &x = mapping.graph.graph.position;
+            heap.assign(1, Step(0, j));
+            while (!heap.empty()) {
+                std::pop_heap(heap.begin(), heap.end(), std::greater<Step>());
+                const Step step = heap.back();
+                heap.pop_back();
+                if (step.first > way[step.second])
+                    continue;
+                for (Index next : mapping.graph.graph.adjacency[step.second]) {
+                    const Index there = mapping.patches.tag[next];
+                    const bool isNew = std::isinf(way[next]);
+                    if ((there != 1 && there != own) || (isNew && !mapping.Touches(j, reach, next)))
+                        continue;
+                    const float length = step.first + (x.col(step.second) - x.col(next)).norm();
+                    if (length >= way[next])
+                        continue;
+                    way[next] = length;
+                    heap.emplace_back(length, next);
+                    std::push_heap(heap.begin(), heap.end(), std::greater<Step>());
+                    if (isNew)
+                        patch.push_back(next);
+                    if (patch.size() > most)
+                        return false;
+                }
+            }
+            return true;
+        }
+
+        using Step = std::pair<float, Index>;
+        const GraphMapping &mapping;
+        std::vector<Index> patch;
+        std::vector<float> way;
+        std::vector<Step> heap;
+    };
+
+    /// Where two neighbouring vertices lie inside a node's ball, their patches are both on a chain or neither is, so
+    /// the set of nodes changes only where their weight is zero. The share of the weight is known at the patches; to
+    /// the vertices it is carried by a blend with small balls, which is along the surface down to the size of a patch.
+    void FindAlongSurface(std::size_t most, double influence, const Progress &progress, std::vector<Candidate> &found,
+                          std::vector<float> &share) {
+        const Index k = graph.Size();
+        const Eigen::Matrix3Xf &x = graph.graph.position;
+        const std::size_t grain = std::size_t(k) / 32 + 1;
+        std::vector<std::vector<std::pair<Index, Ball>>> small(k / grain + 1);
+        ParallelFor(progress.Slice(0, 0.3), "Preparing the mapping", k, grain,
+                    [&](std::size_t first, std::size_t last) {
+                        Chains chains(*this);
+                        for (Index j = Index(first); j < Index(last); ++j) {
+                            if (patches.tag[j] != 1)
+                                continue;
+                            float radius = reach[j] * float(std::min(1.0, 1.25 / influence));
+                            chains.Find(j, radius, most);
+                            for (Index patch : chains.Patches())
+                                small[first / grain].emplace_back(patch, BallOf(j, radius));
+                        }
+                    });
+        for (const auto &part : small)
+            for (const auto &each : part)
+                nearby[each.first].push_back(each.second);
+        for (std::vector<Ball> &balls : nearby)
+            if (balls.size() > Posed::mostNearby) // the middle of a star: all that is connected counts there
+                balls.clear();
+
+        struct Part {
+            std::vector<Candidate> found;
+            std::vector<float> share;
+        };
+        std::vector<Part> parts(k / grain + 1);
+        ParallelFor(
+            progress.Slice(0.3, 1), "Preparing the mapping", k, grain, [&](std::size_t first, std::size_t last) {
+                Chains chains(*this);
+                Part part;
+                for (Index j = Index(first); j < Index(last); ++j) {
+                    chains.Find(j, reach[j], most);
+                    for (Index patch : chains.Patches()) {
+                        if (patches.tag[patch] != 1)
+                            continue;
+                        float least = 1, greatest = 0;
+                        const std::size_t begin = part.share.size();
+                        for (const Ball &near : nearby[patch]) {
+                            const float way = chains.Way(near.node);
+                            // Where the ball of j ends, so does its weight: patches beyond do not matter.
+                            const bool all = near.node == j || (std::isinf(way) && !Touches(j, reach[j], near.node));
+                            part.share.push_back(all ? 1 : Share(way / (x.col(j) - x.col(near.node)).norm()));
+                            least = std::min(least, part.share.back());
+                            greatest = std::max(greatest, part.share.back());
+                        }
+                        if (greatest > 0 || nearby[patch].empty())
+                            part.found.push_back({patch, j, least < 1, begin});
+                        if (greatest == 0 || least == 1)
+                            part.share.resize(begin);
+                    }
+                }
+                parts[first / grain] = std::move(part);
+            });
+        for (Part &part : parts) {
+            for (Candidate &c : part.found) {
+                c.share += share.size();
+                found.push_back(c);
+            }
+            share.insert(share.end(), part.share.begin(), part.share.end());
+        }
     }
 
     /// Makes the ball of each node so small that it holds at most \p most other nodes.
@@ -331,8 +503,13 @@ class GraphMapping {
     const Patches &patches;
     const DeformationGraph &graph;
     std::vector<float> reach;
-    Csr candidates;                       ///< for each patch, the nodes that may influence it
-    std::vector<Ball> ball;               ///< of each candidate
+    Csr candidates;                        ///< for each patch, the nodes that may influence it
+    std::vector<Ball> ball;                ///< of each candidate
+    std::vector<std::uint32_t> partial;    ///< for each patch, the first of its candidates that keep a share only
+    std::vector<std::vector<Ball>> nearby; ///< for each patch, the small balls that carry the shares to its vertices
+    std::vector<std::size_t> sharesBegin;  ///< k + 1 offsets into shares
+    /// For each patch and Posed::lanes of its partial candidates: their shares at the first ball nearby, the second ...
+    std::vector<float> shares;
     std::vector<Index> heldTag;           ///< the tags of the held regions that have a free neighbour, ascending
     std::vector<std::uint32_t> heldBegin; ///< n + 1 offsets into held
     std::vector<Held> held;

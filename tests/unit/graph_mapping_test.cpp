@@ -135,6 +135,52 @@ TEST(GraphMapping, AlongTheSurfaceAnotherSheetDoesNotPull) {
     EXPECT_GT(lowerSheetMoves(MappingWeights::Euclidean), 0.02);
 }
 
+/// A sheet with a fold like that of a cortex: two banks 0.2 apart and 3 deep, a half-circle at the bottom. The flat
+/// sheet's first coordinate, 0 at the bottom, becomes the arc length.
+static Shape Folded(const Shape &flat) {
+    Shape shape = flat;
+    const double radius = 0.1, bottom = radius * std::acos(-1.0) / 2;
+    for (Vector3d &p : shape.position) {
+        const double s = p[0], angle = std::min(bottom, std::max(-bottom, s)) / radius;
+        p[0] = radius * std::sin(angle);
+        p[2] = radius * (1 - std::cos(angle)) + std::max(0.0, std::abs(s) - bottom);
+    }
+    return shape;
+}
+
+TEST(GraphMapping, AlongTheSurfaceAFoldKeepsItsBanksApart) {
+    struct Worst {
+        double error = 0; // above the patches that reach around the bottom
+        double jump = 0;  // between neighbours
+    };
+    const auto worst = [](int n, MappingWeights weights) {
+        const double step = 6.0 / (n - 1);
+        const Shape flat = Jittered(Moved(Grid(n, n / 2, step), Affine3d(Eigen::Translation3d(-3, 0, 0))), 0.2 * step);
+        const Rig rig(Folded(flat), 0.3, [](const Vector3d &) { return 1; });
+        // A motion that depends on the place along the sheet.
+        const auto shift = [](double s) { return Vector3d(0, 0.5 * std::tanh(s), 0); };
+        std::vector<double> along(rig.surface.graph.Size());
+        for (int i = 0; i < flat.Size(); ++i)
+            along[rig.surface.nodeOf[i]] = flat.position[i][0];
+        GraphPose pose = PoseOf(rig, Affine3d::Identity());
+        for (Index j = 0; j < rig.graph.Size(); ++j)
+            pose.position.col(j) += shift(along[rig.patches.center[j]]);
+        const Matrix3Xd moved = Mapped(rig, weights, pose, {}, 4) - Rest(rig);
+        Worst found;
+        for (Index u = 0; u < rig.surface.graph.Size(); ++u)
+            if (std::abs(along[u]) > 1.2)
+                found.error = std::max(found.error, (moved.col(u) - shift(along[u])).norm());
+        for (const auto &e : EdgesOf(rig.surface.graph.adjacency))
+            found.jump = std::max(found.jump, (moved.col(e.first) - moved.col(e.second)).norm());
+        return found;
+    };
+    const Worst coarse = worst(121, MappingWeights::Surface), fine = worst(361, MappingWeights::Surface);
+    EXPECT_LE(coarse.error, 0.04);
+    EXPECT_LE(fine.error, 0.04);
+    EXPECT_LE(fine.jump, 0.5 * coarse.jump) << "a jump would stay as it is, a slope goes down to a third";
+    EXPECT_GE(worst(121, MappingWeights::Euclidean).error, 0.3);
+}
+
 TEST(GraphMapping, RunsSmoothlyIntoHeldRegions) {
     // The free nodes next to a held region depart from the region's own motion with the square of their distance.
     auto departure = [](int n) {
@@ -166,7 +212,7 @@ TEST(GraphMapping, CanBeCancelledAnywhere) {
     const Rig rig = TubeRig();
     auto prepare = [&](const CallbackLog &log) {
         GraphMapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
-                     rig.param.targetRadius, log.Progress());
+                     rig.param.targetRadius, log.Progress(1));
     };
     CallbackLog all;
     prepare(all);
