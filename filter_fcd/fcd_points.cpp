@@ -2,6 +2,7 @@
 #include <vcg_ext/handle_file.h> // before Qt
 
 #include "fcd_layers.h"
+#include "fcd_picked_points.h"
 #include "fcd_points.h"
 
 #include <vcg/space/index/kdtree/kdtree.h>
@@ -11,7 +12,6 @@
 #include <memory>
 
 #include <QFile>
-#include <QXmlStreamReader>
 
 using vcg::fcd::Error;
 using vcg::fcd::PointHandle;
@@ -21,49 +21,18 @@ namespace {
 
 std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
 
-/// MeshLab's picked points: the active ones in pairs.
-std::vector<PointPair> readPickedPoints(const QString &path) {
+std::vector<PointPair> readPickedPointsFile(const QString &path) {
     QFile file(path);
-    const std::string name = quoted(path);
     if (!file.open(QIODevice::ReadOnly))
-        throw Error("Cannot open " + name + ".");
-    QXmlStreamReader xml(&file);
-    std::vector<Eigen::Vector3d> points;
-    while (!xml.atEnd())
-        if (xml.readNext() == QXmlStreamReader::StartElement && xml.name() == QLatin1String("point")) {
-            const QXmlStreamAttributes attributes = xml.attributes();
-            const QString active = attributes.value("active").toString();
-            if (active == "0" || active.compare("false", Qt::CaseInsensitive) == 0)
-                continue;
-            Eigen::Vector3d p;
-            const char *const coordinate[3] = {"x", "y", "z"};
-            for (int d = 0; d < 3; ++d) {
-                bool ok = false;
-                p[d] = attributes.value(coordinate[d]).toDouble(&ok);
-                if (!ok || !std::isfinite(p[d]))
-                    throw Error(name + ", line " + std::to_string(xml.lineNumber()) + ": expected a number as " +
-                                coordinate[d] + " of the point.");
-            }
-            points.push_back(p);
-        }
-    if (xml.hasError())
-        throw Error(name + ", line " + std::to_string(xml.lineNumber()) + ": " + xml.errorString().toStdString() + ".");
-    if (points.empty() || points.size() % 2)
-        throw Error(name + " holds " + std::to_string(points.size()) +
-                    " active points; expected pairs of them: start, target, start, target, ...");
-    std::vector<PointPair> pairs(points.size() / 2);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        pairs[i].start = points[2 * i];
-        pairs[i].target = points[2 * i + 1];
-    }
-    return pairs;
+        throw Error("Cannot open " + quoted(path) + ".");
+    return readPickedPoints(file.readAll(), quoted(path));
 }
 
 } // namespace
 
 std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString &file) {
     const std::vector<PointPair> pairs = file.endsWith(".pp", Qt::CaseInsensitive)
-                                             ? readPickedPoints(file)
+                                             ? readPickedPointsFile(file)
                                              : vcg::fcd::ReadPointHandleFile(QFile::encodeName(file).toStdString());
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d toLayer = matrixOf(layer).inverse();

@@ -864,8 +864,9 @@ POINT_ERRORS = {
     "twice": ("p.csv", "0.5 0.5 0.5 0 0 0\n0.5 0.5 0.5 0 0 1\n", "same place as point handle 1"),
     "no pairs": ("p.pp", '<PickedPoints><point x="0" y="0" z="0" active="1"/></PickedPoints>', "holds 1 active points"),
     "no points": ("p.pp", "<PickedPoints></PickedPoints>", "holds 0 active points"),
-    "no XML": ("p.pp", "vertex\n", "line 1: "),
+    "no XML": ("p.pp", "vertex\n", "line 1: expected the XML of picked points: "),
     "cut short": ("p.pp", '<PickedPoints>\n<point x="0" y="0" z="0" active="1"/>\n', "line 3: "),
+    "unknown entity": ("p.pp", "<PickedPoints>&\u00e9;</PickedPoints>", "line 1: expected the XML of picked points: Entity '"),
     "no coordinate": ("p.pp", '<PickedPoints>\n<point x="0" z="0" active="1"/></PickedPoints>', "line 2: expected a number as y"),
     "coordinate is infinite": ("p.pp", '<PickedPoints>\n<point x="inf" y="0" z="0"/></PickedPoints>', "expected a number as x"),
 }

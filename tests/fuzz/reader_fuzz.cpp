@@ -2,6 +2,7 @@
 // What libFuzzer comes up with goes through every reader: each returns a valid value, or throws an Error that says
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
+#include "../../filter_fcd/fcd_picked_points.h"
 #include "handle_file.h"
 #include "motion_text.h"
 
@@ -57,8 +58,7 @@ static void Transforms(const std::string &text) {
         REQUIRE(std::memcmp(again[i].data(), matrix[i].data(), sizeof matrix[i]) == 0);
 }
 
-static void Points(const std::string &text) {
-    const std::vector<PointPair> pairs = ReadPointHandleText(text, "input");
+static void Points(const std::vector<PointPair> &pairs) {
     REQUIRE(!pairs.empty());
     for (const PointPair &pair : pairs) {
         REQUIRE(pair.vertex >= -1);
@@ -82,7 +82,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
     const std::string text(reinterpret_cast<const char *>(data), size);
     Try("'input', line ", [&] { Tags(text); });
     Try("'input', line ", [&] { Transforms(text); });
-    Try("'input', line ", [&] { Points(text); });
+    Try("'input', line ", [&] { Points(ReadPointHandleText(text, "input")); });
+    Try("'input'", [&] { Points(readPickedPoints(QByteArray::fromStdString(text), "'input'")); });
     Try("input, character ", [&] { Motions(text); });
     return 0;
 }

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_PICKED_POINTS_H
+#define FCD_PICKED_POINTS_H
+
+#include <vcg_ext/handle_file.h> // before Qt
+
+#include <QByteArray>
+
+/// The active ones of MeshLab's picked points, in pairs of start and target. Knows of no host, so that it can be
+/// fuzzed. \param text what a .pp file holds \param name of the file, for messages \throw vcg::fcd::Error with the line
+/// and what was expected there
+std::vector<vcg::fcd::PointPair> readPickedPoints(const QByteArray &text, const std::string &name);
+
+#endif

@@ -1,0 +1,1 @@
+<PickedPoints>&é;</PickedPoints>
