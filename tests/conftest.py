@@ -2,6 +2,8 @@
 """What the host tests share: the sample meshes that pymeshlab ships, and the optional benchmark meshes beside the checkout."""
 import lzma
 import os
+import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -82,3 +84,17 @@ def write_tags(path, tags):
 def write_transforms(path, *matrices):
     path.write_text("".join(" ".join(repr(float(x)) for x in row) + "\n" for m in matrices for row in m))
     return str(path)
+
+
+def check_faults(plugin, libraries):
+    """Runs host_faults, built beside the plugin, with the libraries of the plugin's host."""
+    program = plugin.parents[2] / "cmake" / plugin.parent.name / "host_faults"
+    if not program.exists():
+        pytest.skip(f"{program} is not built")
+    done = subprocess.run([str(program), str(plugin)], text=True, timeout=300, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          env={**os.environ, "LD_LIBRARY_PATH": str(libraries), "MALLOC_ARENA_MAX": "1"})
+    record(done.stdout)
+    assert done.returncode == 0, done.stderr[-3000:]
+    cancelled = [int(n) for n in re.findall(r"was cancelled (\d+) times", done.stdout)]
+    ran_out = [int(n) for n in re.findall(r"ran out of memory (\d+) times", done.stdout)]
+    assert len(cancelled) == len(ran_out) == 2 and min(cancelled) > 20 and min(ran_out) > 1, done.stdout

@@ -12,7 +12,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import SAMPLES, about, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
+from conftest import SAMPLES, about, check_faults, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"
@@ -354,6 +354,11 @@ def test_a_decimal_comma_makes_no_difference(tmp_path):
     assert len(runs["point"].meshes) == 3
     for label, mesh in runs["point"].meshes.items():
         assert mesh.vertex_matrix().tobytes() == runs["comma"].meshes[label].vertex_matrix().tobytes()
+
+
+def test_cancel_and_little_memory_leave_the_document_as_it_was():
+    other = next((Path(SERVER).parent / "plugins").glob("libfilter_measure.so"))
+    check_faults(PLUGINS / "meshlab-2020.09" / "libfilter_fcd.so", other.resolve().parents[1])
 
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="there is no valgrind")

@@ -74,6 +74,10 @@ host() {
         tee "$results/host-$name.log"
     if [ -s "$results/host-$name.xml" ]; then count "$results/host-$name.xml"; else fail "host tests ($name) ended early"; fi
 }
+# faults NAME: builds the host in which things go wrong.
+faults() {
+    nice ninja -C "$build/cmake/$1" host_faults >"$results/host_faults-$1.log" 2>&1 || fail "building host_faults for $1"
+}
 # without NAME REASON: what cannot run.
 without() {
     if [ "${CI:-}" = true ]; then
@@ -120,7 +124,7 @@ for version in 2025.7:venv 2022.2:venv-2022; do
     elif ! "$python" -c 'import pymeshlab' 2>"$results/$host.log"; then
         without "host tests ($host)" "$(tail -n 1 "$results/$host.log")"
     else
-        nice ninja -C "$build/cmake/$host" host_cancel >"$results/host_cancel-$host.log" 2>&1 || fail "building host_cancel for $host"
+        faults "$host"
         host "$host" "$python" tests/host_pymeshlab.py tests/host_process.py
     fi
 done
@@ -131,6 +135,7 @@ if [ ! -x "$FCD_MESHLABSERVER" ] || [ ! -e "$build/plugins/meshlab-2020.09/libfi
 elif ! xvfb-run -a true 2>"$results/xvfb.log"; then
     without "host tests (meshlab-2020.09)" "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
 else
+    faults meshlab-2020.09
     host meshlab-2020.09 "$build/venv/bin/python" tests/host_meshlabserver.py
 fi
 
