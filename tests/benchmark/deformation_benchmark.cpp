@@ -8,6 +8,8 @@
 // seconds. We stop where we do. CGAL's SR-ARAP stops (sr_arap) when nothing moves by more than our solver's tolerance
 // in an iteration, and (sr_arap_as_near) when it is as near to its limit as we are to ours; ARAP is for the eye and
 // stops as sr_arap does. The results go to DIRECTORY/NAME_METHOD.off.
+#include "benchmark_mesh.h"
+
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/handle_file.h>
 
@@ -19,18 +21,11 @@
 
 #include <cstdio>
 
-namespace {
+using benchmark::Face;
+using benchmark::Mesh;
+using benchmark::Vertex;
 
-class Vertex;
-class Edge;
-class Face;
-struct Types : vcg::UsedTypes<vcg::Use<Vertex>::AsVertexType, vcg::Use<Edge>::AsEdgeType, vcg::Use<Face>::AsFaceType> {
-};
-class Vertex : public vcg::Vertex<Types, vcg::vertex::Coord3d, vcg::vertex::BitFlags, vcg::vertex::Normal3d,
-                                  vcg::vertex::Qualityd> {};
-class Edge : public vcg::Edge<Types, vcg::edge::VertexRef, vcg::edge::BitFlags> {};
-class Face : public vcg::Face<Types, vcg::face::VertexRef, vcg::face::Normal3d, vcg::face::BitFlags> {};
-class Mesh : public vcg::tri::TriMesh<std::vector<Vertex>, std::vector<Edge>, std::vector<Face>> {};
+namespace {
 
 using vcg::fcd::Handles;
 using Kernel = CGAL::Simple_cartesian<double>;

@@ -8,6 +8,7 @@
 // coefficient of variation of the patches' areas. Two runs, the faster one counts; plain runs once, and not beyond ten
 // million vertices.
 #include "../plain_sampling.h"
+#include "benchmark_mesh.h"
 
 #include <vcg_ext/deformation_graph.h>
 #include <vcg_ext/surface_graph.h>
@@ -17,19 +18,10 @@
 #include <cstdio>
 #include <sys/resource.h>
 
-namespace {
+using benchmark::Face;
+using benchmark::Mesh;
 
-class Vertex;
-class Edge;
-class Face;
-struct Types : vcg::UsedTypes<vcg::Use<Vertex>::AsVertexType, vcg::Use<Edge>::AsEdgeType, vcg::Use<Face>::AsFaceType> {
-};
-// As large as MeshLab's own.
-class Vertex : public vcg::Vertex<Types, vcg::vertex::Coord3d, vcg::vertex::BitFlags, vcg::vertex::Normal3d,
-                                  vcg::vertex::Qualityd, vcg::vertex::Color4b> {};
-class Edge : public vcg::Edge<Types, vcg::edge::VertexRef, vcg::edge::BitFlags> {};
-class Face : public vcg::Face<Types, vcg::face::VertexRef, vcg::face::Normal3d, vcg::face::BitFlags> {};
-class Mesh : public vcg::tri::TriMesh<std::vector<Vertex>, std::vector<Edge>, std::vector<Face>> {};
+namespace {
 
 double peakMegabytes() {
     rusage usage;
