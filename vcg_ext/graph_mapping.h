@@ -197,10 +197,10 @@ class GraphMapping {
         return float(1 - x * x * (3 - 2 * x));
     }
 
-    /// Whether the ball of radius \p reach about node j touches the patch.
+    /// Whether the ball of radius \p reach about node j touches the patch. A ball without extent touches none.
     bool Touches(Index j, float reach, Index patch) const {
         const Eigen::Matrix3Xf &x = graph.graph.position;
-        return (x.col(j) - x.col(patch)).norm() < reach + graph.radius[patch];
+        return reach > 0 && (x.col(j) - x.col(patch)).norm() < reach + graph.radius[patch];
     }
 
     /// The nodes that may influence each free patch. A ball that touches very many patches is made smaller, so that
@@ -281,10 +281,10 @@ class GraphMapping {
         explicit Chains(const GraphMapping &mapping)
             : mapping(mapping), way(mapping.graph.Size(), std::numeric_limits<float>::infinity()) {}
 
-        /// Of node j; \p reach is halved until there are at most \p most.
+        /// Of node j; \p reach is halved until there are at most \p most, and is 0 where no ball is small enough.
         void Find(Index j, float &reach, std::size_t most) {
             while (!TryToFind(j, reach, most))
-                reach *= 0.5f;
+                reach = reach > 1e-6f ? 0.5f * reach : 0;
         }
 
         const std::vector<Index> &Patches() const { return patch; }

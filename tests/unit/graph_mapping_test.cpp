@@ -201,6 +201,34 @@ TEST(GraphMapping, RunsSmoothlyIntoHeldRegions) {
     EXPECT_LE(fine, coarse / 8) << "a crease would go down to a quarter";
 }
 
+TEST(GraphMapping, EndsWhereMorePatchesThanAllowedReachBackToTheMiddleOfAStar) {
+    const Index k = 70000; // so many that a ball may touch 64 patches
+    Graph star;
+    EdgeSet edges;
+    star.position.setZero(3, k);
+    for (Index i = 1; i < k; ++i) {
+        Insert(edges, 0, i);
+        star.position.col(i) << std::cos(float(i)), std::sin(float(i)), 0;
+    }
+    star.adjacency = CsrOf(k, edges);
+    Patches patches;
+    for (Index i = 0; i < k; ++i) {
+        patches.patchOf.push_back(i);
+        patches.center.push_back(i);
+    }
+    patches.radius.assign(k, 2);
+    patches.tag.assign(k, 1);
+    const DeformationGraph graph{star, std::vector<float>(star.adjacency.item.size(), 1), patches.radius, {}};
+    GraphPose pose;
+    pose.position = star.position.cast<double>();
+    pose.linear.assign(k, Eigen::Matrix3d::Identity());
+    const Motions none;
+    const GraphMapping mapping(star, patches.tag, patches, graph, MappingWeights::Surface, 4, 1);
+    const auto map = mapping.At(pose, none);
+    for (Index i = 0; i < k; ++i)
+        ASSERT_LE((map(i, pose.position.col(i)) - pose.position.col(i)).norm(), 1e-6);
+}
+
 TEST(GraphMapping, KernelFallsFromOneToZero) {
     EXPECT_EQ(GraphMapping::Kernel(1), 1);
     EXPECT_EQ(GraphMapping::Kernel(0), 0);
