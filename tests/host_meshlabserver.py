@@ -289,18 +289,23 @@ def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     assert not list(tmp_path.glob("*.sel"))
 
 
-DIRTY = ["blobby_shuffled.off", "boeing_soup.off", "bunny_zipper_isolated_36k.ply", "cube_40k_nonmanifold.ply", "double_torus_nm.off",
-         "dragon_vrip_res2_100k.ply.xz", "elephant_with_holes.off", "fan3.obj", "fly_aedes_63k.ply", "moebius.obj",
-         "office_chair.obj", "rangemap_lato315_63k.ply", "thingi_73416_38k.stl.xz", "truck_3k.obj"]
+MESHES = [
+    "dirty/blobby_shuffled.off", "dirty/boeing_soup.off", "dirty/bunny_zipper_isolated_36k.ply", "dirty/cube_40k_nonmanifold.ply",
+    "dirty/double_torus_nm.off", "dirty/dragon_vrip_res2_100k.ply.xz", "dirty/elephant_with_holes.off", "dirty/fan3.obj",
+    "dirty/fly_aedes_63k.ply", "dirty/moebius.obj", "dirty/office_chair.obj", "dirty/rangemap_lato315_63k.ply",
+    "dirty/thingi_73416_38k.stl.xz", "dirty/truck_3k.obj", "attr/Laurana50k.ply", "attr/TextureDouble.ply",
+    "attr/bunny10k_textured.obj", "attr/cycloidal.ply", "attr/genesis_dragon.obj", "attr/laurana_custom_derived.ply",
+    "attr/texturedknot.ply", "points/building_100k.ply.xz", "points/duplicated_pcloud.ply", "scans/armadillo_43k.ply",
+    "scans/igea_134k.ply.xz", "scans/cortex_pia_lh_153k.ply.xz", "scans/dragon_full_436k_q11.ply.xz"]
 
 
-@pytest.mark.parametrize("name", DIRTY)
-def test_dirty_meshes(shared, name, tmp_path):
+@pytest.mark.parametrize("name", MESHES)
+def test_every_mesh_through_every_filter(shared, name, tmp_path):
     source = tmp_path / "source"
     source.mkdir()
     ms = pymeshlab.MeshSet()  # the host's own importer stops at some of the OBJ files, hence PLY
-    ms.load_new_mesh(str(unpacked(shared / "meshes" / "dirty" / name, source)))
-    path = source / "dirty.ply"
+    ms.load_new_mesh(str(unpacked(shared / "meshes" / name, source)))
+    path = source / "input.ply"
     ms.save_current_mesh(str(path))
     axis = int(np.argmax(np.ptp(ms.current_mesh().vertex_matrix(), axis=0)))
     along = np.unique(ms.current_mesh().vertex_matrix()[:, axis])
@@ -310,15 +315,19 @@ def test_dirty_meshes(shared, name, tmp_path):
     letter = "xyz"[axis]
     move = np.zeros(3)
     move[(axis + 1) % 3] = 0.125 * np.ptp(along)
+    tags = str(tmp_path / "tags.sel")
     run = Run(tmp_path, path, quality_filter(f"({letter} &lt;= {low}) ? 0 : (({letter} &gt;= {high}) ? 2 : 1)"),
+              save_filter(tags), select_filter(f"{letter} &gt;= {high}"), tag_filter(2), read_filter(tags),
               graph_filter(patches_layer=False), deform_filter(translation=move, graph_layers=False))
     assert run.code == 0, run.log
-    assert set(run.meshes) == {"dirty", "dirtygraph", "dirtydeformed"}, run.log
-    rest, points = run.meshes["dirty"].vertex_matrix(), run.meshes["dirtydeformed"].vertex_matrix()
+    assert set(run.meshes) == {"input", "inputgraph", "inputdeformed"}, run.log
+    rest, points = run.meshes["input"].vertex_matrix(), run.meshes["inputdeformed"].vertex_matrix()
+    assert np.array_equal(np.float32(rest), np.float32(ms.current_mesh().vertex_matrix()))
+    assert np.array_equal(run.meshes["input"].face_matrix(), ms.current_mesh().face_matrix())
     x = rest[:, axis]
     fixed, handle = x <= low, x >= high
     assert int(run.value("fixed_vertices")) == fixed.sum() > 0 and int(run.value("handle_vertices")) == handle.sum() > 0
-    assert np.isfinite(points).all() and np.isfinite(run.meshes["dirtygraph"].vertex_matrix()).all()
+    assert np.isfinite(points).all() and np.isfinite(run.meshes["inputgraph"].vertex_matrix()).all()
     assert points[fixed].tobytes() == rest[fixed].tobytes()
     assert np.abs(points[handle] - rest[handle] - move).max() < 2e-6 * np.abs(rest).max()
 
