@@ -1227,7 +1227,7 @@ def test_a_gyrus_leaves_those_across_the_sulcus_behind(shared, tmp_path):
     for weights in (0, 1):
         ms.set_current_mesh(0)
         ms.apply_filter(DEFORM, handles=3, tag_file=str(tags), translation=np.array([0.0, 0, 8]), weights=weights,
-                        initial_patches=3000, graph_layers=False)
+                        initial_patches=6000, graph_layers=False)
         move = ms.current_mesh().vertex_matrix()[free] - rest[free]
         assert np.isfinite(move).all()
         apart.append(np.linalg.norm(move[pairs[:, 0]] - move[pairs[:, 1]], axis=1).mean())

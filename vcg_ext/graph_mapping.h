@@ -190,10 +190,12 @@ class GraphMapping {
         return 1 - y * (15 - y2 * (10 - 3 * y2)) / 8;
     }
 
-    /// The share of its weight that a node keeps where the way to it over the surface is \p detour times the straight
-    /// one: all half-way round a cylinder (pi / 2; ways over the graph are somewhat longer), nothing across a fold.
-    static float Share(double detour) {
-        const double x = std::min(1.0, std::max(0.0, (detour - 1.7) / (2.5 - 1.7)));
+    /// The share of its weight that a node keeps where the way to it over the surface is \p way and the straight one
+    /// \p straight: all half-way round a cylinder (pi / 2; ways over the graph are somewhat longer), nothing across a
+    /// fold. Patches near each other count as 2.5 of their radii apart, so that the share changes over some patches.
+    static float Share(double way, double straight, double radius) {
+        const double detour = way / std::max(straight, 2.5 * radius);
+        const double x = std::min(1.0, std::max(0.0, (detour - 1.7) / (2.9 - 1.7)));
         return float(1 - x * x * (3 - 2 * x));
     }
 
@@ -381,7 +383,8 @@ class GraphMapping {
                             const float way = chains.Way(near.node);
                             // Where the ball of j ends, so does its weight: patches beyond do not matter.
                             const bool all = near.node == j || (std::isinf(way) && !Touches(j, reach[j], near.node));
-                            part.share.push_back(all ? 1 : Share(way / (x.col(j) - x.col(near.node)).norm()));
+                            part.share.push_back(
+                                all ? 1 : Share(way, (x.col(j) - x.col(near.node)).norm(), reach[j] / influence));
                             least = std::min(least, part.share.back());
                             greatest = std::max(greatest, part.share.back());
                         }
