@@ -15,6 +15,16 @@ SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 QUALITY_TAGS = "(x < 0.25) ? 0 : ((x > 0.75) ? 2 : 1)"  # of bone.ply, which lies along x from 0.03 to 0.98
 
+# Of the benchmark meshes.
+MESHES = [
+    "dirty/blobby_shuffled.off", "dirty/boeing_soup.off", "dirty/bunny_zipper_isolated_36k.ply", "dirty/cube_40k_nonmanifold.ply",
+    "dirty/double_torus_nm.off", "dirty/dragon_vrip_res2_100k.ply.xz", "dirty/elephant_with_holes.off", "dirty/fan3.obj",
+    "dirty/fly_aedes_63k.ply", "dirty/moebius.obj", "dirty/office_chair.obj", "dirty/rangemap_lato315_63k.ply",
+    "dirty/thingi_73416_38k.stl.xz", "dirty/truck_3k.obj", "attr/Laurana50k.ply", "attr/TextureDouble.ply",
+    "attr/bunny10k_textured.obj", "attr/cycloidal.ply", "attr/genesis_dragon.obj", "attr/laurana_custom_derived.ply",
+    "attr/texturedknot.ply", "points/building_100k.ply.xz", "points/duplicated_pcloud.ply", "scans/armadillo_43k.ply"]
+LARGE_SCANS = ["scans/igea_134k.ply.xz", "scans/cortex_pia_lh_153k.ply.xz", "scans/dragon_full_436k_q11.ply.xz"]
+
 
 def record(message):
     """Leaves what the plugin says for tests/messages.py."""

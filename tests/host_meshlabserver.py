@@ -12,7 +12,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import SAMPLES, about, check_faults, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
+from conftest import LARGE_SCANS, MESHES, SAMPLES, about, check_faults, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"
@@ -289,17 +289,7 @@ def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     assert not list(tmp_path.glob("*.sel"))
 
 
-MESHES = [
-    "dirty/blobby_shuffled.off", "dirty/boeing_soup.off", "dirty/bunny_zipper_isolated_36k.ply", "dirty/cube_40k_nonmanifold.ply",
-    "dirty/double_torus_nm.off", "dirty/dragon_vrip_res2_100k.ply.xz", "dirty/elephant_with_holes.off", "dirty/fan3.obj",
-    "dirty/fly_aedes_63k.ply", "dirty/moebius.obj", "dirty/office_chair.obj", "dirty/rangemap_lato315_63k.ply",
-    "dirty/thingi_73416_38k.stl.xz", "dirty/truck_3k.obj", "attr/Laurana50k.ply", "attr/TextureDouble.ply",
-    "attr/bunny10k_textured.obj", "attr/cycloidal.ply", "attr/genesis_dragon.obj", "attr/laurana_custom_derived.ply",
-    "attr/texturedknot.ply", "points/building_100k.ply.xz", "points/duplicated_pcloud.ply", "scans/armadillo_43k.ply",
-    "scans/igea_134k.ply.xz", "scans/cortex_pia_lh_153k.ply.xz", "scans/dragon_full_436k_q11.ply.xz"]
-
-
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("name", MESHES + LARGE_SCANS)
 def test_every_mesh_through_every_filter(shared, name, tmp_path):
     source = tmp_path / "source"
     source.mkdir()

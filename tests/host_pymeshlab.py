@@ -8,7 +8,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import QUALITY_TAGS, SAMPLES, about, rotation, transformed, translation, unpacked, write_tags, write_transforms
+from conftest import LARGE_SCANS, MESHES, QUALITY_TAGS, SAMPLES, about, rotation, transformed, translation, unpacked, write_tags, write_transforms
 
 pymeshlab.load_plugin(os.environ["FCD_PLUGIN"])
 GRAPH, DEFORM = "generate_fcd_deformation_graph", "generate_fcd_deformed_mesh"
@@ -1234,16 +1234,13 @@ def test_a_gyrus_leaves_those_across_the_sulcus_behind(shared, tmp_path):
     assert apart[0] > 1.5 * apart[1]
 
 
-
-SCANS = ["armadillo_43k.ply"]
-if not IS_2022:  # large ones in one host
-    SCANS += ["igea_134k.ply.xz", "cortex_pia_lh_153k.ply.xz", "dragon_full_436k_q11.ply.xz"]
+SCANS = ["scans/armadillo_43k.ply"] + ([] if IS_2022 else LARGE_SCANS)  # large ones in one host
 
 
 @pytest.mark.parametrize("name", SCANS)
 def test_patches_of_scans_are_nearly_uniform(shared, name, tmp_path):
     """The coefficient of variation of the patches' areas."""
-    ms = open_shared(shared / "meshes" / "scans" / name, tmp_path)
+    ms = open_shared(shared / "meshes" / name, tmp_path)
     result = ms.apply_filter(GRAPH)
     assert result["converged"]
     patches = list(ms)[-1]
@@ -1542,16 +1539,9 @@ def test_an_error_about_tags_changes_nothing(tmp_path, case):
 
 # --- all benchmark meshes through all filters ---------------------------------------------------------------------------
 
-MESHES = [
-    "dirty/blobby_shuffled.off", "dirty/boeing_soup.off", "dirty/bunny_zipper_isolated_36k.ply", "dirty/cube_40k_nonmanifold.ply",
-    "dirty/double_torus_nm.off", "dirty/dragon_vrip_res2_100k.ply.xz", "dirty/elephant_with_holes.off", "dirty/fan3.obj",
-    "dirty/fly_aedes_63k.ply", "dirty/moebius.obj", "dirty/office_chair.obj", "dirty/rangemap_lato315_63k.ply",
-    "dirty/thingi_73416_38k.stl.xz", "dirty/truck_3k.obj", "attr/Laurana50k.ply", "attr/TextureDouble.ply",
-    "attr/bunny10k_textured.obj", "attr/cycloidal.ply", "attr/genesis_dragon.obj", "attr/laurana_custom_derived.ply",
-    "attr/texturedknot.ply", "points/building_100k.ply.xz", "points/duplicated_pcloud.ply", "bs08/grid.off", "bs08/simple.off",
-    "bs08/uniform.off"] + [f"scans/{name}" for name in SCANS]
+ALL_MESHES = MESHES + ["bs08/grid.off", "bs08/simple.off", "bs08/uniform.off"]
 if not IS_2022:
-    MESHES.append("scans/mni_t1wm_stack_1230k.ply.xz")
+    ALL_MESHES += LARGE_SCANS + ["scans/mni_t1wm_stack_1230k.ply.xz"]
 
 
 def data_of(mesh):
@@ -1576,7 +1566,7 @@ def assert_same_data(before, after, but=()):
         assert key in but or (before[key].shape == after[key].shape and before[key].tobytes() == after[key].tobytes()), key
 
 
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("name", ALL_MESHES)
 def test_every_mesh_through_every_filter(shared, name, tmp_path):
     ms = open_shared(shared / "meshes" / name, tmp_path)
     count, current = len(list(ms)), ms.current_mesh_id()
