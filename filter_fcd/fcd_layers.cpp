@@ -45,7 +45,8 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
         const double number = of(i);
         const double whole = std::round(number);
         // The tolerance is for files that store numbers as text.
-        if (!(std::abs(number - whole) <= 1e-6) || std::abs(whole) > std::numeric_limits<int>::max()) {
+        if (!(std::abs(number - whole) <= 1e-6) || whole < std::numeric_limits<int>::lowest() ||
+            whole > std::numeric_limits<int>::max()) {
             std::ostringstream message;
             message << "The " << what << " of vertex " << i << " is " << number
                     << ", but tags are whole numbers: " << tagMeaning
@@ -125,7 +126,7 @@ std::vector<int> tagsFromAttribute(const MeshModel &layer, const QString &name) 
 
 std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
     const CMeshO &mesh = layer.cm;
-    const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString());
+    const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString(), mostBytes(layer, 100));
     if (listed.size() != std::size_t(mesh.vn))
         throw Error(text(path) + " has " + std::to_string(listed.size()) + " tags, but the layer '" +
                     text(layer.label()) + "' has " + std::to_string(mesh.vn) +
@@ -154,6 +155,21 @@ std::vector<MotionStep> stepsOf(const HandleParam &param) {
     return steps;
 }
 
+/// How far single precision may have moved \p point; 0 where it has more digits than that.
+double singleError(const Eigen::Vector3d &point) {
+    if (point.cast<float>().cast<double>() != point)
+        return 0;
+    return point.cwiseAbs().maxCoeff() * std::numeric_limits<float>::epsilon() / 2;
+}
+
+Eigen::Vector3d extentOf(const CMeshO &mesh) {
+    Eigen::AlignedBox3d box;
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD())
+            box.extend(vcg::tri::PositionOf(vertex));
+    return box.sizes();
+}
+
 /// "2, 3 and 7", cut short when there are very many.
 template <class Map>
 std::string listOfKeys(const Map &map) {
@@ -172,12 +188,39 @@ std::string listOfKeys(const Map &map) {
 Eigen::Affine3d matrixOf(const MeshModel &layer) {
     Eigen::Matrix4d matrix;
     layer.cm.Tr.ToEigenMatrix(matrix);
-    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
-        !Eigen::FullPivLU<Eigen::Matrix3d>(matrix.topLeftCorner<3, 3>()).isInvertible())
-        throw Error("The matrix of the layer '" + text(layer.label()) +
-                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+    const std::string name = "The matrix of the layer '" + text(layer.label()) + "' ";
+    if (!matrix.allFinite())
+        throw Error(name + "holds a number that is not finite. Reset the matrix.");
+    if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw Error(name + "is a projection: its last row is not 0 0 0 1. Reset the matrix.");
     return Eigen::Affine3d(matrix);
 }
+
+namespace {
+
+bool isInvertible(const Eigen::Matrix3d &linear) {
+    return linear.allFinite() && Eigen::FullPivLU<Eigen::Matrix3d>(linear).isInvertible() &&
+           std::isnormal(linear.determinant()); // not beyond the range of numbers
+}
+
+} // namespace
+
+Eigen::Matrix3d metricOf(const MeshModel &layer) {
+    Eigen::Matrix4d matrix;
+    layer.cm.Tr.ToEigenMatrix(matrix);
+    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+    return isInvertible(linear) ? linear : Eigen::Matrix3d::Identity();
+}
+
+Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer) {
+    const Eigen::Affine3d matrix = matrixOf(layer);
+    if (!isInvertible(matrix.linear()))
+        throw Error("The matrix of the layer '" + text(layer.label()) +
+                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+    return matrix;
+}
+
+std::size_t mostBytes(const MeshModel &layer, std::size_t each) { return 1000000 + each * std::size_t(layer.cm.vn); }
 
 std::vector<char> onSelectedFaces(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
@@ -203,15 +246,6 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
     throw Error("Unknown source of tags.");
 }
 
-Eigen::Matrix4d worldMatrix(const MeshModel &layer, const Motion &motion) {
-    const Eigen::Affine3d layerMatrix = matrixOf(layer);
-    if (layerMatrix.matrix().isIdentity(0))
-        return motion.matrix;
-    Eigen::Matrix4d world = (layerMatrix * Eigen::Affine3d(motion.matrix) * layerMatrix.inverse()).matrix();
-    world.row(3) << 0, 0, 0, 1;
-    return world;
-}
-
 Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark) {
     const CMeshO &mesh = layer.cm;
     Handles handles;
@@ -219,7 +253,8 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
     if (!param.pointFile.isEmpty())
         handles.point = readPointHandles(layer, param.pointFile);
 
-    const Eigen::Affine3d layerMatrix = matrixOf(layer);
+    const Eigen::Affine3d layerMatrix = invertibleMatrixOf(layer);
+    handles.world = layerMatrix;
     struct Sum {
         Eigen::Vector3d position = Eigen::Vector3d::Zero();
         std::size_t count = 0;
@@ -234,7 +269,8 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
 
     std::vector<Eigen::Matrix4d> listed;
     if (!param.transformFile.isEmpty())
-        listed = vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString());
+        listed =
+            vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString(), mostBytes(layer, 1000));
 
     const std::map<int, std::vector<MotionStep>> told = vcg::fcd::ReadMotionText(text(param.transforms));
     for (const auto &clause : told)
@@ -246,7 +282,7 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
                                             : "the handles are " + listOfKeys(sums) + "."));
         }
 
-    bool moves = false;
+    bool moves = false, aboutPoint = false;
     for (const auto &[tag, sum] : sums) {
         const std::size_t place = std::size_t(tag) - 2;
         const Eigen::Vector3d barycenter = layerMatrix * (sum.position / double(sum.count));
@@ -264,6 +300,7 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
             world = Motion(listed[place]);
         } else {
             world = vcg::fcd::ToMotion(stepsOf(param), barycenter);
+            aboutPoint = param.rotationAngle != 0 && param.rotationCenter == HandleParam::Point;
             if (!told.empty() && listed.empty())
                 remark("Handle " + std::to_string(tag) +
                        " is not in transforms: translation, rotation and matrix of the dialog move it.");
@@ -272,15 +309,25 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
                        ": translation, rotation and matrix of the dialog move it.");
         }
         moves = moves || !world.matrix.isIdentity(0) || !world.turn.isZero(0);
-        handles.motion[tag] = world.In(layerMatrix);
+        handles.motion[tag] = world;
     }
 
     for (std::size_t place = 0; place < listed.size(); ++place)
         if (!sums.count(int(place) + 2))
             remark("No vertex has tag " + std::to_string(place + 2) + ": its matrix in " + text(param.transformFile) +
                    " is not used.");
-    if (!sums.empty() && !moves)
-        remark("No handle moves: translation, rotation and matrix leave them where they are.");
+    if (const double error = aboutPoint ? singleError(param.rotationPoint) : 0;
+        error > 1e-5 * (layerMatrix.linear() * extentOf(mesh)).norm()) {
+        std::ostringstream line;
+        line << "rotation_point reaches the filter in single precision, which far from the origin is coarse: " << error
+             << " units there. For an exact centre write the rotation as text in 'transforms': " << sums.begin()->first
+             << ": rotate ax ay az degrees about x y z.";
+        remark(line.str());
+    }
+    for (const vcg::fcd::PointHandle &point : handles.point)
+        moves = moves || point.target != vcg::tri::PositionOf(mesh.vert[point.vertex]);
+    if (!moves && !(sums.empty() && handles.point.empty()))
+        remark("No handle moves: nothing that was given leads them away from where they are.");
     return handles;
 }
 
@@ -297,7 +344,7 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
         throw Error("The graph layer '" + text(graph->label()) +
                     "' has no vertices, so there are no nodes. Choose another "
                     "layer, or untick 'use_graph_layer'.");
-    const Eigen::Affine3d from = matrixOf(*graph), to = matrixOf(layer);
+    const Eigen::Affine3d from = matrixOf(*graph), to = invertibleMatrixOf(layer);
     const bool same = from.matrix() == to.matrix();
     const Eigen::Affine3d change = to.inverse() * from;
     Eigen::Matrix3Xd nodes(3, graph->cm.vn);
@@ -319,6 +366,17 @@ QString nameOf(const MeshModel &layer) {
     QString name = layer.label().trimmed();
     name.remove(QRegularExpression("\\.[A-Za-z][A-Za-z0-9]{0,4}$"));
     return name.isEmpty() ? QString("mesh") : name;
+}
+
+/// "NAME what"; "NAME what 2" where \p base is "NAME deformed", and so on.
+QString labelOf(const MeshModel &base, const QString &what) {
+    const QString name = nameOf(base);
+    const QRegularExpressionMatch result =
+        QRegularExpression("^(.+) deformed(?: (\\d{1,6}))?(?:\\(\\d+\\))?$").match(name);
+    if (!result.hasMatch())
+        return name + " " + what;
+    const int times = result.captured(2).isEmpty() ? 1 : result.captured(2).toInt();
+    return QString("%1 %2 %3").arg(result.captured(1), what).arg(times + 1);
 }
 
 /// \p label, or "LABEL(n)" where it is taken. MeshLab does so too, but takes a dot for the beginning of an extension.
@@ -402,7 +460,7 @@ void NewLayers::keep(const MeshModel &current) {
 }
 
 MeshModel &NewLayers::add(const QString &what) {
-    const QString label = unusedLabel(document, nameOf(base) + " " + what);
+    const QString label = unusedLabel(document, labelOf(base, what));
     added.reserve(added.size() + 1); // nothing can fail between adding and remembering
     MeshModel *layer = document.addNewMesh("", label, false);
     added.push_back(layer);
@@ -436,7 +494,7 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
 }
 
 MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
-                                  const std::vector<float> &quality) {
+                                  const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality) {
     MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
     if (!quality.empty())
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
@@ -450,7 +508,66 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
             ++vertex;
         }
     host::updateBoxAndNormals(layer);
+    if (linear.empty())
+        return layer;
+    const bool ownNormals = hasOwnNormals(base), directions = base.hasDataMask(MeshModel::MM_VERTCURVDIR);
+    const auto turn = [](const Eigen::Matrix3d &map, auto &v) {
+        const Eigen::Vector3d turned = (map * Eigen::Vector3d(v[0], v[1], v[2])).stableNormalized();
+        for (int d = 0; d < 3; ++d)
+            v[d] = turned[d];
+    };
+    vertex = layer.cm.vert.begin();
+    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
+        if (!base.cm.vert[i].IsD()) {
+            const Eigen::Matrix3d map = linear[i].cast<double>();
+            if (ownNormals) {
+                vertex->N() = base.cm.vert[i].cN();
+                turn(vcg::fcd::Cofactors(map), vertex->N());
+            }
+            if (directions) {
+                turn(map, vertex->PD1());
+                turn(map, vertex->PD2());
+            }
+            ++vertex;
+        }
     return layer;
+}
+
+bool hasDirections(const MeshModel &layer) {
+    return layer.hasDataMask(MeshModel::MM_VERTCURVDIR) || hasOwnNormals(layer);
+}
+
+bool hasOwnNormals(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    if (mesh.fn == 0)
+        return std::any_of(mesh.vert.begin(), mesh.vert.end(),
+                           [](const CVertexO &v) { return !v.IsD() && v.cN().SquaredNorm() > 0; });
+    // At a sample of vertices: the sums of the normals of the faces, weighed by area and by angle, as programs do.
+    const std::size_t step = mesh.vert.size() / 4096 + 1;
+    std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
+    for (const CFaceO &face : mesh.face)
+        for (int k = 0; !face.IsD() && k < 3; ++k) {
+            const std::size_t i = std::size_t(face.cV(k) - &mesh.vert[0]);
+            if (i % step != 0)
+                continue;
+            const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
+                                  a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
+                                  b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
+            byArea[i / step] += n;
+            byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
+        }
+    const double near = std::cos(5 * double(EIGEN_PI) / 180); // rounding and other weights stay below
+    std::size_t all = 0, other = 0;
+    for (std::size_t i = 0; i < mesh.vert.size(); i += step) {
+        const auto &n = mesh.vert[i].cN();
+        const Eigen::Vector3d own = Eigen::Vector3d(n[0], n[1], n[2]).stableNormalized();
+        if (mesh.vert[i].IsD() || byArea[i / step].isZero(0) || own.isZero(0))
+            continue;
+        ++all;
+        other +=
+            own.dot(byArea[i / step].stableNormalized()) < near && own.dot(byAngle[i / step].stableNormalized()) < near;
+    }
+    return 2 * other > all;
 }
 
 MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,

@@ -18,9 +18,21 @@ using Remark = std::function<void(const std::string &)>;
 
 // --- layers -> vcg_ext ---
 
-/// The matrix of \p layer, which leads from its coordinates to those of the world. \throw vcg::fcd::Error when it has
-/// no inverse
+/// The matrix of \p layer, which leads from its coordinates to those of the world. \throw vcg::fcd::Error when it is
+/// not finite, or not affine
 Eigen::Affine3d matrixOf(const MeshModel &layer);
+/// Whether \p layer has normals that cannot be computed from its faces: a cloud's, or others than the faces'.
+bool hasOwnNormals(const MeshModel &layer);
+/// Whether \p layer has such normals, or principal directions, which turn with the surface.
+bool hasDirections(const MeshModel &layer);
+/// The linear part of the matrix of \p layer, by which lengths are measured; the identity where it has no inverse.
+Eigen::Matrix3d metricOf(const MeshModel &layer);
+
+/// The same, for where the way back is needed. \throw vcg::fcd::Error also when it has no inverse
+Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer);
+
+/// How many bytes a file may have that holds at most \p each for a vertex of \p layer, and comments.
+std::size_t mostBytes(const MeshModel &layer, std::size_t each);
 
 /// Whether each slot of the layer's vertex vector belongs to a selected face.
 std::vector<char> onSelectedFaces(const MeshModel &layer);
@@ -29,12 +41,9 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 /// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 
-/// Tags (per slot of the layer's vertex vector) and motions (in the layer's own coordinates) of the handles of \p
+/// Tags (per slot of the layer's vertex vector) and motions (in world coordinates) of the handles of \p
 /// layer. \throw vcg::fcd::Error when the tags or motions cannot be had: each message says what to do
 vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark);
-
-/// \p motion, in the coordinates of \p layer as from readHandles(), in world coordinates.
-Eigen::Matrix4d worldMatrix(const MeshModel &layer, const vcg::fcd::Motion &motion);
 
 /// The vertices of \p graph in the coordinates of \p layer, 3 x k.
 /// \throw vcg::fcd::Error when \p graph is null, is \p layer itself or has no vertex
@@ -46,7 +55,8 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph);
 /// the one it was, unless keep() is reached.
 class NewLayers {
   public:
-    /// \p base names the layers ("NAME what") and gives them its matrix.
+    /// \p base names the layers ("NAME what"; "NAME what 2" where it is itself "NAME deformed", and so on) and gives
+    /// them its matrix.
     NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark);
     NewLayers(const NewLayers &) = delete;
     NewLayers &operator=(const NewLayers &) = delete;
@@ -61,9 +71,11 @@ class NewLayers {
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
                           const std::vector<vcg::Color4b> &color);
 
-    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p quality
-    /// per slot is that of the new layer; empty: the base's.
-    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position, const std::vector<float> &quality);
+    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p linear
+    /// per slot turns normals that are not those of the faces, and principal directions; empty: there are none.
+    /// \p quality per slot is that of the new layer; empty: the base's.
+    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
+                           const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality);
 
     /// Keeps the layers; \p current becomes the current one.
     void keep(const MeshModel &current);

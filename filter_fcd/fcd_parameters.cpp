@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <QRegularExpression>
+
 using host::addParameter;
 using host::Shown;
 using vcg::fcd::Error;
@@ -21,11 +23,12 @@ Scalarm diagonal(const MeshDocument &document) {
 
 /// The layer that is most likely meant as a deformation graph.
 const MeshModel *likelyGraph(const MeshDocument &document) {
+    const QRegularExpression graph(" graph( \\d+)?(\\(\\d+\\))?$"), deformed(" deformed graph[ 0-9()]*$");
     const MeshModel *found = document.mm();
     for (const MeshModel *layer : host::layers(document)) {
         if (!found)
             found = layer;
-        if (layer->label().endsWith(" graph") && !layer->label().endsWith(" deformed graph"))
+        if (layer->label().contains(graph) && !layer->label().contains(deformed))
             found = layer;
     }
     return found;
@@ -37,7 +40,8 @@ void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDoc
     addParameter<host::RichPercentageParam>(
         list, Shown::Always, "target_radius", Scalarm(targetRadius), Scalarm(0), diagonal(document), "Patch radius",
         "How far a patch reaches from its centre, in units of the layer, measured along the surface. Patches that grow "
-        "beyond it are split. <b>0</b> (the default) chooses it from the number of patches. <b>Raising it</b> gives "
+        "beyond it are split. <b>0</b> (the default) chooses it from the number of patches and the area to cover. "
+        "<b>Raising it</b> gives "
         "fewer "
         "and larger patches: faster, and the deformation bends more stiffly. <b>Lowering it</b> gives more patches, "
         "which "
@@ -47,7 +51,8 @@ void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDoc
 void addInitialPatches(RichParameterList &list, int initialPatches) {
     addParameter<RichInt>(
         list, Shown::Always, "initial_patches", initialPatches, "Initial patches",
-        "Number of patches to start from; splitting adds to it. <b>Raising it</b> lets the deformation bend in finer "
+        "Number of patches to start from, all of them where the surface is free; splitting adds to it. <b>Raising "
+        "it</b> lets the deformation bend in finer "
         "detail "
         "and costs a little time; a few hundred are enough for most scans, whatever their number of vertices.");
 }
@@ -193,7 +198,9 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     addParameter<host::RichPositionParam>(
         list, Shown::Advanced, "rotation_point", toPoint(handles.rotationPoint), "Rotation point",
         "Centre of the rotation in world coordinates. Only read when the rotation centre "
-        "is 'Rotation point'.");
+        "is 'Rotation point'. It comes here in single precision, which far from the origin is coarse (at 600 000, "
+        "steps "
+        "of 0.06): 'Motions as text' keeps all digits.");
     Matrix44m matrix;
     matrix.FromEigenMatrix(handles.matrix);
     addParameter<host::RichMatrixParam>(
@@ -206,9 +213,11 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
         "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
         "drive several meshes, and nodes can be placed by hand.");
-    host::addLayerParameter(list, Shown::Advanced, "graph_layer",
-                            param.graphLayer ? param.graphLayer : likelyGraph(document), document, "Graph layer",
-                            "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked.");
+    host::addLayerParameter(
+        list, Shown::Advanced, "graph_layer", param.graphLayer ? param.graphLayer : likelyGraph(document), document,
+        "Graph layer",
+        "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes "
+        "that are not on the surface are left out; when most of them are not, it is an error.");
     addTargetRadius(list, deformation.graph.targetRadius, document);
     addInitialPatches(list, deformation.graph.initialPatches);
     addRandomSeed(list, deformation.graph.randomSeed);
@@ -225,16 +234,19 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         "The shape is improved until it comes to rest, at most this often. <b>Raise it</b> when the log "
         "says that it did not converge; a converged result does not change.");
     addParameter<RichFloat>(list, Shown::Advanced, "tolerance", Scalarm(deformation.tolerance), "Tolerance",
-                            "At rest means that no node moves more than this fraction of the bounding box diagonal. "
+                            "At rest means that no node is farther from where it comes to rest than ten times this "
+                            "fraction of the bounding box diagonal (estimated from how fast the steps get shorter). "
                             "<b>Raising it</b> ends sooner and less exactly.");
     addParameter<RichEnum>(
         list, Shown::Advanced, "graph_weights", int(deformation.graphWeights),
         QStringList() << "Common border"
-                      << "Uniform",
+                      << "Uniform"
+                      << "As in the paper",
         "Graph weights",
         "How strongly neighbouring patches hold together. <i>Common border</i>: the more, the longer "
         "their border and the closer their centres, so that the shape hardly depends on where the "
-        "patches lie. <i>Uniform</i>: all alike, as in the paper.");
+        "patches lie. <i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and the patches are balanced by "
+        "their number of vertices instead of their area, so that denser parts get more of them.");
     addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights),
                            QStringList() << "Along the surface"
                                          << "Euclidean",
@@ -301,7 +313,9 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     deformation.smoothness = list.getFloat("smoothness");
     deformation.maxIterations = list.getInt("max_iterations");
     deformation.tolerance = list.getFloat("tolerance");
-    deformation.graphWeights = vcg::fcd::GraphWeights(enumValue(list, "graph_weights", 2));
+    const int graphWeights = enumValue(list, "graph_weights", 3);
+    deformation.graphWeights = graphWeights == 0 ? vcg::fcd::GraphWeights::Border : vcg::fcd::GraphWeights::Uniform;
+    deformation.graph.measure = graphWeights == 2 ? vcg::fcd::PatchMeasure::Vertices : vcg::fcd::PatchMeasure::Area;
     deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
     deformation.influence = list.getFloat("influence");
     deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));

@@ -21,21 +21,19 @@ namespace {
 
 std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
 
-std::vector<PointPair> readPickedPointsFile(const QString &path) {
-    QFile file(path);
-    if (!file.open(QIODevice::ReadOnly))
-        throw Error("Cannot open " + quoted(path) + ".");
-    return readPickedPoints(file.readAll(), quoted(path));
+std::vector<PointPair> readPairs(const QString &path, std::size_t mostBytes) {
+    const std::string name = QFile::encodeName(path).toStdString();
+    if (!path.endsWith(".pp", Qt::CaseInsensitive))
+        return vcg::fcd::ReadPointHandleFile(name, mostBytes);
+    return readPickedPoints(QByteArray::fromStdString(vcg::fcd::ReadFile(name, mostBytes)), quoted(path));
 }
 
 } // namespace
 
 std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString &file) {
-    const std::vector<PointPair> pairs = file.endsWith(".pp", Qt::CaseInsensitive)
-                                             ? readPickedPointsFile(file)
-                                             : vcg::fcd::ReadPointHandleFile(QFile::encodeName(file).toStdString());
+    const std::vector<PointPair> pairs = readPairs(file, mostBytes(layer, 1000));
     const CMeshO &mesh = layer.cm;
-    const Eigen::Affine3d toLayer = matrixOf(layer).inverse();
+    const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
 
     // Live vertices: a file counts them as MeshLab would save them.
     std::vector<std::size_t> live;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/handle_file.h> // before Qt
 
+#include "fcd_save_files.h"
 #include "fcd_tags.h"
 
 #include <vcg/complex/allocate.h>
@@ -8,9 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
-
-#include <QFile>
-#include <QFileInfo>
 
 using host::addParameter;
 using host::Shown;
@@ -20,8 +18,6 @@ using vcg::fcd::TagCount;
 namespace {
 
 std::string text(const QString &s) { return s.toStdString(); }
-
-std::string pathOf(const QString &file) { return QFile::encodeName(file).toStdString(); }
 
 // --- parameters ---
 
@@ -297,7 +293,7 @@ SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &documen
 void SaveTagsParam::validate() const {
     if (tagFile.isEmpty())
         throw Error("tag_file is empty. Give the .sel file to write the tags to.");
-    if (QFileInfo(tagFile).absoluteFilePath() == QFileInfo(transformFile).absoluteFilePath())
+    if (!transformFile.isEmpty() && isSameFile(tagFile, transformFile))
         throw Error("tag_file and transform_file are the same file. Give two different files.");
 }
 
@@ -317,7 +313,7 @@ TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Rema
                         ", and the file would need a matrix for each number up to it. Number the handles 2, 3, ...");
         matrix.assign(std::size_t(last) - 1, Eigen::Matrix4d::Identity());
         for (const auto &[number, motion] : handles.motion)
-            matrix[std::size_t(number) - 2] = worldMatrix(layer, motion);
+            matrix[std::size_t(number) - 2] = motion.matrix;
         tag = handles.tag;
     }
     const TagCount count = vcg::tri::CountTags(layer.cm, tag);
@@ -327,8 +323,9 @@ TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Rema
         if (!layer.cm.vert[i].IsD())
             live.push_back(tag[i]);
 
-    vcg::fcd::WriteTagFile(pathOf(param.tagFile), live);
+    std::vector<FileContent> files{{param.tagFile, vcg::fcd::TagText(live)}};
     if (!matrix.empty())
-        vcg::fcd::WriteTransformFile(pathOf(param.transformFile), matrix);
+        files.push_back({param.transformFile, vcg::fcd::TransformText(matrix)});
+    saveFiles(files);
     return count;
 }

@@ -62,8 +62,8 @@ vcg::fcd::TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param
 /// Tags all vertices as a file says. \throw vcg::fcd::Error, and leaves the layer as it was
 vcg::fcd::TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param);
 
-/// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; nothing is written when
-/// tags or motions cannot be had
+/// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; the files are then as
+/// they were
 vcg::fcd::TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Remark &remark);
 
 #endif

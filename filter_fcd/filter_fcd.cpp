@@ -66,6 +66,35 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
             {"outside_vertices", tags.outside}};
 }
 
+/// A sentence for each thing that is probably not meant.
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check) {
+    std::vector<std::string> warnings;
+    const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
+        return std::to_string(n) + " " + (n == 1 ? one : many);
+    };
+    if (check.rigid)
+        warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
+                              "Mark what stays as fixed (tag 0), beside what is free.");
+    if (check.overruled > 0)
+        warnings.push_back(
+            count(check.overruled, "handle vertex is", "handle vertices are") +
+            " at the same place as a fixed vertex, or one of a handle with a smaller number, and held as "
+            "that one. Give all vertices at a place the same tag.");
+    if (check.strained > 0) {
+        std::ostringstream line;
+        line << count(check.strained, "edge leads", "edges lead")
+             << " straight from one held region to another that moves otherwise, and stretched or shrunk to less than "
+                "half or more than twice the length (the longest: "
+             << check.longest << " times). Leave free vertices between them.";
+        warnings.push_back(line.str());
+    }
+    if (check.folded > 0)
+        warnings.push_back(count(check.folded, "triangle has", "triangles have") +
+                           " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
+                           "leave more free surface between them.");
+    return warnings;
+}
+
 } // namespace
 
 FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags}); }
@@ -185,7 +214,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
     const MeshModel &layer = input(document);
     const BuildGraphParam param = buildGraphParam(parameters);
     const vcg::fcd::CentroidalGraph graph =
-        vcg::tri::BuildCentroidalGraph(layer.cm, param.graph, Progress(callback, 0, 90));
+        vcg::tri::BuildCentroidalGraph(layer.cm, param.graph, Progress(callback, 0, 90), metricOf(layer));
 
     const Progress progress(callback, 90, 100);
     progress(0, "Adding layers...");
@@ -225,6 +254,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const vcg::fcd::Handles handles = readHandles(layer, param.handles, remark);
     if (param.useGraphLayer)
         param.deformation.nodes = readNodes(layer, param.graphLayer);
+    param.deformation.linear = hasDirections(layer);
     const vcg::fcd::DeformationResult result =
         vcg::tri::DeformCentroidal(layer.cm, handles, param.deformation, Progress(callback, 0, 90));
 
@@ -236,7 +266,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         layers.addGraph("deformed graph", result.deformed);
     }
     const std::vector<float> none;
-    const MeshModel &deformed = layers.addDeformed("deformed", result.position,
+    const MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear,
                                                    param.quality == DeformMeshParam::Stretch    ? result.stretch
                                                    : param.quality == DeformMeshParam::Rotation ? result.rotation
                                                                                                 : none);
@@ -255,15 +285,21 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " loose (no fixed or handle vertex): " +
                 (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
                                                                               : "staying in place."));
+    if (param.useGraphLayer)
+        logLine(std::to_string(result.placedNodes) + " of the " + std::to_string(param.deformation.nodes.cols()) +
+                " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
+                (result.placedNodes < param.deformation.nodes.cols() ? "; the others are left out." : "."));
+    for (const std::string &warning : describe(result.check))
+        logLine(warning, GLLogStream::WARNING);
     if (!result.converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
-    if (layer.cm.fn == 0)
-        logLine("The normals of a point cloud cannot be recomputed from faces; the new layer has those of the input.");
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.tags));
     values.insert({{"loose_parts", result.looseParts},
+                   {"folded_triangles", result.check.folded},
+                   {"strained_edges", result.check.strained},
                    {"nodes", nodes},
                    {"iterations", result.iterations},
                    {"converged", result.converged},

@@ -149,7 +149,7 @@ static void cancel(Plugin &plugin, QAction *action) {
 
 static void runOutOfMemory(Plugin &plugin, QAction *action) {
     MeshDocument document;
-    fill(document, 700);
+    fill(document, 300);
     const State before(document);
     const MeshModel *sheet = document.mm();
     stopAt = 0;
@@ -158,10 +158,10 @@ static void runOutOfMemory(Plugin &plugin, QAction *action) {
     const rlimit unlimited = limit;
     int times = 0;
     std::string message;
-    for (rlim_t spare = 1; spare < 2000; spare += 6) {
+    for (rlim_t spare = 1024; spare < 1024 * 1024; spare += 128) { // kB
         rlim_t pages = 0;
         std::ifstream("/proc/self/statm") >> pages;
-        limit.rlim_cur = pages * rlim_t(sysconf(_SC_PAGESIZE)) + (spare << 20);
+        limit.rlim_cur = pages * rlim_t(sysconf(_SC_PAGESIZE)) + (spare << 10);
         setrlimit(RLIMIT_AS, &limit);
         const std::string error = apply(plugin, action, document);
         setrlimit(RLIMIT_AS, &unlimited);
@@ -170,7 +170,7 @@ static void runOutOfMemory(Plugin &plugin, QAction *action) {
         ++times;
         message = error;
         if (error.find("Out of memory") == std::string::npos || !(State(document) == before))
-            fail(action, "with " + std::to_string(spare) + " MB: '" + error + "', or the document has changed");
+            fail(action, "with " + std::to_string(spare) + " kB: '" + error + "', or the document has changed");
     }
     checkResult(action, document, sheet);
     std::cout << action->text().toStdString() << " ran out of memory " << times << " times: " << message << "\n";

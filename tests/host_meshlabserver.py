@@ -51,7 +51,7 @@ def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, rando
 
 def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="", point_handles_file="",
                   translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
-                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.0043,
+                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.0058,
                   max_iterations=1000, tolerance=1e-5, graph_weights=0, weights=0, influence=4, loose_parts=0, pose=100, graph_layers=True,
                   deformed_quality=0):
     return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
@@ -68,7 +68,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
             parameter("Int", "initial_patches", value=initial_patches) + parameter("Int", "random_seed", value=random_seed) +
             parameter("Float", "smoothness", value=smoothness) + parameter("Int", "max_iterations", value=max_iterations) +
-            parameter("Float", "tolerance", value=tolerance) + choice("graph_weights", graph_weights, 2) +
+            parameter("Float", "tolerance", value=tolerance) + choice("graph_weights", graph_weights, 3) +
             choice("weights", weights, 2) +
             parameter("Float", "influence", value=influence) + choice("loose_parts", loose_parts, 2) +
             parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) +
@@ -88,7 +88,7 @@ class Run:
         done = subprocess.run(
             ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
              "-w", str(folder / "project.mlp")],
-            cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
+            cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=1800,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
         self.log, self.code = done.stdout, done.returncode
         record(self.log)
@@ -160,6 +160,15 @@ def test_motions_as_text(tmp_path):
     points = run.meshes["bonedeformed"].vertex_matrix()
     half = about(rest[tags == 2].mean(0), rotation([1, 0, 0], 135))
     assert np.abs(points[tags == 2] - transformed(half, rest[tags == 2])).max() < 1e-6
+
+
+def test_a_rotation_point_that_single_precision_moves_is_logged(tmp_path):
+    far = dict(rotation_angle=30, rotation_center=2, rotation_point=(600000, 5300000, 100), graph_layers=False)
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(**far))
+    assert "rotation_point reaches the filter in single precision" in run.log and int(run.value("folded_triangles")) >= 0
+    (tmp_path / "near").mkdir()
+    run = Run(tmp_path / "near", BONE, quality_filter(BONE_TAGS), deform_filter(**{**far, "rotation_point": (0.5, 0.25, 0)}))
+    assert "single precision" not in run.log and "bonedeformed" in run.meshes, run.log
 
 
 def test_point_handles(tmp_path):
@@ -279,7 +288,7 @@ def test_tags_from_selections_saved_and_read(tmp_path):
     ([read_filter("/no/such.sel")], "/no/such.sel"),
     ([quality_filter(BONE_TAGS), save_filter("/no/such/t.sel")], "Cannot write"),
     ([quality_filter(BONE_TAGS), save_filter("t.sel", handles=3)], "from 0 to 2"),
-    ([quality_filter(BONE_TAGS), deform_filter(graph_weights=2)], "graph_weights is 2"),
+    ([quality_filter(BONE_TAGS), deform_filter(graph_weights=3)], "graph_weights is 3"),
     ([quality_filter(BONE_TAGS), deform_filter(deformed_quality=3)], "deformed_quality is 3"),
 ])
 def test_an_error_about_tags_is_a_message(tmp_path, script, word):

@@ -132,5 +132,82 @@ assert before == (environment(), files(), os.getcwd(), os.umask(0o22))
 """, cwd=work, HOME=home, TMPDIR=temporary)
 
 
+SAVE = """
+ms = pymeshlab.MeshSet()  # lives to the end: an error is written to its log
+
+def save(folder):
+    ms.add_mesh(pymeshlab.Mesh(np.eye(3), v_scalar_array=np.array([0, 1, 2.0])), "few")
+    try:
+        ms.apply_filter("save_fcd_tags", tag_file=folder + "/t.sel", transform_file=folder + "/t.def",
+                        transforms="2: rotate 1 2 3 40 about 5 6 7")
+    except pymeshlab.PyMeshLabException as e:
+        print(e)
+"""
+
+
+@pytest.mark.parametrize("size", [50, 200])
+@pytest.mark.parametrize("there", [("t.sel", "t.def"), ("t.def",), ()])
+def test_a_full_disk_loses_no_file(tmp_path, size, there):
+    """Files that cannot grow stand for the disk: the tags take some hundred bytes, the motions more than 200."""
+    for name in there:
+        (tmp_path / name).write_text("old\n")
+    out = run(SAVE + f"""
+import signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))
+save({str(tmp_path)!r})
+""")
+    assert f"Cannot write '{tmp_path}/t.{'sel' if size == 50 else 'def'}': File too large." in out
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == dict.fromkeys(there, "old\n")
+    assert run(SAVE + f"save({str(tmp_path)!r})") == ""
+    assert (tmp_path / "t.sel").stat().st_size > 50 and (tmp_path / "t.def").stat().st_size > 200
+
+
+@pytest.mark.parametrize("there", [("t.sel", "t.def"), ("t.def",), ()])
+def test_the_tags_are_as_they_were_where_the_motions_cannot_take_their_place(tmp_path, there):
+    library = tmp_path / "refuse.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", str(library), "-xc", "-"], text=True, check=True, input="""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <string.h>
+static int refuse(const char *to) {
+    return strlen(to) > 5 && !strcmp(to + strlen(to) - 5, "t.def") ? errno = EBUSY : 0;
+}
+int rename(const char *from, const char *to) {
+    return refuse(to) ? -1 : ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
+}
+int linkat(int in, const char *from, int out, const char *to, int flags) {
+    return refuse(to) ? -1 : ((int (*)(int, const char *, int, const char *, int))dlsym(RTLD_NEXT, "linkat"))(in, from, out, to, flags);
+}
+""")
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    for name in there:
+        (folder / name).write_text("old\n")
+    out = run(SAVE + f"save({str(folder)!r})", LD_PRELOAD=str(library))
+    assert f"Cannot write '{folder}/t.def': Device or resource busy." in out
+    assert {path.name: path.read_text() for path in folder.iterdir()} == dict.fromkeys(there, "old\n")
+
+
+@pytest.mark.parametrize("name, parameters", [("t.sel", "handles=3, tag_file"), ("t.def", "transform_file"),
+                                              ("p.csv", "point_handles_file"), ("p.pp", "point_handles_file")])
+def test_a_file_that_is_far_too_large_is_not_read_to_its_end(tmp_path, name, parameters):
+    path = tmp_path / name
+    path.touch()
+    os.truncate(path, 30 << 30)  # a hole
+    out = run(f"""
+ms = sheet(30)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+try:
+    ms.apply_filter(DEFORM, {parameters}={str(path)!r})
+except pymeshlab.PyMeshLabException as e:
+    print(e)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024, "MB")
+""")
+    assert f"'{path}' is larger than 1 MB" in out and int(out.split()[-2]) < 100, out
+
+
 def test_cancel_and_little_memory_leave_the_document_as_it_was():
     check_faults(PLUGIN, Path(pymeshlab.__file__).parent / "lib")

@@ -20,14 +20,14 @@ DEFORM_DEFAULTS = {
     "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
-    "random_seed": 1, "smoothness": 0.0043, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
+    "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "pose": 100, "graph_layers": True, "deformed_quality": 0}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
 DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
-                  "outside_vertices": int, "converged": bool, "energy": float, "seconds_graph": float,
+                  "outside_vertices": int, "folded_triangles": int, "strained_edges": int, "converged": bool, "energy": float, "seconds_graph": float,
                   "seconds_solve": float, "seconds_map": float}
 
 
@@ -333,16 +333,77 @@ def test_what_was_met_is_returned_and_logged(capfd):
     ms.set_verbosity(True)
     sentence = (f"5 connected parts, {n} vertices at the place of another (treated as one), 2 isolated vertices, "
                 "1 non-manifold edges, 2 degenerate faces.")
-    for name, parameters, more, said in ((GRAPH, {}, {}, ""),
-                                         (DEFORM, {}, {"loose_parts": 3}, "3 parts are loose"),
-                                         (DEFORM, {"loose_parts": 1}, {"loose_parts": 3}, "staying in place")):
+    # Of a deformation, what is free and what holds it counts: not the fan, and eight of the shared places.
+    free = (tags[:n] == 1).sum()
+    bent = {**expected, "components": 4, "welded_vertices": free + 2, "non_manifold_edges": 0, "degenerate_faces": 0, "loose_parts": 3}
+    bent_sentence = f"4 connected parts, {free + 2} vertices at the place of another (treated as one), 2 isolated vertices."
+    for name, parameters, more, said in ((GRAPH, {}, {}, ""), (DEFORM, {}, bent, "3 parts are loose"),
+                                         (DEFORM, {"loose_parts": 1}, bent, "staying in place")):
         ms.set_current_mesh(0)
         capfd.readouterr()
         result = ms.apply_filter(name, **parameters)
         log = capfd.readouterr().err
         for key, value in {**expected, **more}.items():
             assert result[key] == value, key
-        assert sentence in log and said in log, log
+        assert (bent_sentence if more else sentence) in log and said in log, log
+
+
+def deform_logged(ms, capfd, **parameters):
+    """(returned values, log) of a deformation. After an error in any filter pymeshlab logs no more, hence the tests that read
+    the log come first."""
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    result = ms.apply_filter(DEFORM, **parameters)
+    return result, capfd.readouterr().err
+
+
+def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):
+    ms = clean_bone()
+    k = ms.apply_filter(GRAPH, initial_patches=60, patches_layer=False)["patches"]
+    nodes = ms.mesh(1).vertex_matrix()
+    ms.add_mesh(pymeshlab.Mesh(np.vstack([nodes, nodes[:k // 2] + [100, 0, 0]])), "more")
+    for layer, said in ((1, f"{k} of the {k} nodes of 'bone graph' lie on the surface."),
+                        (2, f"{k} of the {k + k // 2} nodes of 'more' lie on the surface; the others are left out.")):
+        ms.set_current_mesh(0)
+        _, log = deform_logged(ms, capfd, use_graph_layer=True, graph_layer=layer, translation=np.array([0, 0, 0.25]), graph_layers=False)
+        assert said in log, log
+
+
+WARNINGS = {
+    "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "straight from one held region to another",
+    "folded": "turned over", "still": "No handle moves"}
+
+
+@pytest.mark.parametrize("case", ["none", *WARNINGS])
+def test_what_is_probably_not_meant_is_logged(capfd, case):
+    tags = {"rigid": "(x > 0.75) ? 2 : 1", "strained": "(x < 0.5) ? 0 : ((x < 0.6) ? 2 : 1)"}.get(case, QUALITY_TAGS)
+    move = {"still": [0, 0, 0], "folded": [-1.0, 0, 0]}.get(case, [0, 0, 0.2])
+    ms = clean_bone()
+    set_quality(ms, tags)
+    mesh = ms.current_mesh()
+    points, faces, values = mesh.vertex_matrix(), mesh.face_matrix(), mesh.vertex_scalar_array()
+    if case == "overruled":  # a vertex of the handle lies on a fixed one beside what is free
+        beside = faces[((values[faces] == 0).sum(1) == 1) & ((values[faces] == 1).sum(1) == 2)][0]
+        points, values = np.vstack([points, points[beside][values[beside] == 0]]), np.append(values, 2)
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=values), "bone")
+    result, log = deform_logged(ms, capfd, translation=np.array(move, float))
+    met = {name for name, words in WARNINGS.items() if words in log}
+    assert met - ({"folded", "rigid"} if case == "strained" else set()) == {case} - {"none"}, log
+    assert (result["folded_triangles"] > 0) == ("folded" in met) and (result["strained_edges"] > 0) == (case == "strained")
+    if case == "folded":
+        assert f"{result['folded_triangles']} triangles have turned over" in log
+
+
+def test_a_rotation_point_that_single_precision_moves_is_logged(capfd):
+    """Scripts pass points in single precision."""
+    far = np.array([600000.005, 5300000.003, 100])
+    for point, transforms, coarse in ((far, "", True), (far, "2: rotate 0 0 1 30 about 600000.005 5300000.003 100", False),
+                                      (np.array([0.5, 0.25, 0.125]), "", False)):
+        ms = clean_bone()
+        ms.apply_filter("set_matrix", transformmatrix=translation(point), freeze=False)
+        _, log = deform_logged(ms, capfd, rotation_angle=30.0, rotation_center=2, rotation_point=point, transforms=transforms)
+        assert ("rotation_point reaches the filter in single precision" in log) == coarse, log
 
 
 # --- where the handles come from ----------------------------------------------------------------------------------------
@@ -546,7 +607,9 @@ def test_use_graph_layer():
     motion = dict(translation=np.array([0, 0, 0.25]), use_graph_layer=True, graph_layer=1)
     result = ms.apply_filter(DEFORM, **motion)
     first = ms.current_mesh().vertex_matrix()
-    assert patches * 0.8 < result["nodes"] < patches * 3
+    nearest = np.linalg.norm(nodes[:, None] - rest, axis=2).argmin(1)
+    free = (tags[nearest] == 1).sum()  # the others are not needed
+    assert free * 0.8 < result["nodes"] < patches * 3
     assert np.abs(first[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-12
     ms.set_current_mesh(1)
     ms.apply_filter("set_matrix", transformmatrix=translation([5, 0, 0]), freeze=True)
@@ -555,6 +618,58 @@ def test_use_graph_layer():
     ms.set_current_mesh(0)
     ms.apply_filter(DEFORM, **motion)
     assert np.abs(ms.current_mesh().vertex_matrix() - first).max() < 1e-6
+
+
+@pytest.mark.parametrize("case", ["far away", "graph of another mesh", "another mesh", "the default"])
+def test_nodes_that_are_not_on_the_surface_are_an_error(case):
+    ms = open_sample("bunny10k_textured.obj")
+    ms.apply_filter(GRAPH, patches_layer=False)
+    ms.load_new_mesh(str(SAMPLES / "bone.ply"))
+    set_quality(ms, QUALITY_TAGS)
+    ms.apply_filter(GRAPH, patches_layer=False)
+    ms.set_current_mesh(3)
+    ms.apply_filter("set_matrix", transformmatrix=translation([0, 100, 0]), freeze=False)
+    ms.set_current_mesh(2)
+    layer = {"far away": 3, "graph of another mesh": 1, "another mesh": 0}.get(case)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Only [0-9]+ of the [0-9]+ given nodes lie on the surface"):
+        ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]), use_graph_layer=True, **({} if layer is None else {"graph_layer": layer}))
+    assert len(list(ms)) == 4 and ms.current_mesh_id() == 2
+
+
+def test_a_graph_layer_may_have_a_matrix_that_flattens():
+    points, faces = sheet(30)
+    points[:, 2] = 0
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=np.where(points[:, 0] < 5, 0.0, np.where(points[:, 0] > 24, 2.0, 1.0))), "flat")
+    ms.apply_filter(GRAPH, patches_layer=False)
+    ms.set_current_mesh(1)
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([1.0, 1, 0, 1]), freeze=False)
+    results = []
+    for matrix in np.diag([1.0, 1, 0, 1]), np.eye(4):
+        ms.set_current_mesh(1)
+        ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+        ms.set_current_mesh(0)
+        ms.apply_filter(DEFORM, translation=np.array([0, 0, 5.0]), use_graph_layer=True, graph_layer=1, graph_layers=False)
+        results.append(ms.current_mesh().vertex_matrix())
+    assert same_points(*results)
+
+
+# --- what is probably not meant -----------------------------------------------------------------------------------------
+
+def test_folds_are_those_of_the_surface():
+    """A flat sheet that is pushed together lies flat, so that its folds can be seen from above."""
+    n = 60
+    points, faces = sheet(n, 1 / (n - 1))
+    points[:, 2] = 0
+    tags = np.where(points[:, 0] < 0.1, 0.0, np.where(points[:, 0] > 0.9, 2.0, 1.0))
+    for to, folds in ((0.7, False), (0.3, False), (0.1, True)):
+        ms = new_set()
+        ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags), "sheet")
+        result = ms.apply_filter(DEFORM, transforms=f"2: translate {0.8 * (to - 1)} 0 0", graph_layers=False)
+        moved = ms.current_mesh().vertex_matrix()[faces]
+        side = np.cross(moved[:, 1] - moved[:, 0], moved[:, 2] - moved[:, 0])[:, 2]
+        before = np.cross(points[faces][:, 1] - points[faces][:, 0], points[faces][:, 2] - points[faces][:, 0])[:, 2]
+        assert result["folded_triangles"] == (side * before < 0).sum() and (result["folded_triangles"] > 0) == folds
 
 
 # --- the layer's matrix -------------------------------------------------------------------------------------------------
@@ -733,9 +848,19 @@ def test_graph_layers_carry_the_energy():
     assert energies[0].min() >= 0 and abs(energies[0].sum() / result["energy"] - 1) < 1e-6
 
 
+@pytest.mark.skipif(IS_2022, reason="pymeshlab 2022.2 has no MeshSet without messages and other names")
+def test_promises_hold(capsys):
+    import promises
+    broken = promises.main()
+    said = capsys.readouterr().out
+    assert not broken and said.count("   holds") >= 30, said
+
+
 def test_graph_weights_of_the_paper():
     move = dict(translation=np.array([0, 0, 0.25]))
     _, result, rest, uniform, tags = deform_bone(graph_weights=1, **move)
+    _, _, _, paper, _ = deform_bone(graph_weights=2, **move)
+    assert 0 < np.abs(paper - uniform).max() < 0.1  # patches balanced by vertices lie elsewhere
     assert result["converged"]
     border = deform_bone(**move)[3]
     assert not same_points(uniform, border)
@@ -917,6 +1042,10 @@ ERRORS = {
     "axis is zero": (dict(rotation_angle=10.0, rotation_axis=np.zeros(3)), QUALITY_TAGS, "rotation_axis"),
     "matrix is a projection": (dict(transformmatrix=np.ones((4, 4))), QUALITY_TAGS, "affine"),
     "matrix flattens": (dict(transformmatrix=np.diag([1.0, 1, 0, 1])), QUALITY_TAGS, "flatten"),
+    "scale beyond all bounds": (dict(transforms="2: scale 1e300"), QUALITY_TAGS, "handle 2 moves too far"),
+    "smoothness beyond all bounds": (dict(smoothness=1e308), QUALITY_TAGS, "smoothness must be a finite number"),
+    "tolerance beyond all bounds": (dict(tolerance=1e308), QUALITY_TAGS, "tolerance must be a positive, finite number"),
+    "influence beyond all bounds": (dict(influence=1e308), QUALITY_TAGS, "influence must be a finite number above 1"),
     "not a number": (dict(translation=np.array([np.nan, 0, 0])), QUALITY_TAGS, "finite"),
     "no patches": (dict(initial_patches=0), QUALITY_TAGS, "patches"),
     "negative radius": (dict(target_radius=absolute(-1.0)), QUALITY_TAGS, "radius"),
@@ -1132,6 +1261,49 @@ def test_a_layer_matrix_that_flattens_is_an_error():
     assert_unchanged(before, ms.mesh(0))
 
 
+@pytest.mark.parametrize("entry, value, word", [((0, 0), np.nan, "holds a number that is not finite"),
+                                                ((1, 3), np.inf, "holds a number that is not finite"),
+                                                ((3, 0), 0.5, "is a projection"), ((3, 3), 2, "is a projection"),
+                                                ((2, 2), 0, "cannot be inverted"), ((1, 1), 1e-300, "cannot be inverted")])
+def test_a_layer_matrix_of_no_use_is_named_as_what_it_is(entry, value, word):
+    ms = clean_bone()
+    matrix = np.eye(4)
+    matrix[entry] = value
+    ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    with pytest.raises(pymeshlab.PyMeshLabException, match=f"The matrix of the layer 'bone.ply' {word}"):
+        ms.apply_filter(DEFORM, rotation_angle=30.0)
+    assert len(list(ms)) == 1
+
+
+def test_a_rotation_in_a_layer_that_is_almost_flat():
+    ms = clean_bone()
+    tags, rest = ms.current_mesh().vertex_scalar_array(), ms.current_mesh().vertex_matrix()
+    flat = np.diag([1, 1, 1e-8, 1])
+    ms.apply_filter("set_matrix", transformmatrix=flat, freeze=False)
+    ms.apply_filter(DEFORM, transforms="2: rotate 1 0 0 30 about 0 0 0", graph_layers=False)
+    world = transformed(flat, ms.current_mesh().vertex_matrix())
+    wanted = transformed(about([0, 0, 0], rotation([1, 0, 0], 30)), transformed(flat, rest))
+    assert np.abs(world - wanted)[tags == 2].max() < 1e-9
+
+
+def test_the_result_of_a_result_is_numbered():
+    ms = clean_bone()
+    move = dict(translation=np.array([0, 0, 0.1]))
+    for _ in range(3):
+        ms.apply_filter(DEFORM, **move)
+    ms.apply_filter(GRAPH)
+    assert list(layers(ms)) == ["bone.ply", "bone graph", "bone deformed graph", "bone deformed",
+                                "bone graph 2", "bone deformed graph 2", "bone deformed 2",
+                                "bone graph 3", "bone deformed graph 3", "bone deformed 3", "bone graph 4", "bone patches 4"]
+    ms.set_current_mesh(3)
+    ms.apply_filter(DEFORM, graph_layers=False, **move)
+    assert ms.current_mesh().label() == "bone deformed 2(1)"
+    ms.apply_filter(DEFORM, graph_layers=False, **move)
+    assert ms.current_mesh().label() == "bone deformed 3(1)"
+    # The default is the last graph, where a graph is asked for.
+    assert ms.filter_parameter_values(DEFORM)["graph_layer"] == list(layers(ms)).index("bone graph 4")
+
+
 @pytest.mark.skipif(IS_2022, reason="pymeshlab 2022.2's own functions for point attributes write past the end of the array")
 def test_an_attribute_of_points_is_an_error():
     ms = clean_bone()
@@ -1176,11 +1348,11 @@ def test_the_shape_hardly_depends_on_the_number_of_nodes_and_the_seed(shared, ca
     assert max(rms(plain, shape(random_seed=seed)) for seed in (2, 3)) < 0.003
 
 
-@pytest.mark.parametrize("case, limit", [("bar", 0.25), ("cactus", 0.22), ("cylinder", 0.42), ("plane", 1.05)])
+@pytest.mark.parametrize("case, limit", [("bar", 0.36), ("cactus", 0.3), ("cylinder", 0.42), ("plane", 1.4)])
 def test_benchmark_of_botsch_and_sorkine(shared, case, limit):
     """Close to converged SR-ARAP (percent of the diagonal, root mean square), constraints exact."""
     folder = shared / "meshes" / "bs08"
-    reference = shared / "reference" / "bs08" / f"{case}_sr_arap.off"
+    reference = shared / "reference" / "bs08" / f"{case}_sr_arap_free.off"
     if not reference.exists():
         pytest.skip(f"{reference} is absent")
     ms = new_set()
@@ -1227,7 +1399,7 @@ def test_a_gyrus_leaves_those_across_the_sulcus_behind(shared, tmp_path):
     for weights in (0, 1):
         ms.set_current_mesh(0)
         ms.apply_filter(DEFORM, handles=3, tag_file=str(tags), translation=np.array([0.0, 0, 8]), weights=weights,
-                        initial_patches=6000, graph_layers=False)
+                        graph_layers=False)
         move = ms.current_mesh().vertex_matrix()[free] - rest[free]
         assert np.isfinite(move).all()
         apart.append(np.linalg.norm(move[pairs[:, 0]] - move[pairs[:, 1]], axis=1).mean())
@@ -1412,6 +1584,10 @@ def test_tags_from_files(tmp_path):
     check_counts(result, tags)
     check_colors(ms.current_mesh(), np.maximum(tags, -1))
     in_place(ms, READ, may_change=(), tag_file=write_tags(tmp_path / "t.sel", tags), colorize=False)
+    # What was written is read, the lowest tag, too.
+    in_place(ms, SAVE, may_change=(), tag_file=str(tmp_path / "again.sel"))
+    assert (np.loadtxt(tmp_path / "again.sel") == tags).all()
+    assert ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))["outside_vertices"] == (tags < 0).sum() > 0
 
 
 def test_tags_of_a_mesh_with_deleted_vertices(tmp_path):
@@ -1476,6 +1652,50 @@ def test_save_tags_of_the_selection_without_motions(tmp_path):
     assert os.listdir(path.parent) == [path.name]
 
 
+def contents(folder):
+    """What is in the files of a folder, and where its links lead."""
+    return {path.name: os.readlink(path) if path.is_symlink() else path.read_bytes() for path in folder.iterdir() if not path.is_dir()}
+
+
+@pytest.mark.parametrize("way", ["link", "link to nothing", "chain of links", "linked folder", "folder and back", "hard link"])
+def test_tags_and_motions_do_not_go_to_one_file_by_two_names(tmp_path, way):
+    ms = clean_bone()
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    first, second = tmp_path / "a.sel", tmp_path / "b.def"
+    if way != "link to nothing":
+        first.write_text("old\n")
+    if way in ("link", "link to nothing"):
+        second.symlink_to("a.sel")
+    elif way == "chain of links":
+        second.symlink_to(folder / "c")
+        (folder / "c").symlink_to("../a.sel")
+    elif way == "linked folder":
+        (tmp_path / "again").symlink_to(folder)
+        first, second = folder / "t", tmp_path / "again" / "t"
+    elif way == "folder and back":
+        second = folder / ".." / "a.sel"
+    else:
+        second.hardlink_to(first)
+    files = contents(tmp_path), contents(folder)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="are the same file"):
+        ms.apply_filter(SAVE, tag_file=str(first), transform_file=str(second))
+    assert (contents(tmp_path), contents(folder)) == files
+
+
+def test_saving_replaces_what_a_link_leads_to_and_keeps_its_permissions(tmp_path):
+    ms = clean_bone()
+    real, link, motions = tmp_path / "real.sel", tmp_path / "link.sel", tmp_path / "t.def"
+    real.write_text("old\n")
+    real.chmod(0o640)
+    link.symlink_to("real.sel")
+    motions.symlink_to("new.def")
+    ms.apply_filter(SAVE, tag_file=str(link), transform_file=str(motions))
+    assert (np.loadtxt(real) == ms.current_mesh().vertex_scalar_array()).all() and real.stat().st_mode & 0o777 == 0o640
+    assert (np.loadtxt(tmp_path / "new.def") == np.eye(4)).all()
+    assert link.is_symlink() and motions.is_symlink() and len(os.listdir(tmp_path)) == 4
+
+
 TAG_ERRORS = {
     "nothing is selected": (TAG, QUALITY_TAGS, "", dict(), "Nothing is selected"),
     "handle number too small": (TAG, QUALITY_TAGS, "x > 0.5", dict(handle_number=1), "handle_number is 1"),
@@ -1488,10 +1708,12 @@ TAG_ERRORS = {
     "tag file holds words": (READ, "x", "", dict(tag_file="FOLDER/words.sel"), "line 2"),
     "read into no scalar": (READ, "x", "", dict(tag_file="FOLDER/good.sel", tag_attribute="wind"), "is no scalar"),
     "tags to no file": (SAVE, QUALITY_TAGS, "", dict(transform_file="FOLDER/new.def"), "tag_file is empty"),
-    "tags to no folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="/no/such/t.sel"), "Cannot write '/no/such/t.sel'"),
+    "tags to no folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="/no/such/t.sel"), "Cannot write '/no/such/t.sel': No such file or directory."),
     "motions to no folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/good.sel", transform_file="/no/such/t.def"),
-                             "Cannot write '/no/such/t.def'"),
+                             "Cannot write '/no/such/t.def': No such file or directory."),
     "one file for both": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/new", transform_file="FOLDER/new"), "same file"),
+    "tags to a folder": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER"), "it is no ordinary file"),
+    "motions to a device": (SAVE, QUALITY_TAGS, "", dict(tag_file="FOLDER/good.sel", transform_file="/dev/full"), "it is no ordinary file"),
     "nobody tagged the vertices": (SAVE, "0", "", dict(tag_file="FOLDER/new.sel"), "nobody has tagged"),
     "saved quality is no tag": (SAVE, "x", "", dict(tag_file="FOLDER/new.sel"), "whole numbers"),
     "saved selection is empty": (SAVE, "0", "", dict(handles=1, tag_file="FOLDER/new.sel"), "no vertex is selected"),
@@ -1524,7 +1746,7 @@ def test_an_error_about_tags_changes_nothing(tmp_path, case):
     write_tags(tmp_path / "short.sel", [0, 1, 2])
     write_tags(tmp_path / "words.sel", ["two"] * n)
     write_tags(tmp_path / "good.sel", [1] * n)
-    before = state(mesh)
+    before, files = state(mesh), contents(tmp_path)
     with pytest.raises(pymeshlab.PyMeshLabException) as error:
         ms.apply_filter(name, **{key: value.replace("FOLDER", str(tmp_path)) if isinstance(value, str) else value
                                  for key, value in parameters.items()})
@@ -1534,7 +1756,7 @@ def test_an_error_about_tags_changes_nothing(tmp_path, case):
     after = state(mesh)
     for key in before:
         assert before[key].tobytes() == after[key].tobytes(), key
-    assert not list(tmp_path.glob("new*"))
+    assert contents(tmp_path) == files
 
 
 # --- all benchmark meshes through all filters ---------------------------------------------------------------------------
@@ -1619,8 +1841,12 @@ def test_every_mesh_through_every_filter(shared, name, tmp_path):
     assert np.abs(points[tags == 2] - rest[tags == 2] - move).max() < 1e-9 * (1 + np.abs(rest).max())
     assert_same_data(before, data_of(deformed))
     assert deformed.label() == f"{mesh.label().rsplit('.', 1)[0]} deformed" and deformed.is_visible()
-    if not deformed.face_number():
-        assert same_points(deformed.vertex_normal_matrix(), normals)
+    if not deformed.face_number():  # turned with the surface, but not those of what is fixed
+        turned = deformed.vertex_normal_matrix()
+        length = np.linalg.norm(normals, axis=1)
+        assert np.allclose(np.linalg.norm(turned, axis=1), length > 0, atol=1e-6)
+        fixed = (tags == 0) & (length > 0)
+        assert np.allclose(turned[fixed], (normals / np.maximum(length, 1e-30)[:, None])[fixed], atol=1e-6)
     for layer in ms:
         assert np.allclose(matrix(layer), translation([3, -2, 1]), atol=0)
     assert len(list(ms)) == count + 5

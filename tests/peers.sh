@@ -9,12 +9,9 @@
 # Sorkine has, of which the plane takes CGAL a long time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-FCD_PACKAGES=libcgal-dev bash tests/setup.sh >&2
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
+source tests/peers_build.sh
+build_peers deformation_benchmark make_benchmark
 mkdir -p build/peers
-cmake -G Ninja -S . -B build/cmake/peers -DCMAKE_BUILD_TYPE=Release -DFCD_BUILD_TESTS=ON -DFCD_PEERS=ON \
-    -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" >build/peers.log
-ninja -C build/cmake/peers deformation_benchmark make_benchmark >>build/peers.log
 if [ $# = 0 ]; then
     for shape in bar:6084 cactus:5261 cylinder:4802 plane:40401; do
         build/cmake/peers/meshes/make_benchmark "${shape%:*}" "build/peers/${shape%:*}.ply" -n "${shape#*:}" >&2

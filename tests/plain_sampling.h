@@ -16,12 +16,12 @@ struct PlainPatches {
 };
 
 /// The patches as the paper makes them: in every iteration all of them are grown from their centres by a priority queue
-/// of the distance, until the cost stops falling by \p param.tolerance and no patch reaches beyond D. Seeds and
-/// tolerance are those of SamplePatches, nothing else is shared with it.
+/// of the distance, until the cost stops falling by \p param.tolerance and no patch reaches beyond D. Every node counts
+/// the same. Seeds and tolerance are those of SamplePatches, nothing else is shared with it.
 inline PlainPatches SamplePlainly(const vcg::fcd::Graph &g, const vcg::fcd::PatchParam &param) {
     using vcg::fcd::Index;
     PlainPatches p;
-    p.center = vcg::fcd::detail::RandomSample(g.Size(), param.initialPatches, param.randomSeed);
+    p.center = vcg::fcd::detail::RandomSample(std::vector<float>(g.Size(), 1), param.initialPatches, param.randomSeed);
     for (double previous = std::numeric_limits<double>::infinity();; previous = p.cost) {
         p.patchOf.assign(g.Size(), -1);
         using Item = std::tuple<double, Index, Index>;

@@ -40,7 +40,7 @@ flock 9
 
 # --- packages -----------------------------------------------------------------------------------------------------------
 
-packages=(build-essential cmake ninja-build dpkg-dev xz-utils ca-certificates python3 python3-venv
+packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev
     meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0
@@ -156,7 +156,8 @@ environment "$build/venv-tools" clang-tidy==23.1.4
 plugin() {
     local directory=$build/cmake/$1
     step="building the plugin for $1"
-    local arguments=(-DCMAKE_BUILD_TYPE=Release -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" -DFCD_MESHLAB_LIBRARY="$3"
+    local arguments=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+        -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" -DFCD_MESHLAB_LIBRARY="$3"
         -DFCD_MESHLAB_SCALAR="$4" -DFCD_MESHLAB_VERSION="$2" -DFCD_OUTPUT_DIR="$build/plugins/$1")
     if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$root ${arguments[*]}" ]; then
         begin "configuring the plugin for $1"

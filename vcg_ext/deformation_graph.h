@@ -3,8 +3,10 @@
 #define VCG_FCD_DEFORMATION_GRAPH_H
 
 #include "patch_sampling.h"
+#include "shape_constants.h"
 
 #include <Eigen/Geometry>
+#include <tuple>
 #include <vcg/space/color4.h>
 
 namespace vcg {
@@ -12,8 +14,8 @@ namespace fcd {
 
 /// Weights w_ij of the deformation graph's edges.
 enum class GraphWeights {
-    Border, ///< length of the common border of the two patches over the distance of their centres, mean 1: what the
-            ///< Laplacian of a Voronoi partition has
+    Border, ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre:
+            ///< its straight length over the centres' distance. With a patch a vertex, the cotangent weights.
     Uniform ///< 1 for every edge (paper, Eqs. 3 and 4)
 };
 
@@ -23,84 +25,215 @@ struct DeformationGraph {
     std::vector<float> weight; ///< w_ij of each adjacency item, symmetric, > 0
     std::vector<float> radius; ///< k, d_j: radius of the patch
     Eigen::Matrix3Xf edge;     ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a held and a free patch it
-                               ///< spans the free one only: a held patch is rigid up to its border
+                               ///< spans the free one only, to where the two touch: a held patch moves as one
+    std::vector<char> held;    ///< k flags: of held patches; empty for none
 
     Index Size() const { return graph.Size(); }
+    bool IsHeld(Index i) const { return !held.empty() && held[i]; }
 };
 
 namespace detail {
 
-/// The edges of \p d between the centres of the patches, but those between a held and a free patch (tag 1), which end
-/// at the mean of the held nodes where the two touch.
-inline void MakeEdges(const Graph &surface, const Patches &patches, DeformationGraph &d, const Progress &progress) {
-    const Csr &adjacency = d.graph.adjacency;
-    const Index k = d.Size();
-    d.edge.resize(3, adjacency.item.size());
-    for (Index i = 0; i < k; ++i)
-        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
-            d.edge.col(e) = d.graph.position.col(i) - d.graph.position.col(adjacency.item[e]);
-    auto free = [&](Index j) { return patches.tag[j] == 1; };
-    if (std::all_of(patches.tag.begin(), patches.tag.end(), [](Index tag) { return tag == 1; }))
-        return;
-
-    auto itemOf = [&](Index i, Index j) { // of neighbour j in the row of i
-        const auto first = adjacency.item.begin();
-        return std::lower_bound(first + adjacency.begin[i], first + adjacency.begin[i + 1], j) - first;
+/// The weight of an edge of a triangulated surface in the discrete Laplacian: half the sum of the two cotangents
+/// opposite to it (Pinkall and Polthier 1993). Triangles are told by the neighbours that its ends share, and those that
+/// cover nothing do not count. Where there are more than two, and in a cloud, those of the Delaunay
+/// triangulation do: the ones with the widest angle on either side; an edge that is none of it has no weight. An edge
+/// without any triangle is one between two equilateral ones.
+inline double CotangentWeight(const Graph &g, Index u, Index v) {
+    const Csr::Row a = g.adjacency[u], b = g.adjacency[v];
+    const Eigen::Vector3d xu = g.position.col(u).cast<double>(), xv = g.position.col(v).cast<double>();
+    const Eigen::Vector3d edge = xv - xu;
+    const auto forShared = [&](const auto &body) { // body(cotangent, across): the angle's, and from the edge to there
+        for (const Index *i = a.begin(), *j = b.begin(); i != a.end() && j != b.end();) {
+            if (*i < *j) {
+                ++i;
+            } else if (*j < *i) {
+                ++j;
+            } else {
+                const Eigen::Vector3d x = g.position.col(*i).cast<double>(), p = xu - x, q = xv - x;
+                const double twice = p.cross(q).norm();
+                // Below this height over base, a triangle's float coordinates say nothing about its shape.
+                const bool isFlat = !(twice > 1e-5 * std::max(p.squaredNorm(), q.squaredNorm()));
+                body(isFlat ? 0 : p.dot(q) / twice, isFlat,
+                     Eigen::Vector3d(-p - edge * (edge.dot(-p) / edge.squaredNorm())), p.dot(q));
+                ++i;
+                ++j;
+            }
+        }
     };
+    double sum = 0, widest = std::numeric_limits<double>::infinity(), opposite = widest;
+    Eigen::Vector3d side = Eigen::Vector3d::Zero();
+    int shared = 0;
+    bool isCrossed = false; // a neighbour lies on the edge
+    forShared([&](double cotangent, bool isFlat, const Eigen::Vector3d &across, double dot) {
+        ++shared;
+        sum += cotangent;
+        isCrossed |= isFlat && dot < 0;
+        if (!isFlat && cotangent < widest) {
+            widest = cotangent;
+            side = across;
+        }
+    });
+    if (shared <= 2 && !g.isCloud)
+        return shared ? 0.5 * sum : std::sqrt(1.0 / 3);
+    if (isCrossed || std::isinf(widest))
+        return 0;
+    forShared([&](double cotangent, bool isFlat, const Eigen::Vector3d &across, double) {
+        if (!isFlat && across.dot(side) < 0)
+            opposite = std::min(opposite, cotangent);
+    });
+    return std::max(0.0, 0.5 * (widest + (std::isinf(opposite) ? 0 : opposite)));
+}
+
+/// What flows over the border of two patches.
+struct Flux {
+    Eigen::Vector3d flow =
+        Eigen::Vector3d::Zero(); ///< sum of w_uv (x_u - x_v) over the edges from the first to the second
+    Eigen::Vector4d held = Eigen::Vector4d::Zero(); ///< weighted sum of the held ends, and of their weights
+
+    Flux &operator+=(const Flux &o) {
+        flow += o.flow;
+        held += o.held;
+        return *this;
+    }
+};
+
+} // namespace detail
+
+/// The dual graph of \p patches over \p surface (n nodes) and its weights. A node is at the barycentre of its patch, or
+/// at the patch's centre where that is held or the nodes have no area. Held patches (tag other than 1) are not joined
+/// with each other: between them nothing deforms.
+/// \param tag n values: 1 free, others held; empty: all free
+/// \param area n values, >= 0: of the surface around each node
+/// \param leastWeight as in ShapeConstants
+inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
+                                             const std::vector<float> &area, const Patches &patches,
+                                             GraphWeights weights, const Progress &progress = {},
+                                             double leastWeight = ShapeConstants().leastWeight) {
+    using detail::Flux;
+    DeformationGraph d;
+    const Index k = patches.Size();
+    for (Index j = 0; j < k; ++j)
+        d.held.push_back(patches.tag[j] != 1);
+    const auto dual = QuotientGraph<Flux>(
+        surface.adjacency, patches.patchOf, k,
+        [&](Index u, Index v, Flux &flux) {
+            const bool heldU = d.held[patches.patchOf[u]], heldV = d.held[patches.patchOf[v]];
+            if (heldU && heldV)
+                return false;
+            const double w = detail::CotangentWeight(surface, u, v);
+            const Eigen::Vector3d x = surface.position.col(u).cast<double>(),
+                                  y = surface.position.col(v).cast<double>();
+            flux.flow = w * (x - y);
+            if (heldU || heldV) // an edge that carries nothing, as across a square, still tells where the border is
+                flux.held = std::max(1e-6, std::abs(w)) * (x - y).norm() * (heldU ? x : y).homogeneous();
+            return true;
+        },
+        progress);
+    d.graph.adjacency = dual.adjacency;
+    d.radius = patches.radius;
+
+    Eigen::Matrix4Xd sum = Eigen::Matrix4Xd::Zero(4, k);
+    for (Index u = 0; u < surface.Size(); ++u)
+        if (patches.patchOf[u] >= 0)
+            sum.col(patches.patchOf[u]) += double(area[u]) * surface.position.col(u).cast<double>().homogeneous();
+    d.graph.position.resize(3, k);
+    for (Index j = 0; j < k; ++j) {
+        const bool isPlaced = (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);
+        d.graph.position.col(j) = isPlaced ? Eigen::Vector3f(surface.position.col(patches.center[j]))
+                                           : Eigen::Vector3f((sum.col(j).head<3>() / sum(3, j)).cast<float>());
+    }
+
+    const std::size_t items = d.graph.adjacency.item.size();
+    d.edge.resize(3, items);
+    d.weight.assign(items, 1);
+    double weightSum = 0;
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
+            const Index j = d.graph.adjacency.item[e];
+            const Flux &flux = dual.value[e];
+            Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
+            if (flux.held[3] > 0)
+                (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
+            const Eigen::Vector3d way = from - to;
+            d.edge.col(e) = way.cast<float>();
+            // The flow is that towards the patch of the smaller number.
+            const double along = (i < j ? 1 : -1) * flux.flow.dot(way);
+            if (weights == GraphWeights::Border) {
+                d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
+                weightSum += d.weight[e];
+            }
+        }
+    if (weights == GraphWeights::Border)
+        for (float &w : d.weight)
+            w = weightSum > 0 ? std::max(w, float(leastWeight * weightSum / double(items))) : 1;
+    return d;
+}
+
+/// Makes patches of the held nodes (tag other than 1) with a free neighbour: each belongs to the patch of the nearest,
+/// and those of one tag that do form one, so that it faces that patch. Beside a patch of one node, each is its own.
+inline void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches &patches,
+                           const Progress &progress = {}) {
+    if (tag.empty())
+        return;
+    const Index k = patches.Size();
+    std::vector<Index> count(k, 0);
+    for (Index p : patches.patchOf)
+        if (p >= 0)
+            ++count[p];
     const std::vector<Index> held =
-        CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
-            if (free(patches.patchOf[u]))
+        detail::CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
+            if (patches.patchOf[u] >= 0)
                 return;
             for (Index v : surface.adjacency[u])
-                if (free(patches.patchOf[v])) {
+                if (patches.patchOf[v] >= 0) {
                     found.push_back(u);
                     return;
                 }
         });
-    std::vector<Eigen::Vector4d> border(adjacency.item.size(), Eigen::Vector4d::Zero()); // sum and count
-    for (Index u : held)
-        for (Index v : surface.adjacency[u])
-            if (free(patches.patchOf[v]))
-                border[itemOf(patches.patchOf[u], patches.patchOf[v])] +=
-                    surface.position.col(u).cast<double>().homogeneous();
-    for (Index i = 0; i < k; ++i)
-        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
-            if (border[e][3] > 0) {
-                const Index j = adjacency.item[e];
-                d.edge.col(e) = (border[e].head<3>() / border[e][3]).cast<float>() - d.graph.position.col(j);
-                d.edge.col(itemOf(j, i)) = -d.edge.col(e);
-            }
-}
-
-} // namespace detail
-
-/// \param averageEdge mean edge length of \p surface
-inline DeformationGraph MakeDeformationGraph(const Graph &surface, const Patches &patches, double averageEdge,
-                                             GraphWeights weights, const Progress &progress = {}) {
-    DeformationGraph d;
-    const Index k = patches.Size();
-    Quotient dual = QuotientGraph(surface.adjacency, patches.patchOf, k, progress);
-    d.graph.adjacency = std::move(dual.adjacency);
-    d.graph.position.resize(3, k);
-    for (Index j = 0; j < k; ++j)
-        d.graph.position.col(j) = surface.position.col(patches.center[j]);
-    d.radius = patches.radius;
-    detail::MakeEdges(surface, patches, d, progress);
-    d.weight.assign(d.graph.adjacency.item.size(), 1);
-    if (weights == GraphWeights::Uniform || d.weight.empty())
-        return d;
-    double sum = 0;
-    for (Index i = 0; i < k; ++i)
-        for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
-            const Index j = d.graph.adjacency.item[e];
-            const float least = 0.1f * std::min(d.radius[i], d.radius[j]); // a centre may lie at the border
-            d.weight[e] = float(dual.crossings[e] * averageEdge / 2) / std::max({d.edge.col(e).norm(), least, 1e-6f});
-            sum += d.weight[e];
+    struct Member {
+        Index patch, tag, alone, node;
+        bool operator<(const Member &o) const {
+            return std::tie(patch, tag, alone, node) < std::tie(o.patch, o.tag, o.alone, o.node);
         }
-    const float scale = float(double(d.weight.size()) / sum);
-    for (float &w : d.weight)
-        w *= scale;
-    return d;
+        bool SamePatch(const Member &o) const { return patch == o.patch && tag == o.tag && alone == o.alone; }
+    };
+    std::vector<Member> member;
+    for (Index u : held) {
+        Index nearest = -1;
+        float least = std::numeric_limits<float>::infinity();
+        for (Index v : surface.adjacency[u]) {
+            const float d2 = (surface.position.col(v) - surface.position.col(u)).squaredNorm();
+            if (patches.patchOf[v] >= 0 && d2 < least) {
+                least = d2;
+                nearest = patches.patchOf[v];
+            }
+        }
+        if (nearest >= 0)
+            member.push_back({nearest, tag[u], count[nearest] == 1 ? u : -1, u});
+    }
+    std::sort(member.begin(), member.end());
+    for (std::size_t a = 0, b; a < member.size(); a = b) {
+        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+        for (b = a; b < member.size() && member[b].SamePatch(member[a]); ++b)
+            mean += surface.position.col(member[b].node).cast<double>();
+        mean /= double(b - a);
+        std::size_t center = a;
+        const auto distance = [&](std::size_t i, const Eigen::Vector3d &x) {
+            return (surface.position.col(member[i].node).cast<double>() - x).norm();
+        };
+        for (std::size_t i = a; i < b; ++i)
+            if (distance(i, mean) < distance(center, mean))
+                center = i;
+        float radius = 0;
+        for (std::size_t i = a; i < b; ++i) {
+            patches.patchOf[member[i].node] = patches.Size();
+            radius = std::max(radius, float(distance(i, surface.position.col(member[center].node).cast<double>())));
+        }
+        patches.center.push_back(member[center].node);
+        patches.radius.push_back(radius);
+        patches.tag.push_back(member[a].tag);
+    }
 }
 
 /// A colour for each node, different from its neighbours' (as far as a node with more than eleven of them allows).

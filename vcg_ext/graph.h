@@ -45,6 +45,7 @@ struct Csr {
 struct Graph {
     Csr adjacency;             ///< neighbours of each node, ascending, without the node itself
     Eigen::Matrix3Xf position; ///< 3 x n
+    bool isCloud = false;      ///< neighbours are the nearest points, and no corners of triangles
 
     Index Size() const { return adjacency.Size(); }
 };
@@ -66,26 +67,31 @@ inline Csr GroupMembers(const std::vector<Index> &groupOf, Index groups) {
     return members;
 }
 
-/// The dual graph of a partition: groups that touch, and over how many edges they do.
+/// The dual graph of a partition: groups that touch, and a value that their edges add up to.
+template <class Value>
 struct Quotient {
-    Csr adjacency;                ///< groups joined by at least one edge, ascending
-    std::vector<Index> crossings; ///< for each adjacency item, the number of edges between the two groups
+    Csr adjacency;            ///< groups joined by at least one edge, ascending
+    std::vector<Value> value; ///< of each adjacency item; the same in both directions
 };
 
-/// Builds the dual graph of the groups that \p groupOf (n values in [0, groups)) makes of \p graph's nodes.
-inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups,
+/// Builds the dual graph of the groups that \p groupOf (n values in [0, groups), or -1 for none) makes of \p graph's
+/// nodes.
+/// \param valueOf valueOf(u, v, value): sets the value (zero before) of the edge from node u to node v of a group of a
+///        larger number; false where it does not join the two
+template <class Value, class ValueOf>
+Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups, const ValueOf &valueOf,
                               const Progress &progress = {}, const char *stage = "Building the graph") {
     struct Crossing {
         std::uint64_t key; // the two groups, the smaller one in the upper half
-        Index count;
+        Value value;
         bool operator<(const Crossing &o) const { return key < o.key; }
     };
     auto merge = [](std::vector<Crossing> &list) {
-        std::sort(list.begin(), list.end());
+        std::stable_sort(list.begin(), list.end());
         std::size_t kept = 0;
         for (std::size_t i = 0; i < list.size(); ++i) {
             if (kept && list[kept - 1].key == list[i].key)
-                list[kept - 1].count += list[i].count;
+                list[kept - 1].value += list[i].value;
             else
                 list[kept++] = list[i];
         }
@@ -98,8 +104,11 @@ inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
         for (std::size_t u = first; u < last; ++u)
             for (Index v : graph[Index(u)]) {
                 const Index a = groupOf[u], b = groupOf[v];
-                if (a < b) // each edge is seen from both ends, and counted at one
-                    list.push_back({std::uint64_t(a) << 32 | std::uint32_t(b), 1});
+                if (a >= 0 && a < b) { // each edge is seen from both ends, and counted at one
+                    Crossing crossing{std::uint64_t(a) << 32 | std::uint32_t(b), Value()};
+                    if (valueOf(Index(u), v, crossing.value))
+                        list.push_back(crossing);
+                }
             }
         merge(list);
         found[first / grain] = std::move(list);
@@ -109,7 +118,7 @@ inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
         all.insert(all.end(), list.begin(), list.end());
     merge(all);
 
-    Quotient dual;
+    Quotient<Value> dual;
     dual.adjacency.begin.assign(std::size_t(groups) + 1, 0);
     for (const Crossing &c : all) {
         ++dual.adjacency.begin[(c.key >> 32) + 1];
@@ -118,43 +127,69 @@ inline Quotient QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
     for (Index g = 0; g < groups; ++g)
         dual.adjacency.begin[g + 1] += dual.adjacency.begin[g];
     dual.adjacency.item.resize(2 * all.size());
-    dual.crossings.resize(2 * all.size());
+    dual.value.resize(2 * all.size());
     std::vector<std::uint32_t> end(dual.adjacency.begin.begin(), dual.adjacency.begin.end() - 1);
     // Ascending keys: the smaller neighbours of every group come first, then its larger ones, both ascending.
     for (const Crossing &c : all) {
         const std::uint32_t b = std::uint32_t(c.key), at = end[b]++;
         dual.adjacency.item[at] = Index(c.key >> 32);
-        dual.crossings[at] = c.count;
+        dual.value[at] = c.value;
     }
     for (const Crossing &c : all) {
         const std::uint32_t a = std::uint32_t(c.key >> 32), at = end[a]++;
         dual.adjacency.item[at] = Index(std::uint32_t(c.key));
-        dual.crossings[at] = c.count;
+        dual.value[at] = c.value;
     }
     return dual;
 }
 
-/// The connected component of each node, numbered in the order of their first nodes. \return the number of components
-inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf) {
-    componentOf.assign(graph.Size(), -1);
-    Index components = 0;
-    std::vector<Index> stack;
-    for (Index seed = 0; seed < graph.Size(); ++seed) {
-        if (componentOf[seed] >= 0)
-            continue;
-        componentOf[seed] = components;
-        stack.assign(1, seed);
-        while (!stack.empty()) {
-            const Index u = stack.back();
-            stack.pop_back();
+/// The same without values. \return groups joined by at least one edge, ascending
+inline Csr QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups,
+                         const Progress &progress = {}, const char *stage = "Building the graph") {
+    struct None {
+        None &operator+=(const None &) { return *this; }
+    };
+    return QuotientGraph<None>(
+               graph, groupOf, groups, [](Index, Index, None &) { return true; }, progress, stage)
+        .adjacency;
+}
+
+/// The connected component of each node, numbered in the order of their first nodes. Blocks of neighbouring nodes are
+/// joined in parallel, then the edges between blocks. \return the number of components
+inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
+                                 const char *stage = "Building the graph") {
+    const Index n = graph.Size();
+    std::vector<Index> &parent = componentOf; // of each node, towards the first node of its component
+    parent.resize(n);
+    const auto root = [&](Index u) {
+        while (parent[u] != u)
+            u = parent[u] = parent[parent[u]];
+        return u;
+    };
+    const auto join = [&](Index u, Index v) {
+        const Index a = root(u), b = root(v);
+        parent[std::max(a, b)] = std::min(a, b);
+    };
+    const std::size_t grain = 1 << 14;
+    std::vector<std::vector<std::pair<Index, Index>>> between((std::size_t(n) + grain - 1) / grain);
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        for (Index u = Index(first); u < Index(last); ++u) {
+            parent[u] = u;
             for (Index v : graph[u])
-                if (componentOf[v] < 0) {
-                    componentOf[v] = components;
-                    stack.push_back(v);
-                }
+                if (v >= u)
+                    break; // neighbours are ascending
+                else if (v >= Index(first))
+                    join(u, v);
+                else
+                    between[first / grain].emplace_back(u, v);
         }
-        ++components;
-    }
+    });
+    for (const auto &edges : between)
+        for (const auto &e : edges)
+            join(e.first, e.second);
+    Index components = 0;
+    for (Index u = 0; u < n; ++u) // ascending: the parent's number is known
+        componentOf[u] = parent[u] == u ? components++ : componentOf[parent[u]];
     return components;
 }
 

@@ -3,6 +3,7 @@
 #define VCG_FCD_GRAPH_DEFORMER_H
 
 #include "deformation_graph.h"
+#include "shape_constants.h"
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
@@ -16,9 +17,11 @@ namespace fcd {
 
 /// How the graph is deformed (paper, sec. 2.2).
 struct SolverParam {
-    double smoothness = 0.0043; ///< alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread
-    int maxIterations = 1000;   ///< >= 0
-    double tolerance = 1e-5;    ///< stop when no node moves more than this fraction of the graph's diagonal
+    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. SR-ARAP as in CGAL has
+    /// 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are 1 / sqrt(3).
+    double smoothness = 0.0058;
+    int maxIterations = 1000; ///< >= 0
+    double tolerance = 1e-5;  ///< stop where no node is farther from rest than ten times this fraction of the diagonal
 };
 
 /// Where each node of a deformation graph went: x -> linear * (x - rest) + position.
@@ -27,6 +30,7 @@ struct GraphPose {
     std::vector<Eigen::Matrix3d> linear; ///< k, R_j (see FitLinear); of a constrained node that of its motion
     double energy = 0;                   ///< Eq. 2, frame units^2
     std::vector<double> nodeEnergy;      ///< k, each node's share of it
+    std::vector<char> rests;             ///< k flags: free nodes of parts that nothing moves; empty: not known
     int iterations = 0;
     bool converged = true;
 };
@@ -123,24 +127,25 @@ inline Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear) { return FitRot
 /// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
 ///
 /// Constrained nodes are eliminated rows and columns. Edges between a held and a free patch end at their border, where
-/// the held patch's motion begins. A component of the graph without one is not part of the system;
-/// its nodes come back at rest.
+/// the held patch's motion begins; its rotation is an unknown as that of a free node, held by the region behind it. A
+/// component of the graph without a constrained node is not part of the system; its nodes come back at rest.
 class GraphDeformer {
   public:
-    /// How strongly a given rotation holds those of its neighbours. With 1 the surface would leave a held region as if
-    /// it were clamped; SR-ARAP, where the rotations of held vertices are unknowns too, lets it turn there. Chosen by
-    /// the distance to SR-ARAP on the benchmark of Botsch and Sorkine (2008).
-    static constexpr double heldCoupling = 0.15;
-
     /// \param constrained k flags: the node's position is given, and its rotation with it
-    /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free \param area A, frame
-    /// units^2 \throw Error when the system cannot be factorised
+    /// \param area A, frame units^2
+    /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free
+    /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
+    ///        frame units^2, infinite for a region that goes on
+    /// \param heldDepth as in ShapeConstants
+    /// \throw Error when the system cannot be factorised
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
-                  const std::vector<bool> &turns = {})
+                  const std::vector<bool> &turns = {}, const std::vector<double> &heldArea = {},
+                  double heldDepth = ShapeConstants().heldDepth)
         : graph(graph), constrained(constrained.begin(), constrained.end()), turns(turns.begin(), turns.end()),
-          area(area) {
+          area(area), heldArea(heldArea), heldDepth(heldDepth) {
         const Index k = graph.Size();
         this->turns.resize(k, false);
+        this->heldArea.resize(k, 0);
         const Index components = ConnectedComponents(graph.graph.adjacency, componentOf);
         held.assign(components, false);
         for (Index i = 0; i < k; ++i)
@@ -157,12 +162,12 @@ class GraphDeformer {
             if (constrained[i] && this->turns[i])
                 turning.push_back(i);
         edge.resize(graph.weight.size());
-        coupling.resize(graph.weight.size());
+        stay.assign(k, 0);
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
                 const Eigen::Vector3d d = graph.edge.col(e).cast<double>();
+                stay[i] += 1e-6 * graph.weight[e] * d.squaredNorm();
                 edge[e] = graph.weight[e] * d;
-                coupling[e] = graph.weight[e] * (IsTurned(i) == IsTurned(Neighbour(e)) ? 1 : heldCoupling);
                 edgeLength += d.norm() / double(edge.size());
             }
         for (Index i = 0; i < k; ++i)
@@ -233,7 +238,6 @@ class GraphDeformer {
     bool IsHeld(Index i) const { return held[componentOf[i]]; }
     /// Whether the rotation of node \p i is given.
     bool IsTurned(Index i) const { return constrained[i] && !turns[i]; }
-    const std::vector<Index> &ComponentOf() const { return componentOf; }
     Index Components() const { return Index(held.size()); }
     Index LooseComponents() const { return Index(std::count(held.begin(), held.end(), false)); }
 
@@ -278,7 +282,8 @@ class GraphDeformer {
         for (const Eigen::Matrix3d &r : state.rotation)
             state.quaternion.push_back(detail::ToQuaternion(r));
         const Given given(*this, motion, state, param.smoothness * area);
-        const double still = param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+        // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
+        const double still = 10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
         state.energy = Energy(state, given);
         if (start) {
             State last = state;
@@ -309,11 +314,11 @@ class GraphDeformer {
                 if (constrained[i]) // the others' turn shows in how they move
                     moved = std::max(moved,
                                      (stepped.rotation[i] - state.rotation[i]).squaredNorm() * edgeLength * edgeLength);
-            pose.converged = std::sqrt(moved) <= still;
             // Accelerated step, where it lowers the energy; the plain one always does.
             Pack(state, before);
             Pack(stepped, after);
             anderson.Mix(before, after);
+            pose.converged = moved == 0 || std::sqrt(moved) <= (1 - anderson.Contraction()) * still;
             Unpack(after, mixed);
             mixed.energy = Energy(mixed, given);
             if (mixed.energy < state.energy) {
@@ -328,6 +333,8 @@ class GraphDeformer {
             pose.nodeEnergy[p.i] += share[0];
             pose.nodeEnergy[p.j] += share[1];
         }
+        for (Index i : turning)
+            pose.nodeEnergy[i] += HoldEnergy(i, state, given);
         pose.position = std::move(state.position);
         pose.energy = state.energy;
         for (Index i : turning)
@@ -349,6 +356,9 @@ class GraphDeformer {
     /// What a pose gives.
     struct Given {
         double smooth;                       // alpha A
+        std::vector<Eigen::Matrix3d> anchor; // k, of held nodes that turn: the rotation of what holds them
+        std::vector<Eigen::Vector4d> anchorQuaternion;
+        std::vector<double> hold;            // k, how strongly it holds: the w of Eq. 2
         std::vector<Eigen::Matrix3d> linear; // k, of nodes whose rotation is given; may scale
         std::vector<Eigen::Vector3d> from; // the ends of each adjacency item's edge, where constrained nodes hold them
         std::vector<Eigen::Vector3d> to;
@@ -358,16 +368,30 @@ class GraphDeformer {
         Given(const GraphDeformer &d, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
             : smooth(smooth), linear(motion.size()), from(d.edge.size()), to(d.edge.size()),
               right(Eigen::MatrixX3d::Zero(Eigen::Index(d.unknown.size()), 3)) {
+            const double depth = std::sqrt(d.heldDepth * smooth);
+            anchor = x.rotation;
+            anchorQuaternion = x.quaternion;
+            hold.assign(d.graph.Size(), 0);
+            for (Index i = 0; i < d.graph.Size(); ++i) {
+                if (!d.turns[i] || !(d.heldArea[i] > 0) || !(depth > 0))
+                    continue;
+                anchor[i] = detail::RotationOf(motion[i].linear());
+                anchorQuaternion[i] = detail::ToQuaternion(anchor[i]);
+                double border = 0;
+                for (std::uint32_t e = d.Begin(i); e < d.Begin(i + 1); ++e)
+                    border += d.graph.weight[e] * d.graph.edge.col(e).norm();
+                hold[i] = std::min(border / depth, d.heldArea[i] / (depth * depth));
+            }
             const auto rest = [&](Index i) { return d.graph.graph.position.col(i).template cast<double>(); };
             for (Index i = 0; i < d.graph.Size(); ++i) {
                 linear[i] = motion[i].linear();
                 for (std::uint32_t e = d.Begin(i); e < d.Begin(i + 1); ++e) {
                     const Index j = d.Neighbour(e);
                     const Eigen::Vector3d way = d.graph.edge.col(e).cast<double>();
-                    from[e] = d.IsTurned(i) && !d.constrained[j] ? Eigen::Vector3d(motion[i] * (rest(j) + way))
-                                                                 : Eigen::Vector3d(x.position.col(i));
-                    to[e] = d.IsTurned(j) && !d.constrained[i] ? Eigen::Vector3d(motion[j] * (rest(i) - way))
-                                                               : Eigen::Vector3d(x.position.col(j));
+                    from[e] = d.graph.IsHeld(i) ? Eigen::Vector3d(motion[i] * (rest(j) + way))
+                                                : Eigen::Vector3d(x.position.col(i));
+                    to[e] = d.graph.IsHeld(j) ? Eigen::Vector3d(motion[j] * (rest(i) - way))
+                                              : Eigen::Vector3d(x.position.col(j));
                     if (d.unknownOf[i] >= 0 && d.constrained[j])
                         right.row(d.unknownOf[i]) += d.graph.weight[e] * to[e].transpose();
                 }
@@ -430,8 +454,10 @@ class GraphDeformer {
         for (Index i : turning) {
             Eigen::Matrix3d neighbours = Eigen::Matrix3d::Zero();
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
-                neighbours += coupling[e] * y.rotation[Neighbour(e)];
-            const Eigen::Matrix3d s = work.s[i] + given.smooth * neighbours.transpose();
+                neighbours += double(graph.weight[e]) * y.rotation[Neighbour(e)];
+            neighbours += given.hold[i] * given.anchor[i];
+            const Eigen::Matrix3d s =
+                work.s[i] + given.smooth * neighbours.transpose() + stay[i] * x.rotation[i].transpose();
             const Eigen::Vector4d q = detail::FitQuaternion(s, x.quaternion[i]);
             y.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
             y.rotation[i] = detail::ToMatrix(q);
@@ -453,9 +479,17 @@ class GraphDeformer {
     Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const Given &given) const {
         const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), way = Way(p, x, given);
         const double cosine = x.quaternion[p.i].dot(x.quaternion[p.j]); // |R_i - R_j|^2 = 8 (1 - cosine^2)
-        const double smooth = 4 * coupling[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+        const double smooth = 4 * graph.weight[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
         return {graph.weight[p.e] * (way - Linear(x, given, p.i) * rest).squaredNorm() + smooth,
                 graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
+    }
+
+    /// The term of what holds the rotation of a node that turns.
+    static double HoldEnergy(Index i, const State &x, const Given &given) {
+        if (!(given.hold[i] > 0))
+            return 0;
+        const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);
+        return 8 * given.hold[i] * given.smooth * std::max(0.0, 1 - cosine * cosine);
     }
 
     /// Eq. 2.
@@ -463,6 +497,8 @@ class GraphDeformer {
         double energy = given.energy;
         for (std::size_t p = 0; p < openPairs; ++p)
             energy += PairEnergy(pairs[p], x, given).sum();
+        for (Index i : turning)
+            energy += HoldEnergy(i, x, given);
         return energy;
     }
 
@@ -505,6 +541,8 @@ class GraphDeformer {
                 const int column = (steps - 1) % depth;
                 differenceF.col(column) = gx - x - f;
                 differenceG.col(column) = gx - g;
+                const double before = (differenceG.col(column) - differenceF.col(column)).norm();
+                contraction[column] = before > 0 ? differenceG.col(column).norm() / before : 0;
             }
             f = gx - x;
             g = gx;
@@ -527,12 +565,19 @@ class GraphDeformer {
                     gx -= theta[c] * differenceG.col(c);
         }
 
+        /// The largest factor by which the last steps shrank what was between two of them; 1 before there are any.
+        double Contraction() const {
+            const int used = std::min(steps - 1, depth);
+            return used < 2 ? 1 : std::min(1.0, *std::max_element(contraction, contraction + used));
+        }
+
       private:
         static constexpr int depth = 6;
         using Small = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, depth, 1>;
         Eigen::MatrixXd differenceF, differenceG;
         Eigen::Matrix<double, depth, depth> gram = Eigen::Matrix<double, depth, depth>::Zero();
         Eigen::VectorXd f, g;
+        double contraction[depth] = {};
         int steps = 0;
     };
 
@@ -541,8 +586,10 @@ class GraphDeformer {
     std::vector<Index> componentOf, unknownOf, unknown; // unknown positions
     std::vector<Index> turning;                         // unknown rotations
     double area;
+    std::vector<double> heldArea; // k
+    std::vector<double> stay;     // k, how strongly a rotation stays where its edges leave it open
+    double heldDepth;
     std::vector<Eigen::Vector3d> edge;       // w_ij e_ij of each adjacency item
-    std::vector<double> coupling;            // w_ij of each adjacency item for the rotations
     std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown node
     std::vector<Pair> pairs;                 // the edges of components that are held
     Eigen::SparseMatrix<double> factor;      // L of the global step below its unit diagonal
@@ -557,10 +604,12 @@ class GraphDeformer {
 /// Replaces the rotations of \p pose by the linear maps that fit the edges of the graph best, in the least-squares
 /// sense; what the edges leave open (across the surface) stays as the rotation has it. The surface then stretches as
 /// the graph does instead of in steps from node to node. Rotations that are given stay.
-inline void FitLinear(const DeformationGraph &graph, const GraphDeformer &deformer, GraphPose &pose) {
-    const double openness = 0.1; // weight of the rotation, as a fraction of that of the edges
+/// \param given k flags: nodes whose rotation is given
+/// \param openness as in ShapeConstants
+inline void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose,
+                      double openness = ShapeConstants().openness) {
     for (Index i = 0; i < graph.Size(); ++i) {
-        if (deformer.IsTurned(i))
+        if (given[i])
             continue;
         Eigen::Matrix3d rest = Eigen::Matrix3d::Zero(), posed = Eigen::Matrix3d::Zero();
         for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
@@ -609,42 +658,6 @@ class NodeTree {
 
     vcg::KdTree<float> tree;
 };
-
-/// Gives the nodes of every component without a constrained node the rigid motion of the nearest node of a component
-/// with one: a button follows the sleeve.
-inline void FollowNearest(const DeformationGraph &graph, const GraphDeformer &deformer, GraphPose &pose) {
-    std::vector<Index> nodeAt;
-    for (Index i = 0; i < graph.Size(); ++i)
-        if (deformer.IsHeld(i))
-            nodeAt.push_back(i);
-    if (nodeAt.empty() || Index(nodeAt.size()) == graph.Size())
-        return;
-    NodeTree tree(graph.graph.position, nodeAt);
-    const std::vector<Index> &componentOf = deformer.ComponentOf();
-    const Index components = deformer.Components();
-    std::vector<float> nearest(components, std::numeric_limits<float>::infinity());
-    std::vector<Index> leader(components, -1);
-    for (Index i = 0; i < graph.Size(); ++i) {
-        if (deformer.IsHeld(i))
-            continue;
-        unsigned found = 0;
-        float d = 0;
-        tree->doQueryClosest(tree.Point(graph.graph.position.col(i)), found, d);
-        if (d < nearest[componentOf[i]]) {
-            nearest[componentOf[i]] = d;
-            leader[componentOf[i]] = nodeAt[found];
-        }
-    }
-    for (Index i = 0; i < graph.Size(); ++i) {
-        if (deformer.IsHeld(i))
-            continue;
-        const Index to = leader[componentOf[i]];
-        pose.linear[i] = pose.linear[to];
-        pose.position.col(i) =
-            pose.position.col(to) +
-            pose.linear[to] * (graph.graph.position.col(i) - graph.graph.position.col(to)).cast<double>();
-    }
-}
 
 } // namespace fcd
 } // namespace vcg

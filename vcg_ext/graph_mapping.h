@@ -32,12 +32,11 @@ class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
     /// \param influence node radius over patch radius, > 1
-    /// \param fade greatest width of the run-over into held regions along the surface, units of the positions; 1.5
-    ///        patch radii for held nodes in a patch of free ones
+    /// \param fade greatest width of the run-over into held regions along the surface, units of the positions
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
-                 const Progress &progress = {})
-        : surface(surface), tag(tag), patches(patches), graph(graph) {
+                 const Progress &progress = {}, const ShapeConstants &shape = {})
+        : surface(surface), tag(tag), patches(patches), graph(graph), shape(shape) {
         const Index k = graph.Size();
         reach.resize(k);
         for (Index j = 0; j < k; ++j) {
@@ -52,21 +51,29 @@ class GraphMapping {
         }
         FindCandidates(weights, influence, progress.Slice(0, 0.2));
         progress(0.2, "Preparing the mapping");
-        FindHeldNearby(fade, progress.Slice(0.2, 1));
+        FindHeldNearby(fade, progress.Slice(0.2, 0.9));
+        FindWaysAway(fade, progress.Slice(0.9, 1));
     }
 
     /// The mapping of one pose: a function of a surface node and the position of a vertex there (frame units).
     class Posed {
       public:
-        Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p) const {
-            if (mapping.tag[node] != 1)
-                return motion.at(mapping.tag[node]) * p;
+        /// \param linear if given: how the surface around the vertex turns and stretches
+        Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3d *linear = nullptr) const {
+            if (mapping.tag[node] != 1) {
+                const Eigen::Affine3d &held = motion.at(mapping.tag[node]);
+                if (linear)
+                    *linear = held.linear();
+                return held * p;
+            }
             const Index patch = mapping.patches.patchOf[node];
             const Eigen::Vector3f x = mapping.surface.position.col(node);
             // What the candidates' motions differ by from that of the vertex's own patch is small, and float is enough.
             Difference blend = Difference::Zero();
             Eigen::Vector3f offset = Eigen::Vector3f::Zero(); // from x to the mean of the candidates
+            Eigen::Matrix3f strain = Eigen::Matrix3f::Zero();
             float total = 0;
+            const std::uint32_t firstHeld = mapping.heldBegin[node], endHeld = mapping.heldBegin[node + 1];
             const auto add = [&](std::uint32_t c, float share) {
                 const Ball &ball = mapping.ball[c];
                 const Eigen::Vector3f way = ball.center - x;
@@ -77,6 +84,8 @@ class GraphMapping {
                 blend += w * difference[c];
                 offset += w * way;
                 total += w;
+                if (firstHeld < endHeld)
+                    strain += w * nodeStrain[ball.node];
             };
             const std::uint32_t partial = mapping.partial[patch], end = mapping.candidates.begin[patch + 1];
             for (std::uint32_t c = mapping.candidates.begin[patch]; c < partial; ++c)
@@ -109,13 +118,27 @@ class GraphMapping {
                         total)
                            .cast<double>();
             }
+            if (linear) {
+                *linear = own[patch].linear();
+                if (total > 0)
+                    *linear += (Eigen::Map<const Eigen::Matrix3f>(blend.data()) / total).cast<double>();
+            }
             double weight = 1;
-            for (std::uint32_t h = mapping.heldBegin[node]; h < mapping.heldBegin[node + 1]; ++h) {
+            for (std::uint32_t h = firstHeld; h < endHeld; ++h) {
                 // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all bounds.
-                const double s = Falloff(mapping.held[h].distance);
-                sum += s / (1 - s) * (heldMotion[mapping.held[h].index] * p);
+                // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
+                const Held &held = mapping.held[h];
+                const double s = Falloff(held.distance);
+                Eigen::Vector3d there = p;
+                if (total > 0)
+                    there += (strain * held.away / total).cast<double>();
+                sum += s / (1 - s) * (heldMotion[held.index] * there);
+                if (linear)
+                    *linear += s / (1 - s) * heldMotion[held.index].linear();
                 weight += s / (1 - s);
             }
+            if (linear)
+                *linear /= weight;
             return sum / weight;
         }
 
@@ -127,7 +150,8 @@ class GraphMapping {
         using Difference = Eigen::Matrix<float, 12, 1>; // columns of a 3 x 4 affine map, about the patch's centre
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
-            : mapping(mapping), motion(motion), own(mapping.graph.Size()), difference(mapping.candidates.item.size()) {
+            : mapping(mapping), motion(motion), own(mapping.graph.Size()), nodeStrain(mapping.graph.Size()),
+              difference(mapping.candidates.item.size()) {
             for (Index t : mapping.heldTag)
                 heldMotion.push_back(motion.at(t));
             const auto rest = [&](Index j) { return mapping.graph.graph.position.col(j).cast<double>(); };
@@ -135,6 +159,8 @@ class GraphMapping {
                 own[j] = Eigen::Affine3d::Identity();
                 own[j].linear() = pose.linear[j];
                 own[j].translation() = pose.position.col(j) - pose.linear[j] * rest(j);
+                const Eigen::Matrix3d stretch = detail::RotationOf(pose.linear[j]).transpose() * pose.linear[j];
+                nodeStrain[j] = (stretch - Eigen::Matrix3d::Identity()).cast<float>();
             }
             for (Index patch = 0; patch < mapping.graph.Size(); ++patch)
                 for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
@@ -152,6 +178,7 @@ class GraphMapping {
         const std::map<Index, Eigen::Affine3d> &motion;
         std::vector<Eigen::Affine3d> heldMotion; // of each of mapping.heldTag
         std::vector<Eigen::Affine3d> own;
+        std::vector<Eigen::Matrix3f> nodeStrain;                                  // stretch minus identity
         std::vector<Difference, Eigen::aligned_allocator<Difference>> difference; // of each candidate
     };
 
@@ -181,6 +208,8 @@ class GraphMapping {
     struct Held {
         Index index;    ///< in heldTag
         float distance; ///< to the held region over the fade's width, (0, 1)
+        Eigen::Vector3f
+            away; ///< from the border of the held region, at right angles, as far as that; 0 for small parts
     };
 
     /// From 1 at x = 0, where it is level, to 0 at x = 1 with two continuous derivatives. It leaves 1 soon: what it
@@ -191,11 +220,10 @@ class GraphMapping {
     }
 
     /// The share of its weight that a node keeps where the way to it over the surface is \p way and the straight one
-    /// \p straight: all half-way round a cylinder (pi / 2; ways over the graph are somewhat longer), nothing across a
-    /// fold. Patches near each other count as 2.5 of their radii apart, so that the share changes over some patches.
-    static float Share(double way, double straight, double radius) {
-        const double detour = way / std::max(straight, 2.5 * radius);
-        const double x = std::min(1.0, std::max(0.0, (detour - 1.7) / (2.9 - 1.7)));
+    /// \p straight: all half-way round a cylinder, nothing across a fold.
+    float Share(double way, double straight, double radius) const {
+        const double detour = way / std::max(straight, shape.nearby * radius);
+        const double x = std::min(1.0, std::max(0.0, (detour - shape.detour) / (shape.longDetour - shape.detour)));
         return float(1 - x * x * (3 - 2 * x));
     }
 
@@ -210,7 +238,7 @@ class GraphMapping {
     void FindCandidates(MappingWeights weights, double influence, const Progress &progress) {
         const Index k = graph.Size();
         constexpr int lanes = Posed::lanes;
-        const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(k)); // patches a ball
+        const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(std::max(k, 1))); // patches a ball
         std::vector<Candidate> found;
         std::vector<float> share;
         nearby.resize(k);
@@ -280,13 +308,15 @@ class GraphMapping {
     /// how long the way there is from centre to centre (Dijkstra).
     class Chains {
       public:
-        explicit Chains(const GraphMapping &mapping)
-            : mapping(mapping), way(mapping.graph.Size(), std::numeric_limits<float>::infinity()) {}
+        explicit Chains(const GraphMapping &mapping) : mapping(mapping), way(mapping.graph.Size(), unreached) {}
 
-        /// Of node j; \p reach is halved until there are at most \p most, and is 0 where no ball is small enough.
+        /// Of node j; \p reach is halved until there are at most \p most, none but j's with more than \p most
+        /// neighbours, and is 0 where no ball is small enough.
         void Find(Index j, float &reach, std::size_t most) {
-            while (!TryToFind(j, reach, most))
-                reach = reach > 1e-6f ? 0.5f * reach : 0;
+            if (FindInside(j, reach, most))
+                return;
+            reach = LargestReach(j, reach, most);
+            FindInside(j, reach, most);
         }
 
         const std::vector<Index> &Patches() const { return patch; }
@@ -294,44 +324,87 @@ class GraphMapping {
         float Way(Index there) const { return way[there]; }
 
       private:
-        bool TryToFind(Index j, float reach, std::size_t most) {
-            for (Index there : patch)
-                way[there] = std::numeric_limits<float>::infinity();
-            patch.assign(1, j);
-            way[j] = 0;
-            const Index own = mapping.patches.tag[j];
+        using Step = std::pair<float, Index>;
+
+        /// \return whether there are no more than \p most
+        bool FindInside(Index j, float reach, std::size_t most) {
             const Eigen::Matrix3Xf &x = mapping.graph.graph.position;
-            heap.assign(1, Step(0, j));
+            Start(j);
             while (!heap.empty()) {
-                std::pop_heap(heap.begin(), heap.end(), std::greater<Step>());
-                const Step step = heap.back();
-                heap.pop_back();
+                const Step step = Nearest();
                 if (step.first > way[step.second])
                     continue;
-                for (Index next : mapping.graph.graph.adjacency[step.second]) {
-                    const Index there = mapping.patches.tag[next];
-                    const bool isNew = std::isinf(way[next]);
-                    if ((there != 1 && there != own) || (isNew && !mapping.Touches(j, reach, next)))
-                        continue;
-                    const float length = step.first + (x.col(step.second) - x.col(next)).norm();
-                    if (length >= way[next])
-                        continue;
-                    way[next] = length;
-                    heap.emplace_back(length, next);
-                    std::push_heap(heap.begin(), heap.end(), std::greater<Step>());
-                    if (isNew)
-                        patch.push_back(next);
-                    if (patch.size() > most)
-                        return false;
-                }
+                if (IsHub(step.second, j, most))
+                    return false;
+                for (Index next : mapping.graph.graph.adjacency[step.second])
+                    if (IsOpen(next, j) && (way[next] < unreached || mapping.Touches(j, reach, next))) {
+                        Offer(next, step.first + (x.col(step.second) - x.col(next)).norm());
+                        if (patch.size() > most)
+                            return false;
+                    }
             }
             return true;
         }
 
-        using Step = std::pair<float, Index>;
+        /// The largest half, quarter ... of \p reach that is small enough for Find; \p reach is not. The patches are
+        /// visited in the order in which a growing ball takes them in, which bounds their number.
+        float LargestReach(Index j, float reach, std::size_t most) {
+            Start(j);
+            for (std::size_t inside = 0; !heap.empty();) {
+                const Step step = Nearest();
+                if (step.first > way[step.second])
+                    continue;
+                if (++inside > most || IsHub(step.second, j, most))
+                    return Half(step.first);
+                for (Index next : mapping.graph.graph.adjacency[step.second])
+                    if (step.first < way[next] && IsOpen(next, j) && mapping.Touches(j, reach, next)) {
+                        float least = reach;
+                        while (mapping.Touches(j, Half(least), next))
+                            least = Half(least);
+                        Offer(next, std::max(step.first, least));
+                    }
+            }
+            return reach;
+        }
+
+        static float Half(float reach) { return reach > 1e-6f ? 0.5f * reach : 0; }
+
+        /// Whether chains of node j may hold the patch.
+        bool IsOpen(Index there, Index j) const {
+            return mapping.patches.tag[there] == 1 || mapping.patches.tag[there] == mapping.patches.tag[j];
+        }
+        /// The middle of a star, whose neighbours would be looked through once for each of them.
+        bool IsHub(Index there, Index j, std::size_t most) const {
+            return there != j && mapping.graph.graph.adjacency[there].size() > most;
+        }
+
+        void Start(Index j) {
+            for (Index there : patch)
+                way[there] = unreached;
+            patch.clear();
+            heap.clear();
+            Offer(j, 0);
+        }
+        void Offer(Index there, float length) {
+            if (length >= way[there])
+                return;
+            if (way[there] == unreached)
+                patch.push_back(there);
+            way[there] = length;
+            heap.emplace_back(length, there);
+            std::push_heap(heap.begin(), heap.end(), std::greater<Step>());
+        }
+        Step Nearest() {
+            std::pop_heap(heap.begin(), heap.end(), std::greater<Step>());
+            const Step step = heap.back();
+            heap.pop_back();
+            return step;
+        }
+
+        static constexpr float unreached = std::numeric_limits<float>::infinity();
         const GraphMapping &mapping;
         std::vector<Index> patch;
-        std::vector<float> way;
+        std::vector<float> way; ///< or, for LargestReach, the least reach
         std::vector<Step> heap;
     };
 
@@ -350,7 +423,7 @@ class GraphMapping {
                         for (Index j = Index(first); j < Index(last); ++j) {
                             if (patches.tag[j] != 1)
                                 continue;
-                            float radius = reach[j] * float(std::min(1.0, 1.25 / influence));
+                            float radius = reach[j] * float(std::min(1.0, shape.shareBall / influence));
                             chains.Find(j, radius, most);
                             for (Index patch : chains.Patches())
                                 small[first / grain].emplace_back(patch, BallOf(j, radius));
@@ -437,7 +510,8 @@ class GraphMapping {
                     }
         auto width = [&](Index u) {
             const Index j = patches.patchOf[u];
-            return patches.tag[j] == 1 ? float(std::min(fade, 1.5 * std::max(patches.radius[j], 1e-6f))) : float(fade);
+            return patches.tag[j] == 1 ? float(std::min(fade, shape.smallRunOver * std::max(patches.radius[j], 1e-6f)))
+                                       : float(fade);
         };
         std::stable_sort(border.begin(), border.end(), [](const Border &a, const Border &b) { return a.tag < b.tag; });
         struct Found {
@@ -485,7 +559,7 @@ class GraphMapping {
                 queue[c].clear();
             }
             for (Index v : touched) {
-                found.push_back({v, {Index(heldTag.size()) - 1, std::max(1e-4f, best[v])}});
+                found.push_back({v, {Index(heldTag.size()) - 1, std::max(1e-4f, best[v]), Eigen::Vector3f::Zero()}});
                 best[v] = std::numeric_limits<float>::infinity();
             }
             touched.clear();
@@ -501,10 +575,63 @@ class GraphMapping {
             held[end[f.node]++] = f.held;
     }
 
+    /// The way from the border for each entry of held: straight into the free surface, as the held patches nearby see
+    /// it, blended so that it turns smoothly along the border.
+    void FindWaysAway(double fade, const Progress &progress) {
+        const Index k = graph.Size();
+        std::vector<Index> border;
+        Eigen::Matrix3Xf inward = Eigen::Matrix3Xf::Zero(3, k);
+        for (Index r = 0; r < k; ++r) {
+            if (!graph.IsHeld(r))
+                continue;
+            for (std::uint32_t e = graph.graph.adjacency.begin[r]; e < graph.graph.adjacency.begin[r + 1]; ++e)
+                inward.col(r) -= graph.weight[e] * graph.edge.col(e);
+            if (!(inward.col(r).norm() > 0))
+                continue;
+            inward.col(r).normalize();
+            border.push_back(r);
+        }
+        if (border.empty() || held.empty())
+            return;
+        NodeTree tree(graph.graph.position, border);
+        const float reach = float(2 * fade);
+        std::vector<std::vector<Index>> nearby(
+            k); // of each free patch: the nodes of held patches that its vertices may see
+        std::vector<unsigned> inside;
+        std::vector<float> squares;
+        for (Index j = 0; j < k; ++j) {
+            if (graph.IsHeld(j))
+                continue;
+            inside.clear();
+            squares.clear();
+            tree->doQueryDist(tree.Point(graph.graph.position.col(j)), reach + graph.radius[j], inside, squares);
+            for (unsigned i : inside)
+                nearby[j].push_back(border[i]);
+            std::sort(nearby[j].begin(), nearby[j].end());
+        }
+        ParallelFor(
+            progress, "Preparing the mapping", surface.Size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+                for (std::size_t u = first; u < last; ++u)
+                    for (std::uint32_t h = heldBegin[u]; h < heldBegin[u + 1]; ++h) {
+                        const Eigen::Vector3f x = surface.position.col(Eigen::Index(u));
+                        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+                        for (Index r : nearby[patches.patchOf[u]]) {
+                            const float t = 1 - (graph.graph.position.col(r) - x).squaredNorm() / (reach * reach);
+                            if (t > 0 && patches.tag[r] == heldTag[held[h].index])
+                                sum += t * t * inward.col(r);
+                        }
+                        const float length = sum.norm();
+                        if (length > 0)
+                            held[h].away = sum * (held[h].distance * float(fade) / length);
+                    }
+            });
+    }
+
     const Graph &surface;
     const std::vector<Index> &tag;
     const Patches &patches;
     const DeformationGraph &graph;
+    ShapeConstants shape;
     std::vector<float> reach;
     Csr candidates;                        ///< for each patch, the nodes that may influence it
     std::vector<Ball> ball;                ///< of each candidate

@@ -44,19 +44,27 @@ inline std::string Excerpt(const std::string &text, std::size_t begin, std::size
     return "'" + found + "'";
 }
 
-/// The bytes of a file. \throw Error naming it
-inline std::string ReadFile(const std::string &path) {
+} // namespace detail
+
+/// The bytes of a file. \param most how many there may be; of a larger file no more are read \throw Error naming it
+inline std::string ReadFile(const std::string &path, std::size_t most = std::string::npos) {
     std::ifstream file(path, std::ios::binary);
     if (!file)
         throw Error("Cannot open '" + path + "'.");
     std::string text;
     std::vector<char> buffer(1 << 16);
-    while (file.read(buffer.data(), std::streamsize(buffer.size())) || file.gcount() > 0)
+    while (file.read(buffer.data(), std::streamsize(buffer.size())) || file.gcount() > 0) {
         text.append(buffer.data(), std::size_t(file.gcount()));
+        if (text.size() > most)
+            throw Error("'" + path + "' is larger than " + std::to_string(most / 1000000) +
+                        " MB, which is more than this mesh can need. Give the file that belongs to it.");
+    }
     if (file.bad())
         throw Error("Cannot read '" + path + "'.");
     return text;
 }
+
+namespace detail {
 
 /// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
 /// A line ends with LF, CR LF or CR.
@@ -150,11 +158,10 @@ std::string ToText(Number value) {
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
-template <class Write>
-void WriteFile(const std::string &path, const Write &write) {
+/// Writes \p text to a file, over what is there. \throw Error naming it
+inline void WriteFile(const std::string &path, const std::string &text) {
     std::ofstream file(path, std::ios::binary);
-    if (file)
-        write(file);
+    file.write(text.data(), std::streamsize(text.size()));
     file.close();
     if (!file)
         throw Error("Cannot write '" + path + "'.");
@@ -175,8 +182,10 @@ inline std::vector<int> ReadTagText(const std::string &text, const std::string &
     return tag;
 }
 
-/// ReadTagText of a file. \throw Error also when it is not readable
-inline std::vector<int> ReadTagFile(const std::string &path) { return ReadTagText(detail::ReadFile(path), path); }
+/// ReadTagText of a file. \param most bytes \throw Error also when it is not readable, or larger
+inline std::vector<int> ReadTagFile(const std::string &path, std::size_t most = std::string::npos) {
+    return ReadTagText(ReadFile(path, most), path);
+}
 
 /// Reads the text of a `.def` file: 4 x 4 matrices, row by row, column vectors to their right; the first belongs to
 /// tag 2, the second to tag 3 and so on. Comments from '#' to the end of the line. \param name what messages call the
@@ -195,9 +204,9 @@ inline std::vector<Eigen::Matrix4d> ReadTransformText(const std::string &text, c
     return matrix;
 }
 
-/// ReadTransformText of a file. \throw Error also when it is not readable
-inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path) {
-    return ReadTransformText(detail::ReadFile(path), path);
+/// ReadTransformText of a file. \param most bytes \throw Error also when it is not readable, or larger
+inline std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path, std::size_t most = std::string::npos) {
+    return ReadTransformText(ReadFile(path, most), path);
 }
 
 /// A point that goes somewhere.
@@ -250,29 +259,38 @@ inline std::vector<PointPair> ReadPointHandleText(const std::string &text, const
     return pairs;
 }
 
-/// ReadPointHandleText of a file. \throw Error also when it is not readable
-inline std::vector<PointPair> ReadPointHandleFile(const std::string &path) {
-    return ReadPointHandleText(detail::ReadFile(path), path);
+/// ReadPointHandleText of a file. \param most bytes \throw Error also when it is not readable, or larger
+inline std::vector<PointPair> ReadPointHandleFile(const std::string &path, std::size_t most = std::string::npos) {
+    return ReadPointHandleText(ReadFile(path, most), path);
+}
+
+/// What ReadTagText reads.
+inline std::string TagText(const std::vector<int> &tag) {
+    std::string text =
+        "# one tag per vertex: 0 fixed, 1 free, 2 and up handles, negative outside the region of influence\n";
+    for (int t : tag)
+        text.append(detail::ToText(t)).push_back('\n');
+    return text;
+}
+
+/// What ReadTransformText reads, to the bit.
+inline std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix) {
+    std::string text = "# a 4 x 4 matrix per handle, for tags 2, 3, ... in order\n";
+    for (const Eigen::Matrix4d &m : matrix)
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 4; ++c)
+                text.append(detail::ToText(m(r, c))).push_back(c < 3 ? ' ' : '\n');
+    return text;
 }
 
 /// Writes what ReadTagFile reads. \throw Error
 inline void WriteTagFile(const std::string &path, const std::vector<int> &tag) {
-    detail::WriteFile(path, [&](std::ostream &out) {
-        out << "# one tag per vertex: 0 fixed, 1 free, 2 and up handles, negative outside the region of influence\n";
-        for (int t : tag)
-            out << detail::ToText(t) << '\n';
-    });
+    detail::WriteFile(path, TagText(tag));
 }
 
 /// Writes what ReadTransformFile reads, to the bit. \throw Error
 inline void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix) {
-    detail::WriteFile(path, [&](std::ostream &out) {
-        out << "# a 4 x 4 matrix per handle, for tags 2, 3, ... in order\n";
-        for (const Eigen::Matrix4d &m : matrix)
-            for (int r = 0; r < 4; ++r)
-                for (int c = 0; c < 4; ++c)
-                    out << detail::ToText(m(r, c)) << (c < 3 ? ' ' : '\n');
-    });
+    detail::WriteFile(path, TransformText(matrix));
 }
 
 } // namespace fcd

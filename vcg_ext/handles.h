@@ -24,12 +24,12 @@ struct Motion {
 
     /// \throw Error when \p m is not affine, not finite, mirrors or flattens
     explicit Motion(const Eigen::Matrix4d &m) : matrix(m) {
-        if (!m.allFinite())
-            throw Error("A transform holds a number that is not finite.");
-        const double size = m.topLeftCorner<3, 3>().norm();
+        ExpectFinite(m);
         if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
             throw Error("A transform is not affine: the last row of its 4 x 4 matrix must be 0 0 0 1.");
-        if (m.topLeftCorner<3, 3>().determinant() <= 1e-12 * size * size * size)
+        // Of a matrix of size one: the determinants of large and small ones leave the range of numbers.
+        const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>(), unit = linear / linear.cwiseAbs().maxCoeff();
+        if (!(unit.determinant() > 1e-12 * std::pow(unit.norm(), 3)))
             throw Error(
                 "A transform mirrors or flattens its handle (determinant <= 0); give a rotation, a translation, "
                 "a scaling, or a combination of them.");
@@ -39,27 +39,7 @@ struct Motion {
     /// turns) about an axis through \p point. The shortest rotation is taken instead where \p wholeTurn is less than
     /// half a turn, not finite, or not the rotation of \p m. \throw Error as above
     Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point) : Motion(m) {
-        const double angle = wholeTurn.norm();
-        if (!std::isfinite(angle) || !point.allFinite() || angle < 3.14159)
-            return;
-        // The tolerance is for layers placed in single precision.
-        const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, wholeTurn / angle).toRotationMatrix();
-        if ((Polar(m.topLeftCorner<3, 3>()).rotation - rotation).norm() > 1e-5)
-            return;
-        turn = wholeTurn;
-        pivot = point;
-    }
-
-    /// The same motion in other coordinates: \p frame leads from them to those of this motion. Turns are kept where the
-    /// rotation is one there, too, as it is for every frame that keeps angles, mirrors included. \throw Error as above
-    Motion In(const Eigen::Affine3d &frame) const {
-        if (frame.matrix().isIdentity(0))
-            return *this;
-        const Eigen::Affine3d back = frame.inverse();
-        Eigen::Matrix4d m = (back * Eigen::Affine3d(matrix) * frame).matrix();
-        m.row(3) << 0, 0, 0, 1;
-        const double side = frame.linear().determinant() < 0 ? -1 : 1; // a mirror turns the other way round
-        return Motion(m, side * turn.norm() * (back.linear() * turn).stableNormalized(), back * pivot);
+        SetTurn(wholeTurn, point);
     }
 
     /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
@@ -87,6 +67,23 @@ struct Motion {
     }
 
   private:
+    static void ExpectFinite(const Eigen::Matrix4d &m) {
+        if (!m.allFinite())
+            throw Error("A transform holds a number that is not finite.");
+    }
+
+    void SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point) {
+        const double angle = wholeTurn.norm();
+        if (!std::isfinite(angle) || !point.allFinite() || angle < 3.14159)
+            return;
+        // The tolerance is for layers placed in single precision.
+        const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, wholeTurn / angle).toRotationMatrix();
+        if ((Polar(matrix.topLeftCorner<3, 3>()).rotation - rotation).norm() > 1e-5)
+            return;
+        turn = wholeTurn;
+        pivot = point;
+    }
+
     /// linear = rotation * Stretch(1)
     struct Polar {
         Eigen::JacobiSVD<Eigen::Matrix3d> svd;
@@ -156,8 +153,19 @@ struct PointHandle {
 struct Handles {
     std::vector<int>
         tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
-    std::map<int, Motion> motion;   ///< of the handle tags, mesh units; a handle tag without one stays where it is
+    std::map<int, Motion> motion;   ///< of the handle tags, in the world; a handle tag without one stays where it is
     std::vector<PointHandle> point; ///< in addition to the tags
+    /// From mesh units to the world that motions are given in and lengths are measured in: the matrix of the layer.
+    Eigen::Affine3d world = Eigen::Affine3d::Identity();
+
+    /// A motion in the world in mesh units.
+    Eigen::Matrix4d ToMesh(const Eigen::Matrix4d &motion) const {
+        if (world.matrix().isIdentity(0) || motion.isIdentity(0))
+            return motion;
+        Eigen::Matrix4d m = (world.inverse() * Eigen::Affine3d(motion) * world).matrix();
+        m.row(3) << 0, 0, 0, 1;
+        return m;
+    }
 };
 
 /// Live vertices by their tag.
@@ -193,24 +201,6 @@ fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag) {
 
 } // namespace tri
 
-namespace fcd {
-
-/// The tag of each node of \p surface: 0 (fixed or outside), 1 (free) or the handle. Where vertices at one position
-/// disagree, held beats free and fixed beats a handle.
-inline std::vector<Index> NodeTags(const SurfaceGraph &surface, const std::vector<int> &tag) {
-    std::vector<Index> nodeTag(surface.graph.Size(), 1);
-    for (std::size_t i = 0; i < tag.size(); ++i) {
-        const Index node = surface.nodeOf[i];
-        if (node < 0 || tag[i] == 1)
-            continue;
-        const Index t = std::max(tag[i], 0);
-        if (nodeTag[node] == 1 || t < nodeTag[node])
-            nodeTag[node] = t;
-    }
-    return nodeTag;
-}
-
-} // namespace fcd
 } // namespace vcg
 
 #endif

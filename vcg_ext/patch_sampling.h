@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <string>
 
@@ -31,11 +32,11 @@ struct SamplingStep {
 
 /// Centroidal patches over a graph of n nodes.
 struct Patches {
-    std::vector<Index> patchOf; ///< n, patch of each node in [0, k)
+    std::vector<Index> patchOf; ///< n, patch of each node in [0, k), -1 for a node that is in none
     std::vector<Index> center;  ///< k, c: the node of the patch nearest its barycentre
     std::vector<float> radius;  ///< k, d_j: largest distance from the centre to a node of the patch
-    std::vector<Index> tag;     ///< k, that of all nodes of the patch
-    double cost = 0;            ///< E of Eq. 1
+    std::vector<Index> tag;     ///< k, that of the patch's nodes; 1 where small held parts lie in it, too
+    double cost = 0;            ///< E of Eq. 1, the squares weighed by the nodes' mass over the mean of it
     int iterations = 0;
     bool converged = false;
     std::vector<SamplingStep> history; ///< one per iteration
@@ -52,14 +53,16 @@ struct Center {
 };
 
 /// Grows patches from centres along the connectivity, nearest node first (Euclidean distance to the patch's centre),
-/// never from one tag into another. Keeps its buffers between calls.
+/// over nodes of tag 1 (no tags: over all). Keeps its buffers between calls.
 class PatchGrower {
   public:
     PatchGrower(const Graph &graph, const std::vector<Index> &tag) : graph(graph), tag(tag) {}
 
-    std::vector<Index> patchOf; ///< result of Grow
+    std::vector<Index> patchOf; ///< result of Grow; -1 for nodes of other tags
 
-    /// Assigns every node to a patch. Where no centre leads, a node becomes one: \p center grows.
+    bool TakesPart(Index u) const { return tag.empty() || tag[u] == 1; }
+
+    /// Assigns every node that takes part to a patch. Where no centre leads, a node becomes one: \p center grows.
     /// \param step width of a distance class; the order within a class is left open
     void Grow(std::vector<Center> &center, double step, const Progress &progress = {}) {
         AssignLarge(patchOf, graph.Size(), Index(-1));
@@ -99,7 +102,7 @@ class PatchGrower {
         ParallelFor(threads, graph.Size(), 1 << 16, [&](std::size_t first, std::size_t last) {
             for (std::size_t u = first; u < last; ++u)
                 state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
-                            patchOf[u] < 0 ? std::numeric_limits<float>::infinity() : -1};
+                            patchOf[u] < 0 && TakesPart(Index(u)) ? std::numeric_limits<float>::infinity() : -1};
         });
     }
 
@@ -114,7 +117,7 @@ class PatchGrower {
     void OfferNeighbours(Index u, Index patch, const Eigen::Vector3f &c, std::size_t current) {
         for (Index v : graph.adjacency[u]) {
             const State &s = state[v];
-            if (s.best < 0 || (!tag.empty() && tag[v] != tag[u]))
+            if (s.best < 0)
                 continue;
             const float d2 = (Eigen::Vector3f(s.x, s.y, s.z) - c).squaredNorm();
             if (d2 < s.best)
@@ -155,7 +158,7 @@ class PatchGrower {
     void Finish(std::vector<Center> &center, const Progress &progress) {
         Empty(center, progress);
         for (Index u = 0; u < graph.Size(); ++u)
-            if (patchOf[u] < 0) {
+            if (patchOf[u] < 0 && TakesPart(u)) {
                 center.push_back({u, graph.position.col(u)});
                 Offer(u, Index(center.size()) - 1, 0, 0);
                 Empty(center, progress);
@@ -171,28 +174,56 @@ class PatchGrower {
     Index assigned = 0;
 };
 
-/// A random node of each of \p count equal stretches of [0, n): min(n, count) different numbers, ascending. In Morton
-/// order, stretches are parts of the surface of about the same area, so that no part of it is left without a seed.
-inline std::vector<Index> RandomSample(Index n, Index count, unsigned seed) {
-    // The standard's distributions differ between libraries, the engine's numbers do not. The offset makes the default
-    // seed one whose graphs are good on the benchmark of Botsch and Sorkine (2008).
-    std::mt19937_64 random(seed + 27u);
-    count = std::min(n, count);
+/// What each node counts: \p mass over the mean of it, or 1; 0 for a node that does not take part.
+inline std::vector<float> Masses(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass) {
+    std::vector<float> each;
+    AssignLarge(each, graph.Size(), 1.f);
+    double sum = 0, count = 0;
+    for (Index u = 0; u < graph.Size(); ++u)
+        if (!tag.empty() && tag[u] != 1) {
+            each[u] = 0;
+        } else {
+            sum += mass.empty() ? 1 : mass[u];
+            ++count;
+        }
+    if (!mass.empty() && sum > 0)
+        for (Index u = 0; u < graph.Size(); ++u)
+            each[u] *= float(mass[u] * (count / sum));
+    return each;
+}
+
+/// A random node of each of \p count stretches of equal mass: different nodes with a mass, ascending. In Morton order,
+/// stretches are parts of the surface, of equal area where that is the mass, so that no part of it is left without a
+/// seed. Fewer than \p count where stretches are shorter than a node.
+/// \param mass n values
+inline std::vector<Index> RandomSample(const std::vector<float> &mass, Index count, unsigned seed) {
+    // The standard's distributions differ between libraries, the engine's numbers do not.
+    std::mt19937_64 random(seed);
+    const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
     std::vector<Index> sample;
+    if (!(total > 0))
+        return sample;
+    double sum = 0; // of the nodes before u
+    Index u = 0, last = -1;
     for (Index i = 0; i < count; ++i) {
-        const std::int64_t first = std::int64_t(n) * i / count, last = std::int64_t(n) * (i + 1) / count;
-        sample.push_back(Index(first + std::int64_t(random() % std::uint64_t(last - first))));
+        const double at = (i + double(random() >> 11) * 0x1p-53) * (total / count);
+        while (u + 1 < Index(mass.size()) && sum + mass[u] <= at)
+            sum += mass[u++];
+        if (u != last && mass[u] > 0)
+            sample.push_back(u);
+        last = u;
     }
     return sample;
 }
 
-/// Lloyd's iteration with splits. A node may stand for several (mass) spread over a ball around it (extent), and
-/// distances are measured to the barycentres then; both empty: one node each, and a centre is where its node is.
+/// Lloyd's iteration with splits. A node may stand for several spread over a ball around it (extent), and distances are
+/// measured to the barycentres then; no extents: a centre is where its node is.
 struct Lloyd {
     const Graph &graph;
     const std::vector<Index> &tag;
+    const std::vector<float> &mass;
     unsigned threads;
-    std::vector<float> mass, extent;
+    std::vector<float> extent;
 
     PatchGrower grower{graph, tag};
     std::vector<Center> center;  ///< of the patches
@@ -200,8 +231,8 @@ struct Lloyd {
     std::vector<float> radius;   ///< distance of the farthest node, its extent included
     double cost = 0;             ///< Eq. 1
 
-    Lloyd(const Graph &graph, const std::vector<Index> &tag, unsigned threads)
-        : graph(graph), tag(tag), threads(threads) {}
+    Lloyd(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass, unsigned threads)
+        : graph(graph), tag(tag), mass(mass), threads(threads) {}
 
     /// Radius, farthest node and cost for the present patches and centres.
     void Measure() {
@@ -218,11 +249,13 @@ struct Lloyd {
             p.farthest.assign(k, -1);
             for (Index u = first; u < last; ++u) {
                 const Index at = grower.patchOf[u];
+                if (at < 0)
+                    continue;
                 const float d2 = (graph.position.col(u) - center[at].position).squaredNorm();
                 float reach = std::sqrt(d2);
                 if (!extent.empty() && u != center[at].node)
                     reach += extent[u];
-                p.cost += mass.empty() ? d2 : mass[u] * d2;
+                p.cost += mass[u] * d2;
                 if (reach > p.radius[at]) {
                     p.radius[at] = reach;
                     p.farthest[at] = u;
@@ -258,7 +291,9 @@ struct Lloyd {
         ForEachPart([&](std::size_t part, Index first, Index last) {
             std::vector<Sum> sum(k);
             for (Index u = first; u < last; ++u) {
-                const float m = mass.empty() ? 1 : mass[u];
+                if (grower.patchOf[u] < 0)
+                    continue;
+                const float m = std::max(mass[u], 1e-30f); // a patch of nodes without mass has a barycentre, too
                 Sum &s = sum[grower.patchOf[u]];
                 s.position += (m * graph.position.col(u)).cast<double>();
                 s.mass += m;
@@ -279,6 +314,8 @@ struct Lloyd {
             std::vector<Nearest> nearest(k);
             for (Index u = first; u < last; ++u) {
                 const Index c = grower.patchOf[u];
+                if (c < 0)
+                    continue;
                 const float d2 = (graph.position.col(u) - barycenter.col(c)).squaredNorm();
                 if (d2 < nearest[c].d2)
                     nearest[c] = {d2, u};
@@ -291,7 +328,7 @@ struct Lloyd {
                 if (nearest[c].d2 < best.d2)
                     best = nearest[c];
             center[c] = {best.node, graph.position.col(best.node)};
-            if (!mass.empty())
+            if (!extent.empty())
                 center[c].position = barycenter.col(c);
         }
     }
@@ -374,10 +411,11 @@ std::vector<Index> CollectInOrder(const Progress &progress, const char *stage, I
     return all;
 }
 
-/// Nodes of \p graph joined into small connected clusters of one tag: the components of the cells of a regular grid.
+/// Nodes of \p graph that take part joined into small connected clusters: the components of the cells of a regular
+/// grid.
 struct Clusters {
     Graph graph;                  ///< a node per cluster, at its barycentre; edges where clusters touch
-    std::vector<Index> clusterOf; ///< of each node
+    std::vector<Index> clusterOf; ///< of each node, -1 for one that does not take part
     std::vector<float> mass;      ///< of the nodes of each cluster
     std::vector<float> extent;    ///< distance from the barycentre to the farthest node
 };
@@ -385,7 +423,7 @@ struct Clusters {
 /// \param bits the cells' side is 2^-bits; the nodes must be in Morton order
 inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progress) {
     const Graph &graph = nodes.graph;
-    const std::vector<Index> &tag = nodes.tag;
+    const auto takesPart = [&](Index u) { return nodes.grower.TakesPart(u); };
     const char *stage = "Sampling patches";
     const Index n = graph.Size();
     const int shift = 30 - 3 * bits;
@@ -414,10 +452,12 @@ inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progr
             parent.resize(hi - lo);
             for (Index u = lo; u < hi; ++u) {
                 Index top = parent[u - lo] = u - lo;
+                if (!takesPart(u))
+                    continue;
                 for (Index v : graph.adjacency[u]) {
                     if (v >= u) // neighbours are ascending
                         break;
-                    if (v < lo || (!tag.empty() && tag[v] != tag[u]))
+                    if (v < lo || !takesPart(v))
                         continue;
                     const Index other = root(v - lo);
                     parent[std::max(top, other)] = std::min(top, other);
@@ -426,7 +466,9 @@ inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progr
             }
             Index found = 0;
             for (Index u = lo; u < hi; ++u) // ascending: the parent's number is known
-                c.clusterOf[u] = parent[u - lo] == u - lo ? found++ : c.clusterOf[lo + parent[u - lo]];
+                c.clusterOf[u] = !takesPart(u)              ? -1
+                                 : parent[u - lo] == u - lo ? found++
+                                                            : c.clusterOf[lo + parent[u - lo]];
             clusterBegin[cell + 1] = found;
         }
     });
@@ -440,24 +482,29 @@ inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progr
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
             while (u >= cellBegin[first + 1])
                 ++first;
-            c.clusterOf[u] += clusterBegin[first];
+            if (c.clusterOf[u] >= 0)
+                c.clusterOf[u] += clusterBegin[first];
         }
     });
     ParallelFor(progress.Slice(0.5, 0.7), stage, cells, 256, [&](std::size_t first, std::size_t last) {
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
-            const float mass = nodes.mass.empty() ? 1 : nodes.mass[u];
+            if (c.clusterOf[u] < 0)
+                continue;
+            const float mass = std::max(nodes.mass[u], 1e-30f); // a cluster of nodes without mass has a place, too
             c.graph.position.col(c.clusterOf[u]) += mass * graph.position.col(u);
             c.mass[c.clusterOf[u]] += mass;
         }
         for (Index i = clusterBegin[first]; i < clusterBegin[last]; ++i)
             c.graph.position.col(i) /= c.mass[i];
         for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            if (c.clusterOf[u] < 0)
+                continue;
             float &e = c.extent[c.clusterOf[u]];
             e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm() +
                                 (nodes.extent.empty() ? 0 : nodes.extent[u]));
         }
     });
-    c.graph.adjacency = QuotientGraph(graph.adjacency, c.clusterOf, clusters, progress.Slice(0.7, 1), stage).adjacency;
+    c.graph.adjacency = QuotientGraph(graph.adjacency, c.clusterOf, clusters, progress.Slice(0.7, 1), stage);
     return c;
 }
 
@@ -471,22 +518,16 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     if (bits < leastBits)
         return 0;
     const Graph &graph = lloyd.graph;
-    const std::vector<Index> &tag = lloyd.tag;
     const Clusters clusters = MakeClusters(lloyd, bits, progress.Slice(0, 0.3));
     const Index count = clusters.graph.Size();
-    if (count < 8 * Index(seed.size()))
+    if (count == 0 || count < 8 * Index(seed.size()))
         return 0;
     if (count > graph.Size() / 3)
         return SampleClusters(lloyd, seed, param, bits - 1, leastBits, history, progress.Slice(0.3, 1));
     progress(0.3, "Sampling patches");
-    std::vector<Index> clusterTag, clusterSeed;
-    if (!tag.empty()) {
-        clusterTag.resize(count);
-        for (Index u = 0; u < graph.Size(); ++u)
-            clusterTag[clusters.clusterOf[u]] = tag[u];
-    }
-    Lloyd coarse(clusters.graph, clusterTag, progress.threads);
-    coarse.mass = clusters.mass;
+    std::vector<Index> clusterSeed;
+    const std::vector<Index> allTakePart;
+    Lloyd coarse(clusters.graph, allTakePart, clusters.mass, progress.threads);
     coarse.extent = clusters.extent;
     for (float &e : coarse.extent)
         e *= 0.8f; // few nodes lie straight behind their cluster's barycentre
@@ -508,7 +549,7 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     ParallelFor(progress.Slice(0.6, 0.65), "Sampling patches", patchOf.size(), 1 << 16,
                 [&](std::size_t first, std::size_t last) {
                     for (std::size_t u = first; u < last; ++u)
-                        patchOf[u] = coarse.grower.patchOf[clusters.clusterOf[u]];
+                        patchOf[u] = clusters.clusterOf[u] < 0 ? -1 : coarse.grower.patchOf[clusters.clusterOf[u]];
                 });
     // The last step of the iteration may have added centres; they come with the nodes' own iteration.
     const Index patches = 1 + *std::max_element(coarse.grower.patchOf.begin(), coarse.grower.patchOf.end());
@@ -542,6 +583,8 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     const std::vector<Index> frontNodes =
         CollectInOrder(progress.Slice(0.65, 0.7), "Sampling patches", graph.Size(), [&](Index u, auto &nodes) {
             const Index c = clusters.clusterOf[u];
+            if (c < 0)
+                return;
             if (!kept[c])
                 patchOf[u] = -1;
             else if (front[c])
@@ -560,7 +603,7 @@ inline Patches TakePatches(Lloyd &lloyd) {
     patches.center.reserve(lloyd.center.size());
     for (const Center &c : lloyd.center) {
         patches.center.push_back(c.node);
-        patches.tag.push_back(lloyd.tag.empty() ? 1 : lloyd.tag[c.node]);
+        patches.tag.push_back(1);
     }
     patches.radius = std::move(lloyd.radius);
     patches.cost = lloyd.cost;
@@ -569,19 +612,22 @@ inline Patches TakePatches(Lloyd &lloyd) {
 
 } // namespace detail
 
-/// Samples \p graph with centroidal patches of bounded radius (paper, sec. 2.1): every node is in exactly one patch;
-/// every patch is connected and of one tag; when converged, no patch but one of a single node is larger than D.
+/// Samples \p graph with centroidal patches of bounded radius (paper, sec. 2.1): every node that takes part is in
+/// exactly one patch; every patch is connected; when converged, no patch but one of a single node is larger than D.
 ///
 /// Lloyd's iteration with splits runs on clusters of nodes where there are many nodes to a patch, and is finished on
-/// the nodes themselves. \param tag n values, or empty for all the same \pre the nodes are in Morton order
-/// (BuildSurfaceGraph)
-inline Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const PatchParam &param,
-                             const Progress &progress = {}) {
-    const std::vector<Index> seed = detail::RandomSample(graph.Size(), param.initialPatches, param.randomSeed);
+/// the nodes themselves.
+/// \param tag n values, nodes of tag 1 take part; empty: all do
+/// \param mass n values, >= 0: what each node counts in Eq. 1 and for the seeds; empty: 1 each (the paper's)
+/// \pre the nodes are in Morton order (BuildSurfaceGraph)
+inline Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass,
+                             const PatchParam &param, const Progress &progress = {}) {
+    const std::vector<float> each = detail::Masses(graph, tag, mass);
+    const std::vector<Index> seed = detail::RandomSample(each, param.initialPatches, param.randomSeed);
     std::vector<SamplingStep> history;
-    detail::Lloyd lloyd(graph, tag, progress.threads);
-    const int leastBits = std::max(1, int(std::ceil(std::log2(3 / param.targetRadius)))),
-              bits = std::min(leastBits + 1, 10);
+    detail::Lloyd lloyd(graph, tag, each, progress.threads);
+    const double coarsest = std::log2(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
+    const int leastBits = std::max(1, int(std::ceil(coarsest))), bits = std::min(leastBits + 1, 10);
     const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7));
     bool converged = used > leastBits;
     if (used) {
@@ -604,11 +650,12 @@ inline Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, 
     return patches;
 }
 
-/// Patches around given centres (different nodes), which stay where they are; a part that no centre leads to gets its
-/// own.
+/// Patches around given centres (different nodes that take part), which stay where they are; a part that no centre
+/// leads to gets its own.
 inline Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<Index> &center,
                            const Progress &progress = {}) {
-    detail::Lloyd lloyd(graph, tag, progress.threads);
+    const std::vector<float> mass(graph.Size(), 1);
+    detail::Lloyd lloyd(graph, tag, mass, progress.threads);
     for (Index u : center)
         lloyd.center.push_back({u, graph.position.col(u)});
     const float spacing = 1 / std::sqrt(float(std::max<std::size_t>(1, lloyd.center.size())));

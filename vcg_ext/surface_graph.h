@@ -8,8 +8,11 @@
 #include "progress.h"
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <cmath>
+#include <cstring>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vcg/space/index/kdtree/kdtree.h>
 #include <vcg/space/point3.h>
@@ -17,24 +20,47 @@
 namespace vcg {
 namespace fcd {
 
-/// The unit frame in which everything is computed: origin at the centre of the bounding box, the box's diagonal in
-/// (0.5, 1]. The scale is a power of two, so that going there and back costs no bits.
+/// The unit frame in which everything is computed: origin at the centre of the bounding box of what is read, the box's
+/// diagonal 1. A few points far outside of all others do not widen the box.
 struct Frame {
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< in mesh units
-    double scale = 1;                                 ///< mesh units per frame unit
+    /// From mesh units to world units: the linear part of a layer's matrix. Lengths are measured in the world, so that
+    /// a mesh bends as it would with the matrix applied to it.
+    Eigen::Matrix3d metric = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d inverseMetric = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< in world units, without the matrix's translation
+    double scale = 1;                                 ///< world units per frame unit
 
-    Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return (p - origin) / scale; }
-    Eigen::Vector3d FromFrame(const Eigen::Vector3d &p) const { return p * scale + origin; }
+    /// \throw Error where \p linear has no inverse
+    void SetMetric(const Eigen::Matrix3d &linear) {
+        metric = linear;
+        inverseMetric = linear.inverse();
+        if (!linear.allFinite() || !inverseMetric.allFinite())
+            throw Error("The matrix of the layer flattens it or is not finite; apply or reset the matrix first.");
+    }
+    Eigen::Vector3d ToWorld(const Eigen::Vector3d &p) const { return metric.isIdentity(0) ? p : metric * p; }
+    Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return (ToWorld(p) - origin) / scale; }
+    Eigen::Vector3d FromFrame(const Eigen::Vector3d &p) const {
+        const Eigen::Vector3d world = p * scale + origin;
+        return metric.isIdentity(0) ? world : inverseMetric * world;
+    }
 
     /// An affine motion in mesh units (4 x 4), expressed in the frame.
     Eigen::Affine3d ToFrame(const Eigen::Matrix4d &motion) const {
         Eigen::Affine3d m(motion);
-        m.translation() = (m.linear() * origin + m.translation() - origin) / scale;
+        m.linear() = metric * m.linear() * inverseMetric;
+        m.translation() = (m.linear() * origin + metric * m.translation() - origin) / scale;
         return m;
+    }
+    /// The way back.
+    Eigen::Matrix4d FromFrame(const Eigen::Affine3d &motion) const {
+        Eigen::Affine3d m(motion);
+        m.translation() = inverseMetric * (motion.translation() * scale + origin - motion.linear() * origin);
+        m.linear() = inverseMetric * motion.linear() * metric;
+        return m.matrix();
     }
 };
 
-/// What was met in a mesh.
+/// What was met in the part of a mesh that was read.
 struct SurfaceReport {
     Index vertices = 0;         ///< live vertices
     Index welded = 0;           ///< vertices that share the position of another one and hence its node
@@ -45,16 +71,20 @@ struct SurfaceReport {
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points
 };
 
-/// The connectivity of a mesh: a node per position, in Morton order, so that what is near on the surface is near in
-/// memory.
+/// The connectivity of a mesh, or of its free part and the held vertices beside that: a node per position, in Morton
+/// order, so that what is near on the surface is near in memory.
 struct SurfaceGraph {
-    Graph graph;               ///< n nodes, positions in the frame
-    Frame frame;               ///< from mesh units
-    std::vector<Index> nodeOf; ///< node of each vertex slot, -1 for a deleted vertex
-    double area = 0;           ///< of the surface, frame units^2
-    double averageEdge = 0;    ///< mean length of the graph's edges, frame units
-    double diagonal = 0;       ///< of the bounding box, frame units
-    SurfaceReport report;      ///< components is left 0
+    Graph graph;                 ///< n nodes, positions in the frame
+    Frame frame;                 ///< from mesh units
+    std::vector<Index> nodeOf;   ///< node of each vertex slot, -1 for one that is deleted or not part of it
+    std::vector<Index> tag;      ///< n: 0 fixed or outside, 1 free, from 2 handles; empty where no tags were given
+    std::vector<float> nodeArea; ///< n, of the surface around each node, frame units^2
+    double area = 0;             ///< sum of nodeArea
+    double averageEdge = 0;      ///< mean length of the graph's edges, frame units
+    double diagonal = 0;         ///< of the bounding box, frame units; 0 for a single position
+    SurfaceReport report;        ///< components is left 0
+
+    bool IsHeld(Index u) const { return !tag.empty() && tag[u] != 1; }
 };
 
 namespace detail {
@@ -79,8 +109,8 @@ void SortShort(T *first, T *last) {
 struct TriangleGraph {
     Csr adjacency;
     Index nonManifoldEdges = 0;
-    double edgeLengths = 0; ///< sum over all edges
-    double area = 0;
+    double edgeLengths = 0;  ///< sum over all edges
+    std::vector<float> area; ///< of each node: a third of its triangles
 };
 
 /// Joins the corners of triangles (3 x triangles nodes). A triangle with a repeated corner counts as the edge that is
@@ -142,10 +172,11 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
     struct Block {
         std::vector<Index> item;
         Index nonManifoldEdges = 0;
-        double edgeLengths = 0, area = 0;
+        double edgeLengths = 0;
     };
     std::vector<Block> done(blocks);
     TriangleGraph result;
+    AssignLarge(result.area, std::size_t(nodes), 0.f);
     AssignLarge(result.adjacency.begin, std::size_t(nodes) + 1, 0u);
     using Entry = std::uint32_t; // a neighbour and, in the lowest bit, whether a face is what joins it
     auto scramble = [](Entry e) {
@@ -211,12 +242,14 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
             }
             result.adjacency.begin[u + 1] = std::uint32_t(block.item.size() - size);
         }
-        for (const Triangle *t = begin; t < end; ++t)
-            if (t->corner[0] >= first && t->corner[0] < last) {
-                const Eigen::Vector3f x = position.col(t->corner[0]);
-                const Eigen::Vector3f e = position.col(t->corner[1]) - x, f = position.col(t->corner[2]) - x;
-                block.area += 0.5 * double(e.cross(f).norm());
-            }
+        for (const Triangle *t = begin; t < end; ++t) {
+            const Eigen::Vector3f x = position.col(t->corner[0]);
+            const Eigen::Vector3f e = position.col(t->corner[1]) - x, f = position.col(t->corner[2]) - x;
+            const float third = e.cross(f).norm() / 6;
+            for (Index u : t->corner)
+                if (u >= first && u < last)
+                    result.area[u] += third;
+        }
         block.item.shrink_to_fit();
     });
     triangle.reset();
@@ -227,7 +260,6 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
         itemBegin[b + 1] = itemBegin[b] + done[b].item.size();
         result.nonManifoldEdges += done[b].nonManifoldEdges;
         result.edgeLengths += done[b].edgeLengths;
-        result.area += done[b].area;
     }
     if (itemBegin[blocks] > std::uint32_t(-1))
         throw Error("The mesh has more than two thousand million edges; simplify it first.");
@@ -274,6 +306,66 @@ inline std::unique_ptr<Index[]> NearestNeighbourPairs(const Eigen::Matrix3Xf &po
     return corner;
 }
 
+/// How many of the nearest points are a point's neighbours: twice a triangulation's six, so that those of the Delaunay
+/// triangulation are among them where one direction is sampled two or three times as densely as the other.
+constexpr int cloudNeighbours = 12;
+
+/// The area that each point of a cloud stands for: that of a point of an evenly random set of the density around it,
+/// where the k-th nearest of the others is at k / (pi density) squared on average. Held points, of whose neighbours
+/// only those beside free ones are known, have none. \param tag as of SurfaceGraph
+inline void CloudAreas(const Graph &graph, const std::vector<Index> &tag, unsigned threads, std::vector<float> &area) {
+    ParallelFor(threads, graph.Size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        std::vector<float> squares;
+        for (std::size_t u = first; u < last; ++u) {
+            squares.clear();
+            if (!tag.empty() && tag[u] != 1) {
+                area[u] = 0;
+                continue;
+            }
+            for (Index v : graph.adjacency[Index(u)])
+                squares.push_back((graph.position.col(v) - graph.position.col(u)).squaredNorm());
+            std::sort(squares.begin(), squares.end());
+            squares.resize(std::min<std::size_t>(squares.size(), cloudNeighbours));
+            const std::size_t k = squares.size();
+            const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+            area[u] = k ? float(sum * 2 * EIGEN_PI / double(k * (k + 1))) : 0.f;
+        }
+    });
+}
+
+/// A box without a few points far outside of it: the box of a sample's middle 80 %, eight times as large, where that is
+/// smaller. (Eight: what is a surface and not a stray point stays inside; the frame's floats lose no more than three
+/// bits by what is kept.) \param at position of each of \p count points
+template <class At>
+Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t count, const At &at) {
+    const std::size_t wanted = std::min<std::size_t>(count, 256);
+    std::vector<double> sample[3];
+    for (std::size_t i = 0; i < wanted; ++i) {
+        const Eigen::Vector3d p = at(count * i / wanted);
+        for (int d = 0; d < 3; ++d)
+            sample[d].push_back(p[d]);
+    }
+    Eigen::AlignedBox3d middle;
+    for (int low : {1, 9}) {
+        Eigen::Vector3d p;
+        for (int d = 0; d < 3; ++d) {
+            std::sort(sample[d].begin(), sample[d].end());
+            p[d] = sample[d][std::min(wanted - 1, wanted * low / 10)];
+        }
+        middle.extend(p);
+    }
+    const double reach = 4 * (middle.max() - middle.min()).stableNorm();
+    if (!(reach > 0))
+        return box;
+    const Eigen::Vector3d center = middle.min() * 0.5 + middle.max() * 0.5, half = Eigen::Vector3d::Constant(reach);
+    return box.intersection(Eigen::AlignedBox3d(center - half, center + half));
+}
+
+inline Error NotFinite(std::size_t vertex) {
+    return Error("Vertex " + std::to_string(vertex) +
+                 " has a coordinate that is not a finite number; remove such vertices first.");
+}
+
 } // namespace detail
 } // namespace fcd
 
@@ -284,32 +376,135 @@ Eigen::Vector3d PositionOf(const VertexType &v) {
     return Eigen::Vector3d(v.cP()[0], v.cP()[1], v.cP()[2]);
 }
 
-/// Reads the connectivity of a mesh. Neighbours are the vertices that share a face or an edge element; in a mesh that
-/// has neither, the 8 nearest points. Vertices at the same position (float precision of the frame) share a node, so
-/// that unwelded seams hold together. Deleted elements are skipped; the mesh is only read.
+/// Which vertex slots of a mesh deform, and what holds them.
+struct Region {
+    static constexpr unsigned char none = 0, part = 1, candidate = 2;
+    std::vector<unsigned char> flag; ///< part: free, or held and joined to a free one; candidate: held, and part of it
+                                     ///< where one that is part has the same position
+};
+
+/// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; \p excluded ones (flags, or
+/// empty) are left out. \throw fcd::Error a coordinate of any vertex is not finite
+template <class MeshType>
+Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vector<char> &excluded,
+                  const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const fcd::Progress &progress = {}) {
+    using fcd::ParallelFor;
+    const char *stage = "Reading the mesh";
+    const std::size_t slots = m.vert.size(), grain = 1 << 16;
+    // A byte a vertex: what it is, and whether a free neighbour or itself being one makes it part of the region.
+    constexpr unsigned char live = 1, free = 2, reached = 4;
+    std::unique_ptr<std::atomic<unsigned char>[]> state(new std::atomic<unsigned char>[slots]);
+    std::vector<std::size_t> bad((slots + grain - 1) / grain, slots);
+    ParallelFor(progress.Slice(0, 0.1), stage, slots, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const bool takesPart = !m.vert[i].IsD() && (excluded.empty() || !excluded[i]);
+            if (takesPart && !PositionOf(m.vert[i]).allFinite())
+                bad[first / grain] = std::min(bad[first / grain], i);
+            state[i].store(takesPart ? tag[i] == 1 ? live | free : live : 0, std::memory_order_relaxed);
+        }
+    });
+    for (std::size_t i : bad)
+        if (i < slots)
+            throw fcd::detail::NotFinite(i);
+    const auto is = [&](std::size_t i, unsigned char what) { return state[i].load(std::memory_order_relaxed) & what; };
+    const auto reach = [&](std::size_t i) {
+        if (!is(i, reached))
+            state[i].fetch_or(reached, std::memory_order_relaxed);
+    };
+    if (m.fn == 0 && m.en == 0) {
+        std::vector<std::size_t> slotOf;
+        std::vector<vcg::Point3d> point;
+        for (std::size_t i = 0; i < slots; ++i)
+            if (is(i, live)) {
+                slotOf.push_back(i);
+                const Eigen::Vector3d p = metric * PositionOf(m.vert[i]);
+                point.emplace_back(p[0], p[1], p[2]);
+            }
+        if (point.size() > 1) {
+            vcg::ConstDataWrapper<vcg::Point3d> wrapper(point.data(), point.size());
+            vcg::KdTree<double> tree(wrapper);
+            const int wanted = int(std::min<std::size_t>(fcd::detail::cloudNeighbours + 1, point.size()));
+            ParallelFor(progress.Slice(0.1, 0.9), "Finding neighbours", point.size(), 1 << 12,
+                        [&](std::size_t first, std::size_t last) {
+                            vcg::KdTree<double>::PriorityQueue queue;
+                            for (std::size_t k = first; k < last; ++k) {
+                                if (!is(slotOf[k], free))
+                                    continue;
+                                reach(slotOf[k]); // among more points at its place it need not be found
+                                tree.doQueryK(point[k], wanted, queue);
+                                for (int j = 0; j < queue.getNofElements(); ++j)
+                                    reach(slotOf[queue.getIndex(j)]);
+                            }
+                        });
+        }
+    } else {
+        const auto join = [&](const auto &element, int corners) {
+            std::size_t slot[3];
+            bool any = false, all = true;
+            for (int j = 0; j < corners; ++j) {
+                slot[j] = std::size_t(element.cV(j) - &m.vert[0]);
+                any |= is(slot[j], free) != 0;
+                all &= is(slot[j], live) != 0;
+            }
+            if (any && all)
+                for (int j = 0; j < corners; ++j)
+                    reach(slot[j]);
+        };
+        ParallelFor(progress.Slice(0.1, 0.9), stage, m.face.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t f = first; f < last; ++f)
+                if (!m.face[f].IsD())
+                    join(m.face[f], 3);
+        });
+        for (const auto &e : m.edge)
+            if (!e.IsD())
+                join(e, 2);
+    }
+    Region region;
+    fcd::AssignLarge(region.flag, slots, Region::none);
+    ParallelFor(progress.Slice(0.9, 1), stage, slots, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            region.flag[i] = is(i, reached)                ? Region::part
+                             : is(i, live) && !is(i, free) ? Region::candidate
+                                                           : Region::none;
+    });
+    return region;
+}
+
+/// Reads the connectivity of a mesh, or of a region of it. Neighbours are the vertices that share a face or an edge
+/// element; in a mesh that has neither, the 12 nearest points. Vertices at the same position (float precision of the
+/// frame) share a node, so that unwelded seams hold together; it is held where one of them is. Deleted elements are
+/// skipped; the mesh is only read. What is not in the region changes no bit of the result.
 ///
+/// \param region nullptr for all of the mesh \param tag one per vertex slot, read where there is a region
+/// \param metric as of Frame
 /// \throw fcd::Error no vertices, or a coordinate that is not finite
 template <class MeshType>
-fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &progress = {}) {
+fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, const std::vector<int> &tag,
+                                    const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(),
+                                    const fcd::Progress &progress = {}) {
     using fcd::Index;
     using fcd::ParallelFor;
     const char *stage = "Reading the mesh";
-    const std::size_t slotCount = m.vert.size(), grain = 1 << 16;
+    const std::size_t slotCount = m.vert.size(), grain = 1 << 16, chunks = (slotCount + grain - 1) / grain;
     fcd::SurfaceGraph s;
+    s.frame.SetMetric(metric);
     progress(0, stage);
+    std::vector<unsigned char> beside; // candidates that may share the position of a part
+    const auto isPart = [&](std::size_t i) { return region ? region->flag[i] == Region::part : !m.vert[i].IsD(); };
 
-    // Bounding box of the live vertices.
+    // Bounding box.
     struct Part {
         Eigen::AlignedBox3d box;
-        std::size_t live = 0, bad = std::size_t(-1);
+        std::size_t live = 0, bad = std::size_t(-1), candidates = 0;
     };
-    std::vector<Part> part((slotCount + grain - 1) / grain);
+    std::vector<Part> part(chunks);
     ParallelFor(progress.Slice(0, 0.05), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
         Part p;
         for (std::size_t i = first; i < last; ++i) {
-            if (m.vert[i].IsD())
+            p.candidates += region && region->flag[i] == Region::candidate;
+            if (!isPart(i))
                 continue;
-            const Eigen::Vector3d x = PositionOf(m.vert[i]);
+            const Eigen::Vector3d x = s.frame.ToWorld(PositionOf(m.vert[i]));
             if (!x.allFinite())
                 p.bad = std::min(p.bad, i);
             p.box.extend(x);
@@ -321,42 +516,93 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
     for (const Part &p : part) {
         total.box.extend(p.box);
         total.live += p.live;
+        total.candidates += p.candidates;
         total.bad = std::min(total.bad, p.bad);
     }
-    if (total.live == 0)
+    if (total.live == 0 && !region)
         throw fcd::Error("The mesh has no vertices.");
     if (total.bad != std::size_t(-1))
-        throw fcd::Error("Vertex " + std::to_string(total.bad) +
-                         " has a coordinate that is not a finite number; remove such vertices first.");
+        throw fcd::detail::NotFinite(total.bad);
+    fcd::AssignLarge(s.nodeOf, slotCount, Index(-1));
+    if (total.live == 0)
+        return s;
+    std::vector<std::size_t> begin(chunks + 1, 0); // of each chunk's vertices in the list of all of them
+    for (std::size_t c = 0; c < chunks; ++c)
+        begin[c + 1] = begin[c] + part[c].live;
+    total.box = fcd::detail::WithoutStrays(total.box, total.live, [&](std::size_t k) {
+        std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
+        for (std::size_t i = c * grain, at = begin[c];; ++i)
+            if (isPart(i) && at++ == k)
+                return s.frame.ToWorld(PositionOf(m.vert[i]));
+    });
     const Eigen::Vector3d extent = total.box.max() * 0.5 - total.box.min() * 0.5; // half of it: no overflow
     const double halfDiagonal = extent.stableNorm();
     s.frame.origin = total.box.min() * 0.5 + total.box.max() * 0.5;
     s.frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
     s.diagonal = halfDiagonal / s.frame.scale * 2;
     s.report.vertices = Index(total.live);
+    const auto inFrame = [&](std::size_t i) {
+        const double most = 1e15; // squares of it are floats
+        const Eigen::Vector3f x =
+            s.frame.ToFrame(PositionOf(m.vert[i])).cwiseMin(most).cwiseMax(-most).template cast<float>();
+        return Eigen::Vector3f(x.array() + 0.f); // no negative zero: equal positions have equal bits
+    };
+
+    // Held vertices at the position of one that is part: a bit for each such position, some of them shared.
+    if (total.candidates) {
+        std::size_t words = 1 << 10;
+        while (words * 2 < total.live)
+            words *= 2;
+        std::unique_ptr<std::atomic<std::uint32_t>[]> bits(new std::atomic<std::uint32_t>[words]());
+        const auto place = [&](const Eigen::Vector3f &x) {
+            std::uint32_t b[3];
+            std::memcpy(b, x.data(), sizeof b);
+            std::uint64_t h = (std::uint64_t(b[0]) << 32 | b[1]) * 0x9E3779B97F4A7C15u + b[2];
+            h = (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
+            return h >> 20;
+        };
+        ParallelFor(progress.Slice(0.05, 0.06), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                if (isPart(i)) {
+                    const std::uint64_t h = place(inFrame(i));
+                    bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
+                }
+        });
+        beside.assign(slotCount, 0);
+        ParallelFor(progress.Slice(0.06, 0.07), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                if (region->flag[i] == Region::candidate) {
+                    const std::uint64_t h = place(inFrame(i));
+                    beside[i] = bits[(h >> 5) & (words - 1)].load(std::memory_order_relaxed) >> (h & 31) & 1;
+                    part[first / grain].live += beside[i];
+                }
+        });
+        total.live = 0;
+        for (std::size_t c = 0; c < chunks; ++c) {
+            begin[c] = total.live;
+            total.live += part[c].live;
+        }
+    }
+    const auto isBeside = [&](std::size_t i) { return !beside.empty() && beside[i]; };
 
     // Morton order.
-    std::unique_ptr<std::uint64_t[]> order = fcd::LargeArray<std::uint64_t>(slotCount);
+    std::unique_ptr<std::uint64_t[]> order = fcd::LargeArray<std::uint64_t>(total.live);
     Eigen::Matrix3Xf bySlot(3, slotCount);
     fcd::PreferLargePages(bySlot.data(), slotCount * sizeof(Eigen::Vector3f));
-    ParallelFor(progress.Slice(0.05, 0.1), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            std::uint64_t code = 0;
-            if (!m.vert[i].IsD()) {
-                bySlot.col(i) = s.frame.ToFrame(PositionOf(m.vert[i])).template cast<float>();
-                bySlot.col(i).array() += 0.f; // no negative zero: equal positions have equal bits
-                code = fcd::detail::MortonCode(bySlot(0, i), bySlot(1, i), bySlot(2, i));
+    ParallelFor(progress.Slice(0.07, 0.1), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
+        std::size_t at = begin[first / grain];
+        for (std::size_t i = first; i < last; ++i)
+            if (isPart(i) || isBeside(i)) {
+                bySlot.col(i) = inFrame(i);
+                order[at++] =
+                    std::uint64_t(fcd::detail::MortonCode(bySlot(0, i), bySlot(1, i), bySlot(2, i))) << 32 | i;
             }
-            order[i] = code << 32 | i;
-        }
     });
-    if (total.live < slotCount)
-        std::remove_if(order.get(), order.get() + slotCount,
-                       [&](std::uint64_t o) { return m.vert[std::uint32_t(o)].IsD(); });
     fcd::detail::RadixSortUpper30(order, total.live, progress.Slice(0.1, 0.2), stage);
 
     // Vertices at one position share a node. Such vertices have the same code, so ranges that end with a code are
     // independent.
+    constexpr std::uint32_t dropped = std::uint32_t(-1); // held, and at no part after all
     auto slotAt = [&](std::size_t i) { return std::uint32_t(order[i]); };
     auto codeEnd = [&](std::size_t i) { // the first position from i on where a code begins
         while (i > 0 && i < total.live && order[i] >> 32 == order[i - 1] >> 32)
@@ -368,7 +614,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
         rangeBegin.push_back(i);
     const std::size_t ranges = rangeBegin.size();
     rangeBegin.push_back(total.live);
-    std::vector<Index> firstNode(ranges + 1, 0);
+    std::vector<Index> firstNode(ranges + 1, 0), kept(ranges, 0);
     Eigen::Matrix3Xf &x = s.graph.position;
     x.resize(3, total.live);
     fcd::PreferLargePages(x.data(), total.live * sizeof(Eigen::Vector3f));
@@ -382,98 +628,145 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &prog
                         return p[d] < o.p[d];
                 return slot < o.slot;
             }
+            bool SamePlace(const Item &o) const { return p[0] == o.p[0] && p[1] == o.p[1] && p[2] == o.p[2]; }
         };
         std::vector<Item> sameCode;
-        Index found = 0;
+        Index found = 0, keptHere = 0;
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i)
             x.col(i) = bySlot.col(slotAt(i));
         for (std::size_t i = rangeBegin[range], next; i < rangeBegin[range + 1]; i = next) {
             const std::uint64_t code = order[i] >> 32;
             for (next = i + 1; next < rangeBegin[range + 1] && order[next] >> 32 == code;)
                 ++next;
-            ++found;
-            if (next - i == 1)
+            if (next - i == 1) {
+                if (isBeside(slotAt(i)))
+                    order[i] = code << 32 | dropped;
+                else
+                    ++found, ++keptHere;
                 continue;
+            }
             sameCode.clear();
             for (std::size_t j = i; j < next; ++j)
                 sameCode.push_back({{x(0, j), x(1, j), x(2, j)}, slotAt(j)});
             fcd::detail::SortShort(sameCode.data(), sameCode.data() + sameCode.size());
-            for (std::size_t j = i; j < next; ++j) {
-                const Item &item = sameCode[j - i];
-                x.col(j) << item.p[0], item.p[1], item.p[2];
-                order[j] = code << 32 | item.slot;
-                found += j > i && x.col(j) != x.col(j - 1);
+            for (std::size_t a = 0, b; a < sameCode.size(); a = b) {
+                bool isNode = false;
+                for (b = a; b < sameCode.size() && sameCode[b].SamePlace(sameCode[a]); ++b)
+                    isNode |= !isBeside(sameCode[b].slot);
+                for (std::size_t j = a; j < b; ++j) {
+                    x.col(i + j) << sameCode[j].p[0], sameCode[j].p[1], sameCode[j].p[2];
+                    order[i + j] = code << 32 | (isNode ? sameCode[j].slot : dropped);
+                }
+                found += isNode;
+                keptHere += isNode ? Index(b - a) : 0;
             }
         }
         firstNode[range + 1] = found;
+        kept[range] = keptHere;
     });
-    for (std::size_t range = 0; range < ranges; ++range)
+    std::size_t keptTotal = 0;
+    for (std::size_t range = 0; range < ranges; ++range) {
         firstNode[range + 1] += firstNode[range];
+        keptTotal += std::size_t(kept[range]);
+    }
     const Index nodes = firstNode[ranges];
-    s.report.welded = Index(total.live) - nodes;
-    fcd::AssignLarge(s.nodeOf, slotCount, Index(-1));
+    s.report.welded = Index(keptTotal) - nodes;
+    const bool shifted = std::size_t(nodes) < total.live;
     bySlot.resize(3, 0); // first: Eigen's resize frees the old memory twice where it gets no new one
-    if (s.report.welded)
+    if (shifted)
         bySlot.resize(3, nodes);
     ParallelFor(progress.Slice(0.3, 0.4), stage, ranges, 1, [&](std::size_t range, std::size_t) {
         Index node = firstNode[range] - 1;
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i) {
+            if (slotAt(i) == dropped)
+                continue;
             if (i == rangeBegin[range] || x.col(i) != x.col(i - 1)) {
                 ++node;
-                if (s.report.welded)
+                if (shifted)
                     bySlot.col(node) = x.col(i);
             }
             s.nodeOf[slotAt(i)] = node;
         }
     });
-    if (s.report.welded)
+    if (shifted)
         x.swap(bySlot);
     order.reset();
     bySlot.resize(3, 0);
-
-    // Faces and edge elements as corners; those that are deleted as three times the same.
-    const std::size_t faces = m.face.size(), edges = m.edge.size();
-    std::size_t triangles = faces + edges;
-    std::unique_ptr<Index[]> corner = fcd::LargeArray<Index>(3 * triangles);
-    std::vector<Index> degenerate((faces + grain - 1) / grain, 0);
-    auto nodeAt = [&](const auto *vertex) { return s.nodeOf[vertex - &m.vert[0]]; };
-    ParallelFor(progress.Slice(0.4, 0.5), stage, faces, grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f) {
-            Index *c = &corner[3 * f];
-            c[0] = -1;
-            if (!m.face[f].IsD())
-                for (int j = 0; j < 3; ++j)
-                    c[j] = nodeAt(m.face[f].cV(j));
-            if (c[0] < 0 || c[1] < 0 || c[2] < 0) // a deleted face, or one of a deleted vertex
-                c[0] = c[1] = c[2] = 0;
-            else
-                degenerate[first / grain] += c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+    if (region) {
+        fcd::AssignLarge(s.tag, nodes, Index(1));
+        for (std::size_t i = 0; i < slotCount; ++i) {
+            const Index node = s.nodeOf[i];
+            if (node < 0 || tag[i] == 1)
+                continue;
+            const Index t = std::max(tag[i], 0);
+            if (s.tag[node] == 1 || t < s.tag[node])
+                s.tag[node] = t;
         }
-    });
-    for (std::size_t e = 0; e < edges; ++e) {
-        Index *c = &corner[3 * (faces + e)];
-        c[0] = m.edge[e].IsD() ? -1 : nodeAt(m.edge[e].cV(0));
-        c[1] = c[2] = m.edge[e].IsD() ? -1 : nodeAt(m.edge[e].cV(1));
-        if (c[0] < 0 || c[1] < 0)
-            c[0] = c[1] = c[2] = 0;
     }
-    for (Index d : degenerate)
-        s.report.degenerateFaces += d;
-    s.report.pointCloud = m.fn == 0 && m.en == 0;
+
+    // Faces and edge elements as corners; those that do not count as three times the same.
+    const std::size_t faces = m.face.size();
+    std::unique_ptr<Index[]> corner = fcd::LargeArray<Index>(3 * (faces + m.edge.size()));
+    std::size_t triangles = 0;
+    struct Count {
+        std::size_t triangles = 0;
+        Index degenerate = 0;
+    };
+    std::vector<Count> counts((faces + grain - 1) / grain);
+    // Adds what is not between held nodes alone to the list at \p to.
+    auto add = [&](const auto &element, int corners, Index *to) {
+        for (int j = 0; j < 3; ++j) {
+            to[j] = s.nodeOf[element.cV(std::min(j, corners - 1)) - &m.vert[0]];
+            if (to[j] < 0)
+                return false;
+        }
+        return !(s.IsHeld(to[0]) && s.IsHeld(to[1]) && s.IsHeld(to[2]));
+    };
+    ParallelFor(progress.Slice(0.4, 0.5), stage, faces, grain, [&](std::size_t first, std::size_t last) {
+        Index *to = &corner[3 * first];
+        Count count;
+        for (std::size_t f = first; f < last; ++f)
+            if (!m.face[f].IsD() && add(m.face[f], 3, to)) {
+                count.degenerate += to[0] == to[1] || to[1] == to[2] || to[2] == to[0];
+                ++count.triangles;
+                to += 3;
+            }
+        counts[first / grain] = count;
+    });
+    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists
+        const Index *from = &corner[3 * c * grain];
+        if (triangles != c * grain)
+            std::copy(from, from + 3 * counts[c].triangles, &corner[3 * triangles]);
+        triangles += counts[c].triangles;
+        s.report.degenerateFaces += counts[c].degenerate;
+    }
+    for (const auto &e : m.edge)
+        triangles += !e.IsD() && add(e, 2, &corner[3 * triangles]);
+    s.report.pointCloud = s.graph.isCloud = m.fn == 0 && m.en == 0;
     if (s.report.pointCloud)
-        corner = fcd::detail::NearestNeighbourPairs(x, 8, triangles, progress.Slice(0.4, 0.5));
+        corner =
+            fcd::detail::NearestNeighbourPairs(x, fcd::detail::cloudNeighbours, triangles, progress.Slice(0.4, 0.5));
     fcd::detail::TriangleGraph connected =
         fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.5, 1));
     s.graph.adjacency = std::move(connected.adjacency);
+    s.nodeArea = std::move(connected.area);
     s.report.nonManifoldEdges = connected.nonManifoldEdges;
     const std::size_t items = s.graph.adjacency.item.size();
     s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
-    s.area = s.report.pointCloud ? std::sqrt(0.75) * s.averageEdge * s.averageEdge * nodes // as if evenly triangulated
-                                 : connected.area;
-    for (Index i = 0; i < nodes; ++i)
+    if (s.report.pointCloud)
+        fcd::detail::CloudAreas(s.graph, s.tag, progress.threads, s.nodeArea);
+    for (Index i = 0; i < nodes; ++i) {
+        s.area += s.nodeArea[i];
         s.report.isolated += s.graph.adjacency[i].size() == 0;
+    }
     progress(1, stage);
     return s;
+}
+
+/// All of the mesh.
+template <class MeshType>
+fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const fcd::Progress &progress = {}) {
+    return BuildSurfaceGraph(m, nullptr, {}, Eigen::Matrix3d::Identity(), progress);
 }
 
 } // namespace tri

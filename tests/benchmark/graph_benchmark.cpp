@@ -67,8 +67,8 @@ int main(int argc, char **argv) {
             const double read = watch.Seconds();
             param.targetRadius =
                 0.7 * surface.averageEdge * std::sqrt(double(surface.graph.Size()) / param.initialPatches);
-            patches = SamplePatches(surface.graph, {}, param);
-            MakeDeformationGraph(surface.graph, patches, surface.averageEdge, GraphWeights::Border);
+            patches = SamplePatches(surface.graph, {}, {}, param);
+            MakeDeformationGraph(surface.graph, {}, surface.nodeArea, patches, GraphWeights::Border);
             if (watch.Seconds() < total) {
                 total = watch.Seconds();
                 surfaceSeconds = read;

@@ -176,15 +176,257 @@ TEST(DeformCentroidal, RefusesPointHandlesThatCannotBe) {
     EXPECT_NE(error({{300, p * std::numeric_limits<double>::infinity()}}).find("not finite"), std::string::npos);
 }
 
-TEST(DeformCentroidal, NoMotionIsTheRestPose) {
+TEST(DeformCentroidal, NoMotionIsTheRestPoseToTheBit) {
     for (Case c : {TubeCase(), GridCase(), SphereCase()}) {
         const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
         DeformationParam param = Param();
         param.pose = 0;
-        EXPECT_LE((Deformed(c, param) - rest).cwiseAbs().maxCoeff(), 1e-7);
+        EXPECT_TRUE(SameBits(Deformed(c, param), rest));
         c.handles.motion.clear(); // a handle without a motion stays where it is
-        EXPECT_LE((Deformed(c) - rest).cwiseAbs().maxCoeff(), 1e-7);
+        EXPECT_TRUE(SameBits(Deformed(c), rest));
     }
+}
+
+/// Shapes of all kinds with tags anywhere.
+static std::vector<Case> RandomlyTagged(const Affine3d &motion) {
+    std::vector<Case> cases;
+    const std::vector<Shape> shapes{Jittered(Tube(30, 14), 0.02),
+                                    Jittered(Sphere(16, 20), 0.02),
+                                    Jittered(Grid(25, 20), 0.2),
+                                    Unwelded(Jittered(Tube(20, 10), 0.02)),
+                                    PointCloud(300),
+                                    Wireframe(12, 9)};
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+        for (unsigned often : {2, 30}) { // so many tags are held
+            std::mt19937 random(unsigned(i) + 1);
+            Case c{shapes[i], Handles()};
+            for (std::size_t v = 0; v < c.shape.position.size(); ++v)
+                c.handles.tag.push_back(random() % often ? 1 : 2 + int(random() % 3));
+            for (int tag : {2, 3, 4})
+                c.handles.motion[tag] = Motion(motion.matrix());
+            cases.push_back(c);
+        }
+    return cases;
+}
+
+TEST(DeformCentroidal, NoMotionMovesNothingToTheBitWhereverTheTagsAre) {
+    for (Case c : RandomlyTagged(Affine3d::Identity()))
+        for (double smoothness : {0.0, 0.0058, 1.0}) {
+            const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+            DeformationParam param = Param();
+            param.smoothness = smoothness;
+            EXPECT_TRUE(SameBits(Deformed(c, param), rest));
+            std::replace(c.handles.tag.begin(), c.handles.tag.end(), 3, 0);
+            std::replace(c.handles.tag.begin(), c.handles.tag.end(), 4, -1);
+            EXPECT_TRUE(SameBits(Deformed(c, param), rest));
+        }
+}
+
+TEST(DeformCentroidal, OneRigidMotionMovesEverythingWhereverTheTagsAre) {
+    const Affine3d rigid = RandomRigid(7);
+    for (const Case &c : RandomlyTagged(rigid))
+        for (double smoothness : {0.0, 0.0058, 1.0}) {
+            const MeshD mesh(c.shape);
+            DeformationParam param = Param();
+            param.smoothness = smoothness;
+            const Matrix3Xd rest = PositionsOf(mesh), x = Deformed(c, param);
+            const double diagonal = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+            EXPECT_LE((x - rigid * rest).cwiseAbs().maxCoeff(), 1e-6 * diagonal)
+                << c.shape.Size() << " vertices, alpha " << smoothness;
+            ExpectHeldExact(mesh, c.handles, x);
+        }
+}
+
+/// The tags of \p c for its shape twice: what comes first has the tag \p before.
+static Case With(const Case &c, const Shape &before, int tagBefore, const Shape &after, int tagAfter) {
+    Case with{Join(before, Join(c.shape, after)), c.handles};
+    with.handles.tag.assign(before.position.size(), tagBefore);
+    with.handles.tag.insert(with.handles.tag.end(), c.handles.tag.begin(), c.handles.tag.end());
+    with.handles.tag.resize(with.shape.position.size(), tagAfter);
+    for (PointHandle &point : with.handles.point)
+        point.vertex += before.position.size();
+    return with;
+}
+
+/// The result for \p with, of which \p c is what comes after \p first vertices, is that for \p c there.
+static void ExpectNoBitChanged(const Case &c, const Case &with, int first, const DeformationParam &param = Param()) {
+    const DeformationResult alone = DeformCentroidal(MeshD(c.shape), c.handles, param),
+                            both = DeformCentroidal(MeshD(with.shape), with.handles, param);
+    EXPECT_TRUE(SameBits(Matrix3Xd(both.position.middleCols(first, c.shape.Size())), alone.position));
+    EXPECT_EQ(both.iterations, alone.iterations);
+    EXPECT_EQ(both.energy, alone.energy);
+    EXPECT_TRUE(SameBits(both.rest.position, alone.rest.position));
+}
+
+TEST(DeformCentroidal, WhatIsHeldFarFromTheBendChangesNoBit) {
+    std::vector<Case> cases{TubeCase(), GridCase(), SphereCase()};
+    cases.push_back(CaseOf(Unwelded(Tube(20, 12)), [](const Vector3d &p) { return TubeTag(p); }));
+    cases[0].handles.point = {{300, Vector3d(1, 2, 3)}};
+    for (const Case &c : cases)
+        for (double far : {20.0, 1e5, 1e9}) {
+            const Shape other = Moved(c.shape, Affine3d(Eigen::Translation3d(far, -far, 0.5 * far)));
+            for (int tag : {0, -1, 2}) {
+                ExpectNoBitChanged(c, With(c, other, tag, Shape(), 0), c.shape.Size());
+                ExpectNoBitChanged(c, With(c, Shape(), 0, other, tag), 0);
+                ExpectNoBitChanged(c, With(c, other, tag, other, 0), c.shape.Size());
+            }
+            const MeshD mesh(With(c, other, 0, other, -1).shape);
+            ExpectHeldExact(mesh, With(c, other, 0, other, -1).handles, Deformed(With(c, other, 0, other, -1)));
+        }
+}
+
+TEST(DeformCentroidal, WhatIsHeldBesideTheBendButNotAtItChangesNoBit) {
+    const Case c = TubeCase();
+    // A sleeve, a hair's breadth away.
+    const Shape sleeve = Moved(c.shape, Affine3d(Eigen::Scaling(1.01, 1.01, 1.001)));
+    for (int tag : {0, -1})
+        ExpectNoBitChanged(c, With(c, sleeve, tag, sleeve, 0), c.shape.Size());
+}
+
+TEST(DeformCentroidal, AStrayVertexChangesNothing) {
+    for (const Case &c : {TubeCase(), GridCase(), SphereCase()})
+        for (double far : {1e3, 1e6, 1e9})
+            for (int tag : {1, 0, -1}) {
+                const Shape stray{{{6 * far, 0, -far}}, {}, {}};
+                for (LooseParts loose : {LooseParts::Follow, LooseParts::Stay}) {
+                    DeformationParam param = Param();
+                    param.looseParts = loose;
+                    ExpectNoBitChanged(c, With(c, stray, tag, Shape(), 0), 1, param);
+                    ExpectNoBitChanged(c, With(c, Shape(), 0, stray, tag), 0, param);
+                }
+            }
+}
+
+TEST(DeformCentroidal, IsolatedFreeVerticesChangeNothing) {
+    for (const Case &c : {TubeCase(), GridCase()}) {
+        Shape around;
+        std::mt19937 random(2);
+        for (int i = 0; i < 500; ++i)
+            around.position.push_back(Vector3d(3, 0, 3) + 4 * RandomVector(random));
+        ExpectNoBitChanged(c, With(c, around, 1, around, 1), 500);
+        ExpectNoBitChanged(c, With(c, Points(c.shape), 1, Shape(), 1), c.shape.Size());
+    }
+}
+
+TEST(DeformCentroidal, LooseSurfaceChangesNothing) {
+    const Case c = TubeCase();
+    const Shape buttons =
+        Join(Moved(Sphere(8, 12), Affine3d(Eigen::Translation3d(3, 0, 4))),
+             Moved(Sphere(20, 30), Affine3d(Eigen::Translation3d(1e4, 0, 4) * Eigen::Scaling(100.0))));
+    ExpectNoBitChanged(c, With(c, buttons, 1, buttons, 1), buttons.Size());
+}
+
+TEST(DeformCentroidal, PullingOneOfTwoStripsThatAFixedPartJoinsLeavesTheOther) {
+    Case c = CaseOf(Jittered(Grid(101, 11, 0.1), 0.02), [](const Vector3d &p) {
+        return p[0] < 0.5 ? 2 : p[0] > 9.5 ? 3 : std::abs(p[0] - 5) < 0.3 ? 0 : 1;
+    });
+    const Matrix3Xd rest = PositionsOf(MeshD(c.shape));
+    for (double smoothness : {0.0, 0.0058}) {
+        DeformationParam param = Param();
+        param.smoothness = smoothness;
+        c.handles.motion[3] = Motion();
+        const Matrix3Xd one = Deformed(c, param);
+        c.handles.motion[3] = Motion(Affine3d(Eigen::Translation3d(0, 1, 2)).matrix());
+        const Matrix3Xd both = Deformed(c, param);
+        int left = 0, right = 0;
+        for (int i = 0; i < c.shape.Size(); ++i) {
+            if (rest(0, i) > 5) {
+                EXPECT_TRUE(SameBits(Vector3d(one.col(i)), Vector3d(rest.col(i)))) << i;
+                right += (both.col(i) - rest.col(i)).norm() > 0.01;
+            } else {
+                EXPECT_TRUE(SameBits(Vector3d(one.col(i)), Vector3d(both.col(i)))) << i;
+                left += (one.col(i) - rest.col(i)).norm() > 0.01;
+            }
+        }
+        EXPECT_GT(left, 200);
+        EXPECT_GT(right, 200);
+    }
+}
+
+TEST(DeformCentroidal, HoldsASoupWithATagPerFaceAsItsWeldedMesh) {
+    // What is welded is held where one of its corners is; so is the soup, though its faces share no vertex.
+    const Shape tube = Jittered(Tube(40, 16), 0.02), soup = Unwelded(tube);
+    Case faces{soup, {}}, welded{tube, {}};
+    welded.handles.tag.assign(tube.position.size(), 1);
+    for (const auto &f : tube.face) {
+        const double z = (tube.position[f[0]] + tube.position[f[1]] + tube.position[f[2]])[2] / 3;
+        const int tag = TubeTag(Vector3d(0, 0, z));
+        for (int c : f) {
+            faces.handles.tag.push_back(tag);
+            if (tag != 1)
+                welded.handles.tag[c] = tag;
+        }
+    }
+    faces.handles.motion[2] = welded.handles.motion[2] = Motion(bend.matrix());
+    const Matrix3Xd x = Deformed(faces), y = Deformed(welded);
+    for (std::size_t f = 0; f < tube.face.size(); ++f)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_LE((x.col(3 * f + c) - y.col(tube.face[f][c])).norm(), 0.15) << "face " << f;
+    std::map<std::array<double, 3>, int> first;
+    for (int i = 0; i < soup.Size(); ++i) {
+        const Vector3d &p = soup.position[i];
+        const int twin = first.emplace(std::array<double, 3>{p[0], p[1], p[2]}, i).first->second;
+        EXPECT_TRUE(SameBits(Vector3d(x.col(i)), Vector3d(x.col(twin)))) << i;
+    }
+}
+
+TEST(DeformCentroidal, WithANodeAtEveryVertexTheSeedDoesNotMatter) {
+    for (const Case &c : {TubeCase(), GridCase()}) {
+        DeformationParam param = Param(10 * c.shape.Size());
+        const Matrix3Xd first = Deformed(c, param);
+        for (unsigned seed : {2, 99}) {
+            param.graph.randomSeed = seed;
+            EXPECT_LE((Deformed(c, param) - first).cwiseAbs().maxCoeff(), 0);
+        }
+    }
+}
+
+TEST(DeformCentroidal, TheNumberOfNodesFollowsTheFreeArea) {
+    // A sheet of which less and less is free: D goes with the square root of that, and the number of free nodes stays.
+    std::vector<double> free, radius;
+    for (double limit : {60.5, 30.5, 15.5}) {
+        const Case c = CaseOf(Grid(121, 61), [&](const Vector3d &p) { return p[0] < 2 ? 0 : p[0] < limit ? 1 : 2; });
+        DeformationParam param = Param(60);
+        const DeformationResult r = DeformCentroidal(MeshD(c.shape), c.handles, param);
+        int count = 0;
+        double widest = 0;
+        for (Index j = 0; j < r.rest.position.cols(); ++j)
+            if (r.rest.position(0, j) > 2 && r.rest.position(0, j) < limit - 0.5) {
+                ++count;
+                widest = std::max(widest, r.rest.radius[j]);
+            }
+        free.push_back(count);
+        radius.push_back(widest);
+        const double D = 0.75 * std::sqrt(60 * (limit - 2) / 60);
+        EXPECT_LE(widest, 1.1 * D) << limit;
+        EXPECT_GE(widest, 0.6 * D) << limit;
+    }
+    for (double count : free)
+        EXPECT_NEAR(count, free[0], 0.35 * free[0]);
+}
+
+TEST(DeformCentroidal, RefiningAPartOfTheSurfaceHardlyChangesTheShape) {
+    // Vertices of the same surface: the left half of a sheet is sampled four times as densely.
+    const auto tag = [](const Vector3d &p) { return p[0] < 0.5 ? 0 : p[0] > 7.5 ? 2 : 1; };
+    const Affine3d lifted(Eigen::Translation3d(0, 0, 2));
+    const Case c = CaseOf(Grid(81, 41, 0.1), tag, lifted);
+    Case dense = c;
+    for (std::size_t f = 0, faces = dense.shape.face.size(); f < faces; ++f) {
+        const auto corners = dense.shape.face[f];
+        Vector3d middle = Vector3d::Zero();
+        for (int corner : corners)
+            middle += dense.shape.position[corner] / 3;
+        if (middle[0] > 4)
+            continue;
+        const int n = dense.shape.Size();
+        dense.shape.position.push_back(middle);
+        dense.handles.tag.push_back(tag(middle));
+        dense.shape.face[f] = {corners[0], corners[1], n};
+        dense.shape.face.push_back({corners[1], corners[2], n});
+        dense.shape.face.push_back({corners[2], corners[0], n});
+    }
+    const Matrix3Xd x = Deformed(c, Param(100)), y = Deformed(dense, Param(100)).leftCols(c.shape.Size());
+    EXPECT_LE(std::sqrt((x - y).squaredNorm() / double(x.cols())), 0.012 * 8.9);
 }
 
 TEST(DeformCentroidal, PoseIsAPercentageOfTheMotion) {
@@ -203,6 +445,30 @@ TEST(DeformCentroidal, PoseIsAPercentageOfTheMotion) {
         part.handles.motion[2] = Motion(c.handles.motion.at(2).At(pose, center / count));
         EXPECT_LE((Deformed(c, param) - Deformed(part)).cwiseAbs().maxCoeff(), 1e-5);
     }
+}
+
+TEST(DeformCentroidal, SingleVerticesThatTurnAWholeTurnAreHeldInRotationOnTheWay) {
+    const Shape shape = Grid(31, 31, 0.1);
+    const Vector3d pivot(1.5, 1.5, 0);
+    const auto turned = [&](double degrees) {
+        const double angle = degrees * EIGEN_PI / 180;
+        const Affine3d m = Eigen::Translation3d(pivot) *
+                           Eigen::AngleAxisd(std::remainder(angle, 2 * EIGEN_PI), Vector3d::UnitX()) *
+                           Eigen::Translation3d(-pivot);
+        return Motion(m.matrix(), angle * Vector3d::UnitX(), pivot);
+    };
+    Case c = CaseOf(shape, [](const Vector3d &p) { return p[1] < 0.25 ? 0 : 1; });
+    for (int at : {15 * 31 + 15, 20 * 31 + 10, 25 * 31 + 20})
+        c.handles.tag[at] = 2;
+    DeformationParam half = Param(), quarter = Param();
+    half.pose = 50;
+    quarter.pose = 25;
+    const auto at = [&](double degrees, const DeformationParam &param) {
+        c.handles.motion[2] = turned(degrees);
+        return Deformed(c, param);
+    };
+    EXPECT_LE((at(360, half) - at(720, quarter)).norm(), 1e-9);
+    EXPECT_LE((at(360, half) - at(180, Param())).norm(), 1e-6) << "no vertex knows of what comes later";
 }
 
 TEST(DeformCentroidal, ScalingTheSceneScalesTheAnswer) {
@@ -299,13 +565,22 @@ TEST(DeformCentroidal, SeamsWithDifferentTagsStayTogether) {
     }
 }
 
-TEST(DeformCentroidal, AHandleThatIsFixedEverywhereDoesNotMove) {
-    Case c = TubeCase();
-    const int n = c.shape.Size();
-    c.shape.position.push_back(c.shape.position[0]); // tag 0
-    c.handles.tag.push_back(5);
-    c.handles.motion[5] = Motion(bend.matrix());
-    EXPECT_TRUE(SameBits(Vector3d(Deformed(c).col(n)), c.shape.position[n]));
+TEST(DeformCentroidal, AHandleThatIsFixedWhereTheSurfaceBendsDoesNotMove) {
+    for (int at : {0, 100}) { // far from what is free, and beside it
+        Case c = TubeCase();
+        const int n = c.shape.Size();
+        ASSERT_EQ(c.handles.tag[at], 0);
+        c.shape.position.push_back(c.shape.position[at]);
+        c.handles.tag.push_back(5);
+        c.handles.motion[5] = Motion(bend.matrix());
+        const Matrix3Xd x = Deformed(c);
+        if (at) {
+            EXPECT_TRUE(SameBits(Vector3d(x.col(n)), c.shape.position[n]));
+        } else {
+            EXPECT_LE((x.col(n) - bend * c.shape.position[n]).norm(), 1e-12) << "nothing is there to keep it";
+        }
+        EXPECT_TRUE(SameBits(Vector3d(x.col(at)), c.shape.position[at]));
+    }
 }
 
 TEST(DeformCentroidal, CanBeCancelledAnywhere) {
@@ -387,7 +662,26 @@ TEST(DeformCentroidal, RefusesWhatCannotBeDeformed) {
     Case c = good;
     c.shape.position[7][1] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_NE(CaseError(c).find("Vertex 7"), std::string::npos);
+    for (int i : {7, 300, 639}) { // fixed, free, handle; near what bends or not
+        c = good;
+        c.shape.position[i][2] = std::numeric_limits<double>::infinity();
+        for (const Shape &shape : {c.shape, Points(c.shape)})
+            EXPECT_NE(CaseError({shape, c.handles}).find("Vertex " + std::to_string(i) + " "), std::string::npos);
+    }
     EXPECT_THROW(DeformCentroidal(MeshD(), {}, {}), Error);
+}
+
+/// Live vertices that are free or share a face with a free one.
+static Index VerticesThatBend(const MeshD &mesh, const Handles &handles) {
+    std::set<Index> found;
+    for (const auto &f : mesh.face) {
+        Index c[3] = {-1, -1, -1};
+        for (int i = 0; i < 3 && !f.IsD(); ++i)
+            c[i] = Index(f.cV(i) - &mesh.vert[0]);
+        if (!f.IsD() && (handles.tag[c[0]] == 1 || handles.tag[c[1]] == 1 || handles.tag[c[2]] == 1))
+            found.insert(c, c + 3);
+    }
+    return Index(found.size());
 }
 
 static void DeleteVertexAndFaces(MeshD &mesh, int vertex) {
@@ -398,6 +692,24 @@ static void DeleteVertexAndFaces(MeshD &mesh, int vertex) {
     mesh.DeleteVertex(vertex);
 }
 
+static std::vector<std::pair<int, std::string>> stages;
+static bool RecordStage(const int percent, const char *stage) {
+    stages.emplace_back(percent, stage);
+    return true;
+}
+
+TEST(DeformCentroidal, TellsOfAllItsStages) {
+    stages.clear();
+    const Case c = TubeCase();
+    DeformCentroidal(MeshD(c.shape), c.handles, Param(), vcg::fcd::Progress(&RecordStage));
+    for (const char *stage : {"Reading the mesh", "Reading the handles", "Sampling patches", "Building the graph",
+                              "Mapping to the mesh", "Checking the result"})
+        EXPECT_TRUE(std::any_of(stages.begin(), stages.end(), [&](const auto &s) { return s.second == stage; }))
+            << stage;
+    for (const auto &s : stages)
+        EXPECT_NE(s.second, "") << s.first;
+}
+
 TEST(DeformCentroidal, DeletedElementsAreLeftAlone) {
     Case c = TubeCase();
     c.shape.position.emplace_back(std::numeric_limits<double>::quiet_NaN(), 1, 1);
@@ -406,7 +718,7 @@ TEST(DeformCentroidal, DeletedElementsAreLeftAlone) {
     mesh.DeleteVertex(c.shape.Size() - 1);
     DeleteVertexAndFaces(mesh, 0);
     const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
-    EXPECT_EQ(r.surface.vertices, mesh.vn);
+    EXPECT_EQ(r.surface.vertices, VerticesThatBend(mesh, c.handles));
     EXPECT_EQ(r.position.cols(), c.shape.Size());
     EXPECT_TRUE(r.position.leftCols(c.shape.Size() - 1).allFinite());
     EXPECT_TRUE(SameBits(Vector3d(r.position.col(0)), c.shape.position[0]));
@@ -445,16 +757,50 @@ TEST(DeformCentroidal, UsesGivenNodes) {
     param.nodes = graph.geometry.position;
     const DeformationResult r = DeformCentroidal(mesh, c.handles, param);
     ExpectHeldExact(mesh, c.handles, r.position);
+    int used = 0;
     for (int j = 0; j < int(param.nodes.cols()); ++j) {
+        if (TubeTag(param.nodes.col(j)) != 1) // nodes are made where the surface is free
+            continue;
+        ++used;
         const double nearest = (r.rest.position.colwise() - param.nodes.col(j)).colwise().norm().minCoeff();
         EXPECT_LE(nearest, 1e-5);
     }
-    param.nodes.conservativeResize(3, 1); // one for the whole mesh: every tag still gets its patch
-    ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
-    param.nodes = Matrix3Xd::Constant(3, 5, 1e9); // far off, and all the same
+    EXPECT_GT(used, 10);
+    param.nodes.conservativeResize(3, 1); // one for the whole mesh
     ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
     param.nodes = PositionsOf(mesh); // all of them
     ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
+    param.nodes = Matrix3Xd::Zero(3, 5); // none beside the surface, at a distance that is less than that between five
+    EXPECT_EQ(DeformCentroidal(mesh, c.handles, param).placedNodes, 5);
+}
+
+TEST(DeformCentroidal, LeavesOutGivenNodesThatAreNotOnTheSurface) {
+    const Case c = TubeCase();
+    const MeshD mesh(c.shape);
+    const Matrix3Xd nodes = BuildCentroidalGraph(mesh, Param().graph).geometry.position;
+    const Index k = Index(nodes.cols()), half = k / 2;
+    DeformationParam param = Param();
+    param.nodes = nodes;
+    const DeformationResult all = DeformCentroidal(mesh, c.handles, param);
+    EXPECT_EQ(all.placedNodes, k);
+    EXPECT_EQ(DeformCentroidal(mesh, c.handles, Param()).placedNodes, 0) << "none was given";
+    // Shifted by less than a patch they still are its nodes ...
+    param.nodes = nodes.colwise() + Vector3d(0.05, 0.05, 0.1);
+    EXPECT_EQ(DeformCentroidal(mesh, c.handles, param).placedNodes, k);
+    // ... as many others elsewhere change nothing ...
+    param.nodes.resize(3, 2 * k);
+    param.nodes << nodes, nodes.colwise() + Vector3d(0, 100, 0);
+    const DeformationResult some = DeformCentroidal(mesh, c.handles, param);
+    EXPECT_EQ(some.placedNodes, k);
+    EXPECT_TRUE(SameBits(some.position, all.position));
+    // ... and one more is one too many.
+    for (const Matrix3Xd &bad :
+         {Matrix3Xd(param.nodes.rightCols(2 * k - 1)), Matrix3Xd(nodes.colwise() + Vector3d(100, 0, 0)),
+          Matrix3Xd(nodes.leftCols(half) * 10)}) {
+        param.nodes = bad;
+        const std::string message = MessageOf<Error>([&] { DeformCentroidal(mesh, c.handles, param); });
+        EXPECT_NE(message.find("given nodes lie on the surface"), std::string::npos) << message;
+    }
 }
 
 TEST(DeformCentroidal, TakesPointClouds) {
@@ -644,7 +990,7 @@ TEST(DeformCentroidal, ReportsWhatItDid) {
     EXPECT_GT(r.iterations, 0);
     EXPECT_GT(r.energy, 0);
     EXPECT_EQ(r.surface.components, 1);
-    EXPECT_EQ(r.surface.vertices, c.shape.Size());
+    EXPECT_EQ(r.surface.vertices, VerticesThatBend(MeshD(c.shape), c.handles));
     EXPECT_EQ(r.tags.fixed + r.tags.free + r.tags.handle + r.tags.outside, c.shape.Size());
     EXPECT_EQ(r.deformed.position.cols(), r.rest.position.cols());
     EXPECT_EQ(r.rest.color.size(), std::size_t(r.rest.position.cols()));
@@ -665,12 +1011,19 @@ TEST(BuildCentroidalGraph, DescribesThePatchesInMeshUnits) {
     EXPECT_EQ(g.surface.components, 1);
     ASSERT_EQ(Index(g.patchOf.size()), shape.Size());
     EXPECT_EQ(g.patchOf[0], -1);
+    std::vector<double> area(shape.position.size(), 0);
+    double whole = 0;
+    for (const auto &f : mesh.face)
+        for (int c = 0; c < 3 && !f.IsD(); ++c) {
+            area[f.cV(c) - &mesh.vert[0]] += vcg::DoubleArea(f) / 6;
+            whole += vcg::DoubleArea(f) / 6;
+        }
     Eigen::VectorXd radius = Eigen::VectorXd::Zero(g.geometry.radius.size());
-    double cost = 0;
+    double cost = 0; // vertices count by their area, one on average
     for (int i = 1; i < shape.Size(); ++i) {
         const double d = (mesh.At(i) - g.geometry.position.col(g.patchOf[i])).norm();
         radius[g.patchOf[i]] = std::max(radius[g.patchOf[i]], d);
-        cost += d * d;
+        cost += d * d * area[i] / whole * mesh.vn;
     }
     EXPECT_LE((radius - g.geometry.radius).cwiseAbs().maxCoeff(), 1e-4 * scale);
     EXPECT_LE(radius.maxCoeff(), param.targetRadius * (1 + 1e-5));
@@ -705,6 +1058,30 @@ TEST(BuildCentroidalGraph, GivesNodesTheNormalsOfTheirVertices) {
         const Vector3d p = g.position.col(i);
         EXPECT_LE((g.normal.col(i) - Vector3d(p[1], p[2], p[0])).norm(), 1e-6) << i;
     }
+}
+
+TEST(DeformCentroidal, NodesHaveNormalsWhereTheHandleIsFlat) {
+    const Shape shape = Jittered(Sphere(24, 32), 0.02);
+    MeshOf<VertexN, EdgeN, FaceN> mesh(shape);
+    for (int i = 0; i < shape.Size(); ++i)
+        mesh.vert[i].N() = mesh.vert[i].P();
+    Case c = CaseOf(shape, [](const Vector3d &p) { return p[2] < -0.7 ? 0 : p[2] > 0.2 ? 2 : 1; });
+    Eigen::Matrix4d &flat = c.handles.motion[2].matrix; // set by hand it is not refused
+    flat = Eigen::Vector4d(1, 1, 0, 1).asDiagonal();
+    flat(2, 3) = 1;
+    stages.clear();
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param(), vcg::fcd::Progress(&RecordStage));
+    ASSERT_TRUE(r.deformed.normal.allFinite());
+    int onHandle = 0;
+    for (Index j = 0; j < r.rest.position.cols(); ++j)
+        if (r.rest.position(2, j) > 0.2) {
+            ++onHandle;
+            EXPECT_LE(r.deformed.normal.col(j).normalized().cross(Vector3d::UnitZ()).norm(), 1e-6);
+        }
+    EXPECT_GT(onHandle, 3);
+    EXPECT_TRUE(std::any_of(stages.begin(), stages.end(), [](const auto &s) {
+        return s.first >= 99 && s.second == "Building the graph";
+    })) << "the layers of the graph can be cancelled, too";
 }
 
 TEST(BuildCentroidalGraph, CanBeCancelledAnywhere) {

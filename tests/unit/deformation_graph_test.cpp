@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "test_support.h"
 
+#include <map>
+
 using namespace vcg::fcd;
 using namespace fcd_test;
 
@@ -27,9 +29,34 @@ TEST(DeformationGraph, JoinsThePatchesThatTouch) {
     }
 }
 
-TEST(DeformationGraph, NodesAreThePatchCentres) {
-    const Rig rig = RigOf(Tube(20, 12));
+TEST(DeformationGraph, NodesAreThePatchesBarycentres) {
+    const Rig rig(Jittered(Tube(40, 24), 0.02), 0.8, [](const Eigen::Vector3d &p) { return TubeTag(p); });
     EXPECT_EQ(rig.graph.radius, rig.patches.radius);
+    ASSERT_EQ(Index(rig.graph.held.size()), rig.graph.Size());
+    int held = 0;
+    for (Index j = 0; j < rig.graph.Size(); ++j) {
+        const Eigen::Vector3f at = rig.graph.graph.position.col(j);
+        EXPECT_EQ(rig.graph.IsHeld(j), rig.patches.tag[j] != 1);
+        if (rig.graph.IsHeld(j)) {
+            ++held;
+            EXPECT_EQ(at, rig.surface.graph.position.col(rig.patches.center[j]));
+            continue;
+        }
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        double area = 0;
+        for (Index u = 0; u < rig.surface.graph.Size(); ++u)
+            if (rig.patches.patchOf[u] == j) {
+                sum += rig.surface.nodeArea[u] * rig.surface.graph.position.col(u).cast<double>();
+                area += rig.surface.nodeArea[u];
+            }
+        EXPECT_LE((at.cast<double>() - sum / area).norm(), 1e-6);
+    }
+    EXPECT_GT(held, 3);
+}
+
+TEST(DeformationGraph, NodesOfPatchesWithoutAreaAreTheirCentres) {
+    const Rig rig = RigOf(Wireframe(12, 9), 3);
+    EXPECT_GT(rig.graph.Size(), 1);
     for (Index j = 0; j < rig.graph.Size(); ++j)
         EXPECT_EQ(rig.graph.graph.position.col(j), rig.surface.graph.position.col(rig.patches.center[j]));
 }
@@ -47,54 +74,252 @@ TEST(DeformationGraph, HasTheMeshsComponents) {
     }
 }
 
-TEST(DeformationGraph, BorderWeightsAreBorderOverDistance) {
-    for (const Shape &shape : Shapes()) {
-        const Rig rig = RigOf(shape);
-        const Csr &adjacency = rig.graph.graph.adjacency;
-        const std::vector<float> &weight = rig.graph.weight;
-        ASSERT_EQ(weight.size(), adjacency.item.size());
-        if (weight.empty())
-            continue;
-        double sum = 0, ratio = 0; // of the weight to crossings over distance: the same for all edges
-        for (Index i = 0; i < adjacency.Size(); ++i)
-            for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {
-                const Index j = adjacency.item[e];
-                const auto back = std::lower_bound(adjacency[j].begin(), adjacency[j].end(), i);
-                EXPECT_EQ(weight[e], weight[back - adjacency.item.data()]) << "not symmetric";
-                EXPECT_GT(weight[e], 0);
-                sum += weight[e];
-                int crossings = 0;
-                for (const auto &s : EdgesOf(rig.surface.graph.adjacency))
-                    crossings +=
-                        std::minmax(rig.patches.patchOf[s.first], rig.patches.patchOf[s.second]) == std::minmax(i, j);
-                const double length = rig.graph.edge.col(e).norm();
-                EXPECT_EQ(rig.graph.edge.col(e), rig.graph.graph.position.col(i) - rig.graph.graph.position.col(j));
-                const double here = weight[e] * length / crossings;
-                ratio = ratio > 0 ? ratio : here;
-                EXPECT_NEAR(here / ratio, 1, 1e-5);
+static std::uint32_t ItemOf(const Csr &adjacency, Index i, Index j) {
+    return std::uint32_t(std::lower_bound(adjacency[i].begin(), adjacency[i].end(), j) - adjacency.item.data());
+}
+
+/// Symmetric, positive, and edges that turn round with the direction.
+static void ExpectSoundWeights(const DeformationGraph &d) {
+    const Csr &adjacency = d.graph.adjacency;
+    ASSERT_EQ(d.weight.size(), adjacency.item.size());
+    ASSERT_EQ(std::size_t(d.edge.cols()), adjacency.item.size());
+    EXPECT_TRUE(d.graph.position.allFinite());
+    for (Index i = 0; i < adjacency.Size(); ++i)
+        for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {
+            const Index j = adjacency.item[e];
+            const std::uint32_t back = ItemOf(adjacency, j, i);
+            ASSERT_TRUE(std::isfinite(d.weight[e]) && d.weight[e] > 0) << i << " - " << j << ": " << d.weight[e];
+            ASSERT_EQ(d.weight[e], d.weight[back]) << "not symmetric";
+            ASSERT_TRUE(d.edge.col(e).allFinite());
+            ASSERT_EQ(Eigen::Vector3f(d.edge.col(e)), Eigen::Vector3f(-d.edge.col(back)));
+            ASSERT_FALSE(d.IsHeld(i) && d.IsHeld(j)) << "between them nothing deforms";
+        }
+}
+
+static DeformationGraph APatchPerNode(const SurfaceGraph &s, GraphWeights weights = GraphWeights::Border) {
+    std::vector<Index> all(s.graph.Size());
+    std::iota(all.begin(), all.end(), 0);
+    return MakeDeformationGraph(s.graph, {}, s.nodeArea, GrowPatches(s.graph, {}, all), weights);
+}
+
+TEST(DeformationGraph, WithAPatchPerVertexWeightsAreTheCotangentsOfTheFaces) {
+    for (const Shape &shape :
+         {Jittered(Sphere(24, 30), 0.02), Jittered(Sphere(12, 14), 0.002, 2), Jittered(Sphere(40, 16), 0.03, 3)}) {
+        const MeshD mesh(shape);
+        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(mesh);
+        const DeformationGraph d = APatchPerNode(s);
+        ExpectSoundWeights(d);
+        std::map<std::pair<Index, Index>, double> cotangent;
+        for (const auto &f : shape.face)
+            for (int c = 0; c < 3; ++c) {
+                const Eigen::Vector3d x = shape.position[f[c]], p = shape.position[f[(c + 1) % 3]] - x,
+                                      q = shape.position[f[(c + 2) % 3]] - x;
+                const double angle = std::acos(p.dot(q) / (p.norm() * q.norm()));
+                cotangent[std::minmax(s.nodeOf[f[(c + 1) % 3]], s.nodeOf[f[(c + 2) % 3]])] += 0.5 / std::tan(angle);
             }
-        EXPECT_NEAR(sum / double(weight.size()), 1, 1e-5);
+        double mean = 0;
+        for (const auto &each : cotangent)
+            mean += std::max(0.0, each.second) / double(cotangent.size());
+        const double least = ShapeConstants().leastWeight * mean;
+        ASSERT_EQ(cotangent.size() * 2, d.weight.size());
+        int below = 0;
+        for (Index i = 0; i < d.Size(); ++i)
+            for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
+                const double expected = cotangent.at(std::minmax(i, d.graph.adjacency.item[e]));
+                below += expected < least;
+                EXPECT_NEAR(d.weight[e], std::max(expected, least), 1e-4 * (1 + std::abs(expected)));
+            }
+        EXPECT_LT(below, int(d.weight.size()) / 2);
+    }
+}
+
+TEST(DeformationGraph, BorderWeightsAreWhatFlowsOverTheBorder) {
+    for (const Shape &shape :
+         {Jittered(Grid(40, 30), 0.2), Jittered(Sphere(24, 30), 0.02), Jittered(Tube(40, 24), 0.02)}) {
+        const Rig rig = RigOf(shape, 0.7);
+        const DeformationGraph &d = rig.graph;
+        ExpectSoundWeights(d);
+        const SurfaceGraph &s = rig.surface;
+        std::map<std::pair<Index, Index>, Eigen::Vector3d> flow;
+        for (Index u = 0; u < s.graph.Size(); ++u)
+            for (Index v : s.graph.adjacency[u]) {
+                const Eigen::Vector3d way = (s.graph.position.col(u) - s.graph.position.col(v)).cast<double>();
+                flow.emplace(std::make_pair(rig.patches.patchOf[u], rig.patches.patchOf[v]), Eigen::Vector3d::Zero())
+                    .first->second += vcg::fcd::detail::CotangentWeight(s.graph, u, v) * way;
+            }
+        double mean = 0;
+        const auto expected = [&](Index i, Index j) {
+            const Eigen::Vector3d way = (d.graph.position.col(i) - d.graph.position.col(j)).cast<double>();
+            return std::max(0.0, flow.at({i, j}).dot(way) / way.squaredNorm());
+        };
+        for (const auto &e : EdgesOf(d.graph.adjacency))
+            mean += 2 * expected(e.first, e.second) / double(d.weight.size());
+        for (const auto &e : EdgesOf(d.graph.adjacency)) {
+            const double least = ShapeConstants().leastWeight * mean, w = expected(e.first, e.second);
+            EXPECT_NEAR(d.weight[ItemOf(d.graph.adjacency, e.first, e.second)], std::max(w, least), 1e-4 * (1 + w));
+            EXPECT_EQ(Eigen::Vector3f(d.edge.col(ItemOf(d.graph.adjacency, e.first, e.second))),
+                      Eigen::Vector3f(d.graph.position.col(e.first) - d.graph.position.col(e.second)));
+        }
+    }
+}
+
+/// Each face whose corners are all at x < \p limit in four, its neighbours cut so that they fit.
+static Shape RefinedLeft(Shape s, double limit) {
+    std::map<std::pair<int, int>, int> middle;
+    for (const auto &f : s.face)
+        if (s.position[f[0]][0] < limit && s.position[f[1]][0] < limit && s.position[f[2]][0] < limit)
+            for (int c = 0; c < 3; ++c)
+                if (middle.emplace(std::minmax(f[c], f[(c + 1) % 3]), s.Size()).second)
+                    s.position.push_back(0.5 * (s.position[f[c]] + s.position[f[(c + 1) % 3]]));
+    std::vector<std::array<int, 3>> open = std::move(s.face);
+    s.face.clear();
+    while (!open.empty()) {
+        const std::array<int, 3> f = open.back();
+        open.pop_back();
+        std::array<int, 3> m;
+        int cuts = 0;
+        for (int c = 0; c < 3; ++c) {
+            const auto found = middle.find(std::minmax(f[c], f[(c + 1) % 3]));
+            m[c] = found == middle.end() ? -1 : found->second;
+            cuts += m[c] >= 0;
+        }
+        if (cuts == 3) {
+            s.face.insert(s.face.end(), {{f[0], m[0], m[2]}, {m[0], f[1], m[1]}, {m[2], m[1], f[2]}, m});
+            continue;
+        }
+        int cut = 0;
+        while (cut < 3 && m[cut] < 0)
+            ++cut;
+        if (cut == 3) {
+            s.face.push_back(f);
+            continue;
+        }
+        const int a = f[cut], b = f[(cut + 1) % 3], c = f[(cut + 2) % 3];
+        open.push_back({a, m[cut], c});
+        open.push_back({m[cut], b, c});
+    }
+    return s;
+}
+
+TEST(DeformationGraph, WeightsAreThoseOfTheSurfaceNotOfItsVertices) {
+    const int cells = 4, n = 61;
+    const double side = (n - 1.0) / cells;
+    const auto weights = [&](const Shape &shape) {
+        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
+        Patches patches;
+        patches.center.resize(cells * cells, -1);
+        patches.radius.resize(cells * cells, 1);
+        patches.tag.resize(cells * cells, 1);
+        const auto cell = [&](double x) { return std::min(cells - 1, std::max(0, int(x / side))); };
+        for (Index u = 0; u < s.graph.Size(); ++u) {
+            const Eigen::Vector3d p = s.frame.FromFrame(s.graph.position.col(u).cast<double>());
+            patches.patchOf.push_back(cell(p[1] - 0.5) * cells + cell(p[0] - 0.5));
+            patches.center[patches.patchOf.back()] = u;
+        }
+        const DeformationGraph d = MakeDeformationGraph(s.graph, {}, s.nodeArea, patches, GraphWeights::Border);
+        ExpectSoundWeights(d);
+        std::map<std::pair<Index, Index>, double> weight;
+        for (const auto &e : EdgesOf(d.graph.adjacency))
+            weight[e] = d.weight[ItemOf(d.graph.adjacency, e.first, e.second)];
+        return weight;
+    };
+    for (double jitter : {0.0, 0.25}) {
+        const Shape shape = Jittered(Grid(n, n), jitter), refined = RefinedLeft(shape, 29.5),
+                    twice = RefinedLeft(refined, 29.5);
+        ASSERT_GT(twice.Size(), 8 * shape.Size());
+        const auto before = weights(shape), after = weights(twice);
+        for (int y = 0; y < cells; ++y)
+            for (int x = 0; x < cells; ++x)
+                for (const auto &[dx, dy] : {std::make_pair(1, 0), std::make_pair(0, 1)}) {
+                    if (x + dx >= cells || y + dy >= cells)
+                        continue;
+                    const std::pair<Index, Index> e(y * cells + x, (y + dy) * cells + x + dx);
+                    EXPECT_NEAR(before.at(e), 1, 0.1) << "squares: the border is as long as the way";
+                    EXPECT_NEAR(after.at(e), before.at(e), 0.1) << e.first << " - " << e.second;
+                }
+        for (const auto &e : after)
+            if (!before.count(e.first) || e.first.second - e.first.first == cells + 1) {
+                EXPECT_LT(e.second, 0.15) << "squares that touch at a corner";
+            }
+    }
+}
+
+TEST(DeformationGraph, WeightsArePositiveWhateverTheFacesAreLike) {
+    Shape collinear = Strip(40);
+    for (Eigen::Vector3d &p : collinear.position)
+        p = Eigen::Vector3d(p[0] + 0.5 * p[1], 0, 0);
+    Shape slivers = Grid(20, 20);
+    for (Eigen::Vector3d &p : slivers.position)
+        p[1] *= 1e-7;
+    Shape close = Grid(3, 3);
+    close.position[4] = close.position[0] + Eigen::Vector3d(1e-9, 0, 0);
+    Shape degenerate = Grid(8, 8), tangled = Sphere(10, 12);
+    std::mt19937 random(1);
+    for (int i = 0; i < 60; ++i) {
+        degenerate.face.push_back({i, i, i + 1});
+        tangled.face.push_back({int(random() % 120), int(random() % 120), int(random() % 120)});
+    }
+    std::vector<Shape> shapes{collinear,
+                              slivers,
+                              close,
+                              degenerate,
+                              tangled,
+                              Fan3(),
+                              Fan(100),
+                              PointCloud(200),
+                              Wireframe(9, 8),
+                              Join(Grid(9, 9), Grid(9, 9)),
+                              Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Scaling(1e-30)))};
+    for (const Shape &shape : shapes)
+        for (int tagged : {0, 1}) {
+            const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
+            ExpectSoundWeights(APatchPerNode(s));
+            std::vector<Index> tag = RandomGroups(s.graph.Size(), 3, 7);
+            if (!tagged)
+                tag.clear();
+            for (double D : {0.05, 0.3}) {
+                PatchParam param;
+                param.targetRadius = D;
+                param.initialPatches = 5;
+                Patches patches = SamplePatches(s.graph, tag, s.nodeArea, param);
+                AddHeldPatches(s.graph, tag, patches);
+                ExpectSoundWeights(MakeDeformationGraph(s.graph, tag, s.nodeArea, patches, GraphWeights::Border));
+                ExpectSoundWeights(MakeDeformationGraph(s.graph, tag, s.nodeArea, patches, GraphWeights::Uniform));
+            }
+        }
+}
+
+TEST(CotangentWeight, OfEdgesWithoutFacesIsThatOfEquilateralTriangles) {
+    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Wireframe(4, 4)));
+    for (const auto &e : EdgesOf(s.graph.adjacency))
+        EXPECT_NEAR(vcg::fcd::detail::CotangentWeight(s.graph, e.first, e.second), 1 / std::sqrt(3.0), 1e-7);
+}
+
+TEST(CotangentWeight, OfAnEdgeOfManyFacesIsThatOfTwo) {
+    for (int n : {2, 3, 17}) { // all faces are alike
+        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Fan(n)));
+        const Eigen::Vector3d p(1, 0, 0.5), q(1, 0, -0.5);
+        EXPECT_NEAR(vcg::fcd::detail::CotangentWeight(s.graph, s.nodeOf[0], s.nodeOf[1]), p.dot(q) / p.cross(q).norm(),
+                    1e-5)
+            << n;
     }
 }
 
 TEST(DeformationGraph, EdgesBetweenHeldAndFreePatchesEndAtTheBorder) {
     const Rig rig(Grid(40, 40, 0.1), 0.5, [](const Eigen::Vector3d &p) { return p[0] < 1.55 ? 0 : 1; });
     const DeformationGraph &d = rig.graph;
-    const Patches &patches = rig.patches;
+    ExpectSoundWeights(d);
     const double border = rig.surface.frame.ToFrame(Eigen::Vector3d(1.5, 0, 0))[0];
     int cut = 0;
     for (Index i = 0; i < d.Size(); ++i)
         for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = d.graph.adjacency.item[e];
             const Eigen::Vector3f edge = d.edge.col(e), whole = d.graph.position.col(i) - d.graph.position.col(j);
-            const auto back = std::lower_bound(d.graph.adjacency[j].begin(), d.graph.adjacency[j].end(), i);
-            EXPECT_EQ(Eigen::Vector3f(d.edge.col(back - d.graph.adjacency.item.data())), Eigen::Vector3f(-edge));
-            if (patches.tag[i] == patches.tag[j]) {
+            if (rig.patches.tag[i] == rig.patches.tag[j]) {
                 EXPECT_EQ(edge, whole);
-            } else if (patches.tag[i] == 1) {
+            } else if (rig.patches.tag[i] == 1) {
                 ++cut;
                 EXPECT_NEAR(d.graph.position(0, i) - edge[0], border, 1e-5);
-                EXPECT_LT(edge.norm(), whole.norm());
             }
         }
     EXPECT_GT(cut, 3);
@@ -103,22 +328,95 @@ TEST(DeformationGraph, EdgesBetweenHeldAndFreePatchesEndAtTheBorder) {
 TEST(DeformationGraph, UniformWeightsAreOne) {
     const Rig rig = RigOf(Grid(20, 15));
     const DeformationGraph uniform =
-        MakeDeformationGraph(rig.surface.graph, rig.patches, rig.surface.averageEdge, GraphWeights::Uniform);
+        MakeDeformationGraph(rig.surface.graph, {}, rig.surface.nodeArea, rig.patches, GraphWeights::Uniform);
     EXPECT_EQ(uniform.weight, std::vector<float>(uniform.graph.adjacency.item.size(), 1));
 }
 
-TEST(DeformationGraph, WeightsStayFiniteWhereCentresAlmostCoincide) {
-    Shape shape = Grid(3, 3);
-    shape.position[4] = shape.position[0] + Eigen::Vector3d(1e-9, 0, 0);
-    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
-    std::vector<Index> all;
-    for (Index u = 0; u < s.graph.Size(); ++u)
-        all.push_back(u);
-    const DeformationGraph d =
-        MakeDeformationGraph(s.graph, GrowPatches(s.graph, {}, all), s.averageEdge, GraphWeights::Border);
-    for (float w : d.weight) {
-        EXPECT_TRUE(std::isfinite(w));
-        EXPECT_GT(w, 0);
+TEST(DeformationGraph, DoesNotDependOnTheThreads) {
+    const Rig rig(Jittered(Grid(180, 170), 0.3), 8, [](const Eigen::Vector3d &p) { return p[0] < 30 ? 0 : 1; });
+    for (unsigned threads : {1u, 2u, 7u}) {
+        const DeformationGraph d = MakeDeformationGraph(rig.surface.graph, rig.tag, rig.surface.nodeArea, rig.patches,
+                                                        GraphWeights::Border, Threads(threads));
+        EXPECT_EQ(d.weight, rig.graph.weight);
+        EXPECT_TRUE(SameBits(d.edge, rig.graph.edge));
+        EXPECT_TRUE(SameBits(d.graph.position, rig.graph.graph.position));
+    }
+}
+
+TEST(AddHeldPatches, TakesTheHeldNodesBesideFreePatches) {
+    for (unsigned seed = 0; seed <= 6; ++seed) {
+        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Jittered(Grid(30, 30), 0.3)));
+        const std::vector<Index> tag =
+            seed ? RandomGroups(s.graph.Size(), 2 + seed, seed) : TagNodes(s, [](const Eigen::Vector3d &p) {
+                return p[0] < 9 ? 0 : p[0] > 20 ? 2 : 1;
+            });
+        PatchParam param;
+        param.targetRadius = seed % 2 ? 0.2 : 0.05;
+        const Patches free = SamplePatches(s.graph, tag, {}, param);
+        Patches patches = free;
+        AddHeldPatches(s.graph, tag, patches);
+        ASSERT_GT(patches.Size(), free.Size());
+        ASSERT_EQ(patches.radius.size(), patches.center.size());
+        ASSERT_EQ(patches.tag.size(), patches.center.size());
+        for (Index j = 0; j < patches.Size(); ++j) {
+            EXPECT_EQ(patches.patchOf[patches.center[j]], j);
+            EXPECT_EQ(patches.tag[j], tag[patches.center[j]]);
+            EXPECT_EQ(j < free.Size(), patches.tag[j] == 1);
+            if (j < free.Size()) {
+                EXPECT_EQ(patches.center[j], free.center[j]);
+                EXPECT_EQ(patches.radius[j], free.radius[j]);
+            }
+        }
+        std::vector<double> radius(patches.Size(), 0);
+        std::vector<std::set<Index>> faced(patches.Size()); // free patches that a held one is nearest to
+        const Csr members = GroupMembers(free.patchOf, free.Size());
+        for (Index u = 0; u < s.graph.Size(); ++u) {
+            const Index j = patches.patchOf[u];
+            Index nearest = -1;
+            float least = 9;
+            for (Index v : s.graph.adjacency[u]) {
+                const float distance = (s.graph.position.col(v) - s.graph.position.col(u)).norm();
+                if (tag[v] == 1 && distance < least) {
+                    least = distance;
+                    nearest = free.patchOf[v];
+                }
+            }
+            if (tag[u] == 1) {
+                EXPECT_EQ(j, free.patchOf[u]);
+                continue;
+            }
+            ASSERT_EQ(j >= 0, nearest >= 0);
+            if (j < 0)
+                continue;
+            EXPECT_EQ(patches.tag[j], tag[u]);
+            faced[j].insert(nearest);
+            radius[j] =
+                std::max<double>(radius[j], (s.graph.position.col(u) - s.graph.position.col(patches.center[j])).norm());
+        }
+        const Csr all = GroupMembers(patches.patchOf, patches.Size());
+        std::set<std::pair<Index, Index>> pairs;
+        for (Index j = free.Size(); j < patches.Size(); ++j) {
+            EXPECT_NEAR(patches.radius[j], radius[j], 1e-6);
+            ASSERT_EQ(faced[j].size(), 1u);
+            const Index beside = *faced[j].begin();
+            if (members[beside].size() == 1) {
+                EXPECT_EQ(all[j].size(), 1u) << "beside a patch of one node";
+            } else {
+                EXPECT_TRUE(pairs.emplace(beside, patches.tag[j]).second) << "two that face the same patch";
+            }
+        }
+    }
+}
+
+TEST(AddHeldPatches, AddsNoneWhereNothingIsHeldOrNothingIsFree) {
+    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Grid(5, 5)));
+    for (const std::vector<Index> &tag : {std::vector<Index>(), std::vector<Index>(25, 1), std::vector<Index>(25, 0)}) {
+        PatchParam param;
+        param.targetRadius = 0.3;
+        Patches patches = SamplePatches(s.graph, tag, {}, param);
+        const Index before = patches.Size();
+        AddHeldPatches(s.graph, tag, patches);
+        EXPECT_EQ(patches.Size(), before);
     }
 }
 

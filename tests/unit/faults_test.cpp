@@ -65,8 +65,8 @@ void operator delete[](void *memory, std::size_t) noexcept { __wrap_free(memory)
 
 // --- threads ---
 
-static std::atomic<long> threadsLeft{never}; // that can be started
-#ifndef FCD_TEST_SANITIZED                   // sanitizers have a pthread_create of their own
+[[maybe_unused]] static std::atomic<long> threadsLeft{never}; // that can be started
+#ifndef FCD_TEST_SANITIZED                                    // sanitizers have a pthread_create of their own
 #define FCD_TEST_THREADS
 extern "C" int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *data) {
     using Create = int (*)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);

@@ -83,7 +83,8 @@ static SolverParam Iterations(int n) {
 
 /// Eq. 2, the difference of two rotations counted once an edge. Edges that a held patch ends at its border move there
 /// as the patch does.
-static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const GraphPose &pose, double smooth) {
+static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const GraphPose &pose, double smooth,
+                     const std::vector<double> &heldArea = {}) {
     const DeformationGraph &g = rig.graph;
     double energy = 0;
     const Csr &adjacency = g.graph.adjacency;
@@ -99,8 +100,18 @@ static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const 
             else if (cut)
                 to = motion[j] * Vector3d(rest[0] - edge);
             energy += g.weight[e] * (from - to - pose.linear[i] * edge).squaredNorm();
-            energy += g.weight[e] * (cut ? GraphDeformer::heldCoupling : 1) * smooth * 0.5 *
-                      (pose.linear[i] - pose.linear[j]).squaredNorm();
+            energy += g.weight[e] * smooth * 0.5 * (pose.linear[i] - pose.linear[j]).squaredNorm();
+        }
+    // What is behind a held node that turns: as stiff as its border over the depth to which the turn goes, or all that
+    // is there over the square of it.
+    const double depth = std::sqrt(ShapeConstants().heldDepth * smooth);
+    for (Index i = 0; i < Index(heldArea.size()); ++i)
+        if (rig.constrained[i] && heldArea[i] > 0 && depth > 0) {
+            double border = 0;
+            for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
+                border += g.weight[e] * g.edge.col(e).norm();
+            energy += std::min(border / depth, heldArea[i] / (depth * depth)) * smooth *
+                      (pose.linear[i] - RotationOf(motion[i].linear())).squaredNorm();
         }
     return energy;
 }
@@ -211,59 +222,179 @@ TEST(GraphDeformer, UnconstrainedComponentsStayAtRest) {
     const Shape shape = Join(Tube(40, 16), Moved(Sphere(8, 12), Affine3d(Eigen::Translation3d(4, 0, 3))));
     const Rig rig(shape, 0.6, [](const Vector3d &p) { return p[0] > 2 ? 1 : TubeTag(p); });
     const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
-    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
-    const GraphPose rest = deformer.Solve(motion, {});
-    GraphPose followed = rest;
-    FollowNearest(rig.graph, deformer, followed);
+    const GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), {});
     const Eigen::Matrix3Xd x = rig.graph.graph.position.cast<double>();
-    Index loose = 0, leader = -1;
-    double nearest = 1;
+    EXPECT_EQ(deformer.Components(), 2);
+    EXPECT_EQ(deformer.LooseComponents(), 1);
+    Index loose = 0, moved = 0;
     for (Index i = 0; i < rig.graph.Size(); ++i) {
         if (deformer.IsHeld(i)) {
-            EXPECT_EQ(followed.position.col(i), rest.position.col(i));
+            moved += pose.position.col(i) != x.col(i);
             continue;
         }
         ++loose;
-        EXPECT_EQ(rest.position.col(i), x.col(i));
-        EXPECT_EQ(rest.linear[i], Matrix3d::Identity());
-        for (Index j = 0; j < rig.graph.Size(); ++j)
-            if (deformer.IsHeld(j) && (x.col(i) - x.col(j)).norm() < nearest) {
-                nearest = (x.col(i) - x.col(j)).norm();
-                leader = j;
-            }
+        EXPECT_EQ(pose.position.col(i), x.col(i));
+        EXPECT_EQ(pose.linear[i], Matrix3d::Identity());
+        EXPECT_EQ(pose.nodeEnergy[i], 0);
     }
-    ASSERT_GT(loose, 0);
-    ASSERT_GE(leader, 0);
-    for (Index i = 0; i < rig.graph.Size(); ++i)
-        if (!deformer.IsHeld(i)) {
-            const Vector3d expected = rest.position.col(leader) + rest.linear[leader] * (x.col(i) - x.col(leader));
-            EXPECT_LE((followed.position.col(i) - expected).norm(), 1e-6);
-            EXPECT_LE((followed.linear[i] - rest.linear[leader]).norm(), 1e-12);
-        }
+    EXPECT_GT(loose, 0);
+    EXPECT_GT(moved, 0);
 }
 
-TEST(FollowNearest, ChangesNothingWhereAllOrNoneIsHeld) {
-    for (int tag : {1, 2}) {
-        const Rig rig(TwoSheets(8, 1), 2, [&](const Vector3d &) { return tag; });
-        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
-        GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), {});
-        const Eigen::Matrix3Xd before = pose.position;
-        FollowNearest(rig.graph, deformer, pose);
-        EXPECT_TRUE(SameBits(before, pose.position));
-    }
+/// Held nodes turn, with a region behind them that goes on, with none, and with something in between.
+static std::vector<std::vector<double>> Behind(const Rig &rig) {
+    std::vector<std::vector<double>> cases;
+    for (double area : {std::numeric_limits<double>::infinity(), 0.0, 1e-4})
+        cases.emplace_back(rig.graph.Size(), area);
+    return cases;
 }
 
-TEST(FollowNearest, TakesASingleHeldNode) {
-    Shape shape = Points(Grid(4, 1)); // no neighbours: each node is a component
-    shape.edge = {{0, 0}};
-    const Rig rig(shape, 1, [](const Vector3d &p) { return p[0] < 0.5 ? 2 : 1; });
-    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+TEST(GraphDeformerTurns, ReportsTheEnergyWhichFalls) {
+    const Rig rig = TubeRig();
     const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
-    GraphPose pose = deformer.Solve(motion, {});
-    FollowNearest(rig.graph, deformer, pose);
-    const auto held = std::find(rig.constrained.begin(), rig.constrained.end(), true) - rig.constrained.begin();
-    for (Index i = 0; i < rig.graph.Size(); ++i)
-        EXPECT_LE((pose.position.col(i) - motion[held] * rig.graph.graph.position.col(i).cast<double>()).norm(), 1e-6);
+    for (const std::vector<double> &behind : Behind(rig)) {
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained, behind);
+        for (double smoothness : {0.0, 0.005, 0.5}) {
+            double previous = std::numeric_limits<double>::infinity();
+            for (int n = 1; n <= 25; ++n) {
+                SolverParam param = Iterations(n);
+                param.smoothness = smoothness;
+                const GraphPose pose = deformer.Solve(motion, param);
+                ASSERT_LE(pose.energy, previous * (1 + 1e-12)) << "alpha " << smoothness << ", iteration " << n;
+                previous = pose.energy;
+                const double energy = Energy(rig, motion, pose, smoothness * rig.surface.area, behind);
+                EXPECT_NEAR(std::accumulate(pose.nodeEnergy.begin(), pose.nodeEnergy.end(), 0.0), energy,
+                            1e-6 * energy);
+                EXPECT_NEAR(pose.energy, energy, 1e-6 * energy) << behind[0] << ", " << smoothness << ", " << n;
+            }
+        }
+    }
+}
+
+TEST(GraphDeformerTurns, ConvergesToAStationaryPoint) {
+    const Rig rig = TubeRig();
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    for (const std::vector<double> &behind : Behind(rig)) {
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained, behind);
+        SolverParam param;
+        param.maxIterations = 20000;
+        param.tolerance = 1e-10;
+        const GraphPose pose = deformer.Solve(motion, param);
+        ASSERT_TRUE(pose.converged);
+        const double smooth = param.smoothness * rig.surface.area, least = Energy(rig, motion, pose, smooth, behind);
+        std::mt19937 random(1);
+        int turned = 0;
+        for (Index j = 0; j < rig.graph.Size(); ++j) {
+            const Vector3d step = 1e-4 * RandomVector(random).normalized();
+            turned += rig.constrained[j] && (pose.linear[j] - motion[j].linear()).norm() > 1e-6;
+            for (double sign : {-1.0, 1.0}) {
+                GraphPose other = pose;
+                other.linear[j] = Eigen::AngleAxisd(sign * 1e-4, step.normalized()) * pose.linear[j];
+                EXPECT_GE(Energy(rig, motion, other, smooth, behind), least * (1 - 1e-12)) << "rotation of " << j;
+                if (rig.constrained[j])
+                    continue;
+                other = pose;
+                other.position.col(j) += sign * step;
+                EXPECT_GE(Energy(rig, motion, other, smooth, behind), least) << "position of " << j;
+            }
+        }
+        EXPECT_GT(turned, 3) << "held nodes turn";
+    }
+}
+
+TEST(GraphDeformerTurns, TheMoreIsHeldBehindTheLess) {
+    const Rig rig = TubeRig();
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    double previous = std::numeric_limits<double>::infinity();
+    for (double area : {0.0, 1e-4, 1e-2, std::numeric_limits<double>::infinity()}) {
+        const GraphPose pose = GraphDeformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained,
+                                             std::vector<double>(rig.graph.Size(), area), 0.1)
+                                   .Solve(motion, Iterations(200));
+        double turned = 0;
+        for (Index j = 0; j < rig.graph.Size(); ++j)
+            if (rig.constrained[j]) {
+                turned += (pose.linear[j] - motion[j].linear()).norm();
+                EXPECT_LE((pose.position.col(j) - motion[j] * rig.graph.graph.position.col(j).cast<double>()).norm(),
+                          1e-15);
+                EXPECT_TRUE((pose.linear[j] * pose.linear[j].transpose()).isIdentity(1e-12));
+            }
+        EXPECT_LE(turned, previous * (1 + 1e-6)) << area;
+        previous = turned;
+    }
+    EXPECT_GT(previous, 0);
+}
+
+TEST(GraphDeformerTurns, ReproducesARigidMotion) {
+    const Rig rig = TubeRig();
+    SolverParam tight;
+    tight.maxIterations = 5000;
+    tight.tolerance = 1e-9;
+    for (const std::vector<double> &behind : Behind(rig)) {
+        const Affine3d rigid = RandomRigid(4);
+        const std::vector<Affine3d> motion = rig.NodeMotion([&](Index) { return rigid; });
+        const GraphPose pose =
+            GraphDeformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained, behind).Solve(motion, tight);
+        EXPECT_TRUE(pose.converged);
+        for (Index j = 0; j < rig.graph.Size(); ++j) {
+            const Vector3d expected = motion[j] * rig.graph.graph.position.col(j).cast<double>();
+            EXPECT_LE((pose.position.col(j) - expected).norm(), 1e-6);
+            EXPECT_LE((pose.linear[j] - rigid.linear()).norm(), 1e-5);
+        }
+    }
+}
+
+TEST(GraphDeformerTurns, RotationsThatTheEdgesLeaveOpenStay) {
+    // A chain: nothing says how its nodes turn about it, where rotations need not be alike.
+    DeformationGraph g;
+    const Index k = 9;
+    EdgeSet edges;
+    g.graph.position.resize(3, k);
+    for (Index i = 0; i < k; ++i) {
+        g.graph.position.col(i) << 0.1f * float(i), 0, 0;
+        if (i)
+            Insert(edges, i - 1, i);
+    }
+    g.graph.adjacency = CsrOf(k, edges);
+    g.weight.assign(g.graph.adjacency.item.size(), 1);
+    g.radius.assign(k, 0.05f);
+    g.edge.resize(3, Eigen::Index(g.weight.size()));
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = g.graph.adjacency.begin[i]; e < g.graph.adjacency.begin[i + 1]; ++e)
+            g.edge.col(e) = g.graph.position.col(i) - g.graph.position.col(g.graph.adjacency.item[e]);
+    std::vector<bool> ends(k, false);
+    ends.front() = ends.back() = true;
+    for (double smoothness : {0.0, 1e-12}) {
+        SolverParam param;
+        param.smoothness = smoothness;
+        const Affine3d rigid = RandomRigid(11);
+        const GraphPose pose = GraphDeformer(g, ends, 1, ends).Solve(std::vector<Affine3d>(k, rigid), param);
+        for (Index i = 0; i < k; ++i) {
+            EXPECT_LE((pose.position.col(i) - rigid * g.graph.position.col(i).cast<double>()).norm(), 1e-6);
+            EXPECT_LE((pose.linear[i] - rigid.linear()).norm(), 1e-4) << "node " << i;
+        }
+    }
+}
+
+TEST(GraphDeformer, ToleranceIsHowFarTheNodesAreFromRest) {
+    const Rig rig = TubeRig();
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained, Behind(rig)[0]);
+    const Eigen::Matrix3Xf &x = rig.graph.graph.position;
+    const double diagonal = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+    SolverParam param;
+    param.maxIterations = 20000;
+    param.tolerance = 1e-11;
+    const GraphPose rest = deformer.Solve(motion, param);
+    ASSERT_TRUE(rest.converged);
+    int previous = rest.iterations;
+    for (double tolerance : {1e-7, 1e-6, 1e-5, 1e-4}) {
+        param.tolerance = tolerance;
+        const GraphPose pose = deformer.Solve(motion, param);
+        ASSERT_TRUE(pose.converged);
+        EXPECT_LE(pose.iterations, previous);
+        EXPECT_LE((pose.position - rest.position).colwise().norm().maxCoeff(), 10 * tolerance * diagonal) << tolerance;
+        previous = pose.iterations;
+    }
 }
 
 TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
@@ -274,7 +405,7 @@ TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
     pose.position = map * rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), Matrix3d::Identity());
     GraphPose fitted = pose;
-    FitLinear(rig.graph, GraphDeformer(rig.graph, rig.constrained, rig.surface.area), fitted);
+    FitLinear(rig.graph, rig.constrained, fitted);
     for (Index j = 0; j < rig.graph.Size(); ++j) {
         if (rig.constrained[j]) {
             EXPECT_EQ(fitted.linear[j], pose.linear[j]);
@@ -286,7 +417,7 @@ TEST(GraphDeformer, FitLinearFindsTheMapOfTheGraph) {
     const Matrix3d rotation = RandomRigid(1).linear();
     pose.position = rotation * rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), rotation);
-    FitLinear(rig.graph, GraphDeformer(rig.graph, std::vector<bool>(rig.graph.Size()), rig.surface.area), pose);
+    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
     for (const Matrix3d &linear : pose.linear)
         EXPECT_LE((linear - rotation).norm(), 1e-6);
 }
@@ -298,7 +429,7 @@ TEST(GraphDeformer, FitLinearKeepsTheRotationWhereThereAreNoEdges) {
     pose.position = rig.graph.graph.position.cast<double>();
     pose.linear.assign(rig.graph.Size(), RandomRigid(2).linear());
     const std::vector<Matrix3d> before = pose.linear;
-    FitLinear(rig.graph, GraphDeformer(rig.graph, std::vector<bool>(rig.graph.Size()), rig.surface.area), pose);
+    FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
     EXPECT_EQ(pose.linear, before);
 }
 
@@ -309,7 +440,7 @@ TEST(GraphDeformer, BeginsWithTheLastPoseWhereItIsCloser) {
     tight.tolerance = 1e-9;
     const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
     const GraphPose first = deformer.Solve(motion, tight), again = deformer.Solve(motion, tight, {}, &first);
-    EXPECT_LE(again.iterations, 2);
+    EXPECT_LE(again.iterations, 3) << "two steps to tell how fast it converges, and one to stop";
     EXPECT_GT(first.iterations, 5);
     EXPECT_LE((again.position - first.position).norm(), 1e-6);
     GraphPose bad = first;

@@ -201,7 +201,82 @@ TEST(GraphMapping, RunsSmoothlyIntoHeldRegions) {
     EXPECT_LE(fine, coarse / 8) << "a crease would go down to a quarter";
 }
 
-TEST(GraphMapping, EndsWhereMorePatchesThanAllowedReachBackToTheMiddleOfAStar) {
+/// Every node of the graph is a patch of its own, with this radius.
+static Patches NodesAsPatches(Index k, float radius) {
+    Patches patches;
+    for (Index i = 0; i < k; ++i) {
+        patches.patchOf.push_back(i);
+        patches.center.push_back(i);
+    }
+    patches.radius.assign(k, radius);
+    patches.tag.assign(k, 1);
+    return patches;
+}
+
+static DeformationGraph GraphOf(const Graph &graph, const Patches &patches) {
+    return {graph, std::vector<float>(graph.adjacency.item.size(), 1), patches.radius, {}, {}};
+}
+
+TEST(GraphMapping, ABallThatTouchesTooManyPatchesIsHalvedUntilItDoesNot) {
+    const Index n = 128, k = n * n;
+    const int most = (1 << 22) / k, full = 10; // a ball of radius 10 touches more than that, but not at the corners
+    EdgeSet edges;
+    Graph grid;
+    grid.position.resize(3, k);
+    for (Index i = 0; i < k; ++i) {
+        grid.position.col(i) << float(i % n), float(i / n), 0;
+        if (i % n > 0)
+            Insert(edges, i, i - 1);
+        if (i >= n)
+            Insert(edges, i, i - n);
+    }
+    grid.adjacency = CsrOf(k, edges);
+    const float radius = 0.5;
+    const Patches patches = NodesAsPatches(k, radius);
+    const DeformationGraph graph = GraphOf(grid, patches);
+    GraphPose pose;
+    pose.position = grid.position.cast<double>();
+    pose.linear.assign(k, Eigen::Matrix3d::Identity());
+    std::mt19937 random(1);
+    for (Index i = 0; i < k; ++i)
+        pose.position.col(i) += RandomVector(random);
+    const Motions none;
+    const GraphMapping mapping(grid, patches.tag, patches, graph, MappingWeights::Surface, full / radius, 1);
+    const auto map = mapping.At(pose, none);
+
+    // All is connected and no way is long: what counts is the distance.
+    const auto around = [&](Index i, const auto &visit) { // visit(node, squared distance)
+        for (Index y = std::max(0, i / n - full); y <= std::min(n - 1, i / n + full); ++y)
+            for (Index x = std::max(0, i % n - full); x <= std::min(n - 1, i % n + full); ++x)
+                visit(y * n + x, double((x - i % n) * (x - i % n) + (y - i / n) * (y - i / n)));
+    };
+    std::vector<double> reach(k, full);
+    int halved = 0;
+    for (Index j = 0; j < k; ++j) {
+        int touched = 0;
+        do {
+            reach[j] /= touched ? 2 : 1;
+            touched = 0;
+            around(j, [&](Index, double squared) { touched += std::sqrt(squared) < reach[j] + radius; });
+        } while (touched > most);
+        halved += reach[j] == full / 2;
+        ASSERT_GE(reach[j], full / 2);
+    }
+    EXPECT_TRUE(halved > k / 2 && halved < k);
+    for (Index i = 0; i < k; i += 11) {
+        Vector3d shift = Vector3d::Zero();
+        double total = 0;
+        around(i, [&](Index j, double squared) {
+            const double u = std::max(0.0, 1 - squared / (reach[j] * reach[j]));
+            shift += u * u * u * (pose.position.col(j) - grid.position.col(j).cast<double>());
+            total += u * u * u;
+        });
+        const Vector3d p = grid.position.col(i).cast<double>();
+        ASSERT_LE((map(i, p) - p - shift / total).norm(), 1e-5) << "node " << i;
+    }
+}
+
+TEST(GraphMapping, EndsWhereTheMiddleOfAStarHasVeryManyNeighbours) {
     const Index k = 70000; // so many that a ball may touch 64 patches
     Graph star;
     EdgeSet edges;
@@ -211,22 +286,18 @@ TEST(GraphMapping, EndsWhereMorePatchesThanAllowedReachBackToTheMiddleOfAStar) {
         star.position.col(i) << std::cos(float(i)), std::sin(float(i)), 0;
     }
     star.adjacency = CsrOf(k, edges);
-    Patches patches;
-    for (Index i = 0; i < k; ++i) {
-        patches.patchOf.push_back(i);
-        patches.center.push_back(i);
-    }
-    patches.radius.assign(k, 2);
-    patches.tag.assign(k, 1);
-    const DeformationGraph graph{star, std::vector<float>(star.adjacency.item.size(), 1), patches.radius, {}};
     GraphPose pose;
     pose.position = star.position.cast<double>();
     pose.linear.assign(k, Eigen::Matrix3d::Identity());
     const Motions none;
-    const GraphMapping mapping(star, patches.tag, patches, graph, MappingWeights::Surface, 4, 1);
-    const auto map = mapping.At(pose, none);
-    for (Index i = 0; i < k; ++i)
-        ASSERT_LE((map(i, pose.position.col(i)) - pose.position.col(i)).norm(), 1e-6);
+    for (float radius : {2.f, 0.27f}) { // the balls touch all patches; or the middle and more than 64, halved once some
+        const Patches patches = NodesAsPatches(k, radius);
+        const DeformationGraph graph = GraphOf(star, patches);
+        const GraphMapping mapping(star, patches.tag, patches, graph, MappingWeights::Surface, 4, 1);
+        const auto map = mapping.At(pose, none);
+        for (Index i = 0; i < k; ++i)
+            ASSERT_LE((map(i, pose.position.col(i)) - pose.position.col(i)).norm(), 1e-6);
+    }
 }
 
 TEST(GraphMapping, KernelFallsFromOneToZero) {

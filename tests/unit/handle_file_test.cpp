@@ -246,6 +246,18 @@ TEST_F(HandleFile, ReadsNumbersOfThousandsOfDigits) {
     ExpectNames(PointError(nines + " 0 0 0"), 1, "'9999");
 }
 
+TEST_F(HandleFile, ReadsNoFurtherThanItNeeds) {
+    Written(std::string(999999, ' ') + "7");
+    EXPECT_EQ(ReadTagFile(path, 1000000), std::vector<int>{7});
+    for (std::uintmax_t size : {std::uintmax_t(1000001), std::uintmax_t(1) << 36}) { // most of it a hole
+        std::filesystem::resize_file(path, size);
+        for (const std::string &message : {MessageOf<Error>([&] { ReadTagFile(path, 1000000); }),
+                                           MessageOf<Error>([&] { ReadTransformFile(path, 1000000); }),
+                                           MessageOf<Error>([&] { ReadPointHandleFile(path, 1000000); })})
+            EXPECT_EQ(message.find("'" + path + "' is larger than 1 MB"), 0u) << message;
+    }
+}
+
 TEST_F(HandleFile, NamesTheEndOfATruncatedMatrix) {
     ExpectNames(TransformError("1 0 0 0\n0 1 0 0\n0 0 1 0\n"), 4, "12 numbers");
     ExpectNames(TransformError(identity + "1 0 0"), 5, "19 numbers");

@@ -65,6 +65,7 @@ static void ExpectSameBits(const SurfaceGraph &a, const SurfaceGraph &b) {
     EXPECT_EQ(a.graph.adjacency.begin, b.graph.adjacency.begin);
     EXPECT_EQ(a.graph.adjacency.item, b.graph.adjacency.item);
     EXPECT_TRUE(SameBits(a.graph.position, b.graph.position));
+    EXPECT_EQ(a.nodeArea, b.nodeArea);
     EXPECT_EQ(a.area, b.area);
     EXPECT_EQ(a.averageEdge, b.averageEdge);
 }
@@ -193,7 +194,7 @@ TEST(SurfaceGraph, CountsIsolatedVertices) {
 }
 
 TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
-    const int k = 8;
+    const int k = vcg::fcd::detail::cloudNeighbours;
     for (int n : {2, 5, 9, 10, 700}) {
         const MeshD mesh(PointCloud(n));
         const SurfaceGraph s = BuildSurfaceGraph(mesh);
@@ -384,11 +385,374 @@ TEST(SurfaceGraph, AreaAndAverageEdgeAreThoseOfTheMesh) {
     EXPECT_NEAR(s.averageEdge * s.frame.scale, length / double(edges.size()), 1e-5);
 }
 
-TEST(SurfaceGraph, AreaOfPointsIsThatOfTheirSurfaceRoughly) {
-    const SurfaceGraph s = BuildSurfaceGraph(MeshD(Points(Grid(30, 30))));
-    const double area = s.area * s.frame.scale * s.frame.scale;
-    EXPECT_GT(area, 29 * 29 * 0.5);
-    EXPECT_LT(area, 29 * 29 * 2.0);
+TEST(SurfaceGraph, ANodesAreaIsAThirdOfItsFaces) {
+    for (const Shape &shape : {Jittered(Grid(50, 40), 0.3), Unwelded(Jittered(Tube(20, 16), 0.02)), Fan(40)}) {
+        const SurfaceGraph s = Checked(shape);
+        std::vector<double> area(s.graph.Size(), 0);
+        double sum = 0;
+        for (const auto &f : shape.face) {
+            const Eigen::Vector3d &x = shape.position[f[0]];
+            const double third = (shape.position[f[1]] - x).cross(shape.position[f[2]] - x).norm() / 6;
+            for (int c : f)
+                area[s.nodeOf[c]] += third;
+        }
+        ASSERT_EQ(Index(s.nodeArea.size()), s.graph.Size());
+        const double unit = s.frame.scale * s.frame.scale;
+        for (Index u = 0; u < s.graph.Size(); ++u) {
+            EXPECT_NEAR(s.nodeArea[u] * unit, area[u], 1e-5 * (area[u] + 1e-3));
+            sum += s.nodeArea[u];
+        }
+        EXPECT_NEAR(s.area, sum, 1e-9);
+    }
+}
+
+/// \p n random points on a unit sphere.
+static Shape SphereCloud(int n) {
+    std::mt19937 random(5);
+    Shape s;
+    for (int i = 0; i < n; ++i)
+        s.position.push_back(RandomVector(random).normalized());
+    return s;
+}
+
+TEST(SurfaceGraph, AreaOfPointsIsThatOfTheirSurface) {
+    const auto area = [](const Shape &shape) {
+        const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+        return s.area * s.frame.scale * s.frame.scale;
+    };
+    const double sphere = 4 * std::acos(-1.0);
+    for (int n : {1000, 4000, 16000})
+        EXPECT_NEAR(area(SphereCloud(n)) / sphere, 1, 0.1) << n << " points";
+    EXPECT_NEAR(area(SphereCloud(16000)) / area(SphereCloud(1000)), 1, 0.05) << "does not depend on the density";
+    EXPECT_NEAR(area(Points(Grid(30, 30))) / (29 * 29), 1, 0.3);
+    EXPECT_NEAR(area(Points(Jittered(Grid(100, 100, 0.1), 0.03))) / (9.9 * 9.9), 1, 0.2);
+}
+
+TEST(SurfaceGraph, DensePartsOfACloudDoNotCountMore) {
+    // The left half of a sheet has nine times as many points.
+    Shape shape;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit;
+    for (int i = 0; i < 10000; ++i) {
+        const double x = unit(random), y = unit(random);
+        shape.position.emplace_back(i % 10 ? x : x + 1, y, 0);
+    }
+    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    double half[2] = {0, 0};
+    for (int i = 0; i < shape.Size(); ++i)
+        half[shape.position[i][0] >= 1] += s.nodeArea[s.nodeOf[i]] * s.frame.scale * s.frame.scale;
+    EXPECT_NEAR(half[0], 1, 0.15);
+    EXPECT_NEAR(half[1], 1, 0.15);
+}
+
+TEST(SurfaceGraph, AFewStrayVerticesDoNotCoarsenTheFrame) {
+    const Shape shape = Jittered(Tube(30, 20), 0.02);
+    const SurfaceGraph s = Checked(shape);
+    const EdgeSet edges = VertexEdges(s);
+    for (double far : {1e3, 1e6, 1e9, 1e30}) {
+        Shape with = shape;
+        with.position.emplace_back(far, 0, -far);
+        const SurfaceGraph t = BuildSurfaceGraph(MeshD(with));
+        EXPECT_EQ(VertexEdges(t), edges) << far;
+        EXPECT_EQ(t.report.welded, 0);
+        EXPECT_EQ(t.report.isolated, 1);
+        EXPECT_LE(t.frame.scale, 8 * s.frame.scale);
+        EXPECT_TRUE(t.graph.position.allFinite());
+        EXPECT_NEAR(t.area * t.frame.scale * t.frame.scale, s.area * s.frame.scale * s.frame.scale, 1e-3);
+    }
+}
+
+/// What is free and held of a mesh, and its graph.
+template <class Mesh>
+static SurfaceGraph RegionOf(const Mesh &mesh, const std::vector<int> &tag, unsigned threads = 0) {
+    const vcg::tri::Region region = vcg::tri::FreeRegion(mesh, tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
+    return BuildSurfaceGraph(mesh, &region, tag, Eigen::Matrix3d::Identity(), Threads(threads));
+}
+
+template <class Tag>
+static std::vector<int> TagsOf(const Shape &shape, const Tag &tagAt) {
+    std::vector<int> tag;
+    for (const Eigen::Vector3d &p : shape.position)
+        tag.push_back(tagAt(p));
+    return tag;
+}
+
+TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
+    using vcg::tri::Region;
+    for (bool wires : {false, true})
+        for (unsigned seed = 0; seed < 5; ++seed) {
+            Shape shape = wires ? Wireframe(20, 15) : Grid(20, 15);
+            shape.position.insert(shape.position.end(), 3, Eigen::Vector3d(50, 50, 0)); // isolated
+            std::vector<int> tag;
+            for (Index t : RandomGroups(shape.Size() - 3, 12, seed))
+                tag.push_back(seed ? (t > 3 ? 0 : int(t)) : -1);
+            if (!seed)
+                std::fill(tag.begin(), tag.begin() + 100, 1);
+            tag.insert(tag.end(), {0, 1, 2});
+            MeshD mesh(shape);
+            mesh.DeleteVertex(7);
+            const Region region = vcg::tri::FreeRegion(mesh, tag, {});
+            std::vector<unsigned char> expected;
+            for (int t : tag)
+                expected.push_back(t == 1 ? Region::none : Region::candidate);
+            const auto join = [&](const auto &corners) {
+                bool any = false, all = true;
+                for (int c : corners) {
+                    any |= tag[c] == 1;
+                    all &= c != 7;
+                }
+                for (int c : corners)
+                    if (any && all)
+                        expected[c] = Region::part;
+            };
+            for (const auto &f : shape.face)
+                join(f);
+            for (const auto &e : shape.edge)
+                join(e);
+            expected[7] = Region::none;
+            EXPECT_EQ(region.flag, expected);
+        }
+}
+
+TEST(FreeRegion, LeavesOutWhatIsExcluded) {
+    using vcg::tri::Region;
+    const Shape shape = TwoSheets(6, 1);
+    std::vector<int> tag(72, 1);
+    std::vector<char> excluded(72, 0);
+    std::fill(excluded.begin() + 36, excluded.end(), 1);
+    for (const Shape &s : {shape, Points(shape)}) {
+        const Region region = vcg::tri::FreeRegion(MeshD(s), tag, excluded);
+        for (int i = 0; i < 72; ++i)
+            EXPECT_EQ(region.flag[i], i < 36 ? Region::part : Region::none);
+    }
+}
+
+TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
+    using vcg::tri::Region;
+    const Shape shape = PointCloud(400);
+    const std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) {
+        return p[0] < 0.6 ? 0 : p[0] < 0.8 ? 1 : 2;
+    });
+    const Region region = vcg::tri::FreeRegion(MeshD(shape), tag, {});
+    std::vector<unsigned char> expected;
+    for (int t : tag)
+        expected.push_back(t == 1 ? Region::part : Region::candidate);
+    for (int i = 0; i < shape.Size(); ++i) {
+        if (tag[i] != 1)
+            continue;
+        std::vector<std::pair<double, int>> others;
+        for (int j = 0; j < shape.Size(); ++j)
+            if (j != i)
+                others.emplace_back((shape.position[i] - shape.position[j]).norm(), j);
+        std::sort(others.begin(), others.end());
+        for (int j = 0; j < vcg::fcd::detail::cloudNeighbours; ++j)
+            expected[others[j].second] = Region::part;
+    }
+    EXPECT_EQ(region.flag, expected);
+}
+
+TEST(SurfaceGraphOfARegion, OfAllFreeIsThatOfTheMesh) {
+    for (const Shape &shape : {Jittered(Grid(30, 20), 0.3), Unwelded(Tube(20, 16)), PointCloud(500), Wireframe(9, 7)}) {
+        const MeshD mesh(shape);
+        const SurfaceGraph s = RegionOf(mesh, std::vector<int>(shape.position.size(), 1));
+        ExpectSameBits(s, BuildSurfaceGraph(mesh));
+        EXPECT_EQ(s.tag, std::vector<Index>(s.graph.Size(), 1));
+    }
+}
+
+TEST(SurfaceGraphOfARegion, HasTheEdgesOfFacesThatMayDeform) {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        const Shape shape = seed % 2 ? Jittered(Grid(40, 30), 0.3, seed) : Jittered(Sphere(20, 24), 0.02, seed);
+        std::vector<int> tag;
+        for (Index t : RandomGroups(shape.Size(), 5 + 3 * seed, seed))
+            tag.push_back(int(std::min(t, 3)) - 1);
+        const MeshD mesh(shape);
+        const SurfaceGraph s = RegionOf(mesh, tag);
+        EdgeSet expected;
+        std::set<Index> part;
+        double area = 0;
+        for (const auto &f : shape.face)
+            if (tag[f[0]] == 1 || tag[f[1]] == 1 || tag[f[2]] == 1) {
+                for (int c = 0; c < 3; ++c)
+                    Insert(expected, f[c], f[(c + 1) % 3]);
+                part.insert(f.begin(), f.end());
+                const Eigen::Vector3d &x = shape.position[f[0]];
+                area += 0.5 * (shape.position[f[1]] - x).cross(shape.position[f[2]] - x).norm();
+            }
+        EXPECT_EQ(VertexEdges(s), expected);
+        ExpectAdjacencyInOrder(s.graph.adjacency);
+        EXPECT_NEAR(s.area * s.frame.scale * s.frame.scale, area, 1e-4 * area);
+        EXPECT_EQ(s.report.vertices, Index(part.size()));
+        EXPECT_EQ(s.report.welded, 0);
+        for (int i = 0; i < shape.Size(); ++i) {
+            ASSERT_EQ(s.nodeOf[i] >= 0, part.count(i) == 1) << i;
+            if (s.nodeOf[i] < 0)
+                continue;
+            EXPECT_EQ(s.tag[s.nodeOf[i]], std::max(0, tag[i]));
+            EXPECT_EQ(s.IsHeld(s.nodeOf[i]), tag[i] != 1);
+            const Eigen::Vector3d node = s.graph.position.col(s.nodeOf[i]).cast<double>();
+            EXPECT_LE((s.frame.FromFrame(node) - shape.position[i]).norm(), 1e-6 * s.frame.scale);
+        }
+    }
+}
+
+TEST(SurfaceGraphOfARegion, HeldBeatsFreeAndFixedBeatsAHandle) {
+    const std::vector<std::pair<std::vector<int>, int>> cases{
+        {{1, 1}, 1},  {{1, 2}, 2}, {{2, 1}, 2}, {{0, 1}, 0},  {{1, 0}, 0},    {{2, 0}, 0}, {{0, 2}, 0},   {{1, -1}, 0},
+        {{-3, 2}, 0}, {{3, 2}, 2}, {{2, 3}, 2}, {{-1, 0}, 0}, {{1, 3, 2}, 2}, {{5}, 5},    {{3, 1, 0}, 0}};
+    for (const auto &c : cases)
+        for (bool faces : {false, true}) { // of the further vertices: held and far from anything free
+            Shape shape = Triangle();      // whose first vertex is there several times
+            std::vector<int> tag{c.first[0], 1, 7};
+            for (std::size_t i = 1; i < c.first.size(); ++i) {
+                const int n = shape.Size();
+                shape.position.push_back(shape.position[0]);
+                tag.push_back(c.first[i]);
+                if (faces) {
+                    shape.position.emplace_back(-1, -double(i), 0);
+                    shape.position.emplace_back(-2, -double(i), 0);
+                    tag.insert(tag.end(), {0, 0});
+                    shape.face.push_back({n, n + 1, n + 2});
+                }
+            }
+            const SurfaceGraph s = RegionOf(MeshD(shape), tag);
+            EXPECT_EQ(s.tag[s.nodeOf[0]], c.second) << c.first[0] << ", " << c.first.back();
+            EXPECT_EQ(s.tag[s.nodeOf[1]], 1);
+            EXPECT_EQ(s.tag[s.nodeOf[2]], 7);
+        }
+}
+
+TEST(SurfaceGraphOfARegion, DeletedVerticesHaveNoSay) {
+    MeshD mesh(Join(Points(Triangle()), Points(Triangle())));
+    mesh.DeleteVertex(0);
+    const SurfaceGraph s = RegionOf(mesh, {0, 1, 1, 2, 1, 1});
+    EXPECT_EQ(s.tag[s.nodeOf[3]], 2);
+}
+
+TEST(SurfaceGraphOfARegion, HoldsASoupWhereOneOfTheVerticesIsHeld) {
+    // A tag per face: vertices at one place differ. What is held there is found though it shares no face with the free.
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+        const Shape whole = Jittered(Grid(60, 50), 0.3), soup = Unwelded(whole);
+        std::vector<int> tag, expected(whole.position.size(), std::numeric_limits<int>::max());
+        std::vector<char> isFree(whole.position.size(), 0);
+        const std::vector<Index> ofFace = RandomGroups(Index(whole.face.size()), 4, seed);
+        for (std::size_t f = 0; f < whole.face.size(); ++f)
+            for (int c : whole.face[f]) {
+                const int t = ofFace[f] == 3 ? -1 : int(ofFace[f]);
+                tag.push_back(t);
+                if (t == 1)
+                    isFree[c] = 1;
+                else
+                    expected[c] = std::min(expected[c], std::max(0, t));
+            }
+        const SurfaceGraph s = RegionOf(MeshD(soup), tag);
+        std::vector<Index> nodeOf(whole.position.size(), -1);
+        Index found = 0;
+        for (std::size_t f = 0; f < whole.face.size(); ++f)
+            for (int c = 0; c < 3; ++c) {
+                const int at = whole.face[f][c];
+                const Index node = s.nodeOf[3 * f + c];
+                ASSERT_EQ(node >= 0, isFree[at] != 0) << "a place with a free vertex is part of it, with all of them";
+                if (node < 0)
+                    continue;
+                found += nodeOf[at] < 0;
+                nodeOf[at] = nodeOf[at] < 0 ? node : nodeOf[at];
+                ASSERT_EQ(node, nodeOf[at]);
+                EXPECT_EQ(s.tag[node], expected[at] == std::numeric_limits<int>::max() ? 1 : expected[at]);
+            }
+        EXPECT_EQ(found, s.graph.Size());
+    }
+}
+
+TEST(SurfaceGraphOfARegion, VerticesAtTheSamePlaceAgreeThoughNoneIsFree) {
+    // A handle's vertices beside free surface, and fixed ones at the same places that share no face with it.
+    const int n = 60;
+    Shape shape = Grid(n, n);
+    std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) { return p[0] < 29.5 ? 2 : 1; });
+    const int first = shape.Size();
+    shape = Join(shape, Grid(n, n));
+    for (int i = 0; i < n * n; ++i)
+        tag.push_back(shape.position[i][0] < 29.5 ? 0 : shape.position[i][0] < 31.5 ? 2 : 1);
+    shape.face.erase(
+        std::remove_if(shape.face.begin(), shape.face.end(),
+                       [&](const auto &f) { // of the second sheet: none that is free and not
+                           return f[0] >= first && std::set<int>{tag[f[0]], tag[f[1]], tag[f[2]]}.size() > 1;
+                       }),
+        shape.face.end());
+    const SurfaceGraph s = RegionOf(MeshD(shape), tag);
+    for (int i = 0; i < n * n; ++i)
+        if (s.nodeOf[i] >= 0) {
+            EXPECT_EQ(s.nodeOf[first + i], s.nodeOf[i]) << i;
+            EXPECT_EQ(s.tag[s.nodeOf[i]], tag[first + i] == 0 ? 0 : std::max(tag[i], tag[first + i]));
+        }
+}
+
+TEST(SurfaceGraphOfARegion, WhatIsOutsideChangesNoBit) {
+    const Shape shape = Jittered(Tube(40, 24), 0.02);
+    const std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) { return TubeTag(p); });
+    const SurfaceGraph s = RegionOf(MeshD(shape), tag);
+    for (double far : {3.0, 1e4, 1e9})
+        for (int outside : {0, -1}) {
+            const Shape other = Moved(shape, Eigen::Affine3d(Eigen::Translation3d(far, -far, 0)));
+            const Shape around = Join(other, Join(shape, other));
+            std::vector<int> tags(shape.position.size(), outside);
+            tags.insert(tags.end(), tag.begin(), tag.end());
+            tags.resize(around.position.size(), outside);
+            SurfaceGraph t = RegionOf(MeshD(around), tags);
+            const auto begin = t.nodeOf.begin() + shape.Size();
+            EXPECT_EQ(std::count(t.nodeOf.begin(), begin, -1), shape.Size());
+            t.nodeOf = std::vector<Index>(begin, begin + shape.Size());
+            ExpectSameBits(t, s);
+            EXPECT_EQ(t.tag, s.tag);
+            EXPECT_TRUE(SameBits(t.frame.origin, s.frame.origin));
+            EXPECT_EQ(t.frame.scale, s.frame.scale);
+        }
+}
+
+TEST(SurfaceGraphOfARegion, OfNothingFreeIsEmpty) {
+    for (const Shape &shape : {Grid(5, 5), Points(Grid(5, 5))}) {
+        const SurfaceGraph s = RegionOf(MeshD(shape), std::vector<int>(25, 0));
+        EXPECT_EQ(s.graph.Size(), 0);
+        EXPECT_EQ(s.nodeOf, std::vector<Index>(25, -1));
+    }
+}
+
+TEST(SurfaceGraphOfARegion, DoesNotDependOnTheThreads) {
+    for (const Shape &shape : {Unwelded(Jittered(Grid(200, 190), 0.3)), PointCloud(5000)}) {
+        const MeshD mesh(shape);
+        std::vector<int> tag;
+        for (Index t : RandomGroups(shape.Size(), 5, 3))
+            tag.push_back(int(std::min(t, 2)));
+        const SurfaceGraph s = RegionOf(mesh, tag, 1);
+        for (unsigned threads : {2u, 7u}) {
+            const SurfaceGraph t = RegionOf(mesh, tag, threads);
+            ExpectSameBits(s, t);
+            EXPECT_EQ(s.tag, t.tag);
+        }
+    }
+}
+
+TEST(SurfaceGraphOfARegion, CanBeCancelledAnywhere) {
+    for (const Shape &shape : {Unwelded(Grid(6, 6)), PointCloud(50)}) {
+        const MeshD mesh(shape);
+        std::vector<int> tag;
+        for (Index t : RandomGroups(shape.Size(), 3, 3))
+            tag.push_back(int(t));
+        const auto read = [&](const CallbackLog &log) {
+            const Progress progress = log.Progress(1);
+            const vcg::tri::Region region =
+                vcg::tri::FreeRegion(mesh, tag, {}, Eigen::Matrix3d::Identity(), progress.Slice(0, 0.2));
+            BuildSurfaceGraph(mesh, &region, tag, Eigen::Matrix3d::Identity(), progress.Slice(0.2, 1));
+        };
+        CallbackLog all;
+        read(all);
+        EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
+        const std::size_t calls = all.percent.size();
+        for (std::size_t i = 0; i < calls; ++i) {
+            CallbackLog log(i);
+            EXPECT_THROW(read(log), Cancelled);
+        }
+    }
 }
 
 TEST(SurfaceGraph, ReadsFloatMeshesAlike) {
@@ -408,4 +772,19 @@ TEST(SurfaceGraph, CanBeCancelledAnywhere) {
             EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(1)), Cancelled);
         }
     }
+}
+
+TEST(Frame, MeasuresInTheWorld) {
+    Frame frame;
+    frame.SetMetric((Eigen::Matrix3d() << 2, 0.5, 0, 0, 1, 0, 0, 0, 3).finished());
+    frame.origin = Eigen::Vector3d(1, 2, 3);
+    frame.scale = 4;
+    const Eigen::Vector3d p(5, -6, 7);
+    EXPECT_LE((frame.FromFrame(frame.ToFrame(p)) - p).norm(), 1e-14);
+    Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
+    motion.topRows<3>() << 0.1, 0.9, 0, 1, -0.8, 0, 0.2, 2, 0, 0, 1, 3;
+    const Eigen::Vector3d moved = (motion * p.homogeneous()).head<3>();
+    EXPECT_LE((frame.ToFrame(motion) * frame.ToFrame(p) - frame.ToFrame(moved)).norm(), 1e-13);
+    EXPECT_LE((frame.FromFrame(frame.ToFrame(motion)) - motion).norm(), 1e-13);
+    EXPECT_NE(MessageOf<Error>([&] { frame.SetMetric(Eigen::Matrix3d::Zero()); }).find("flattens"), std::string::npos);
 }

@@ -209,7 +209,7 @@ std::vector<Index> TagNodes(const vcg::fcd::SurfaceGraph &s, const Tag &tag) {
     return result;
 }
 
-/// A surface with its tags, patches and deformation graph.
+/// A surface with its tags, patches (held ones beside the free ones) and deformation graph.
 struct Rig {
     vcg::fcd::SurfaceGraph surface;
     std::vector<Index> tag;
@@ -226,9 +226,10 @@ struct Rig {
         tag = TagNodes(surface, tagAt);
         param.targetRadius = radius / surface.frame.scale;
         param.initialPatches = 10;
-        patches = vcg::fcd::SamplePatches(surface.graph, tag, param);
-        graph =
-            vcg::fcd::MakeDeformationGraph(surface.graph, patches, surface.averageEdge, vcg::fcd::GraphWeights::Border);
+        patches = vcg::fcd::SamplePatches(surface.graph, tag, surface.nodeArea, param);
+        vcg::fcd::AddHeldPatches(surface.graph, tag, patches);
+        graph = vcg::fcd::MakeDeformationGraph(surface.graph, tag, surface.nodeArea, patches,
+                                               vcg::fcd::GraphWeights::Border);
         for (Index c : patches.center)
             constrained.push_back(tag[c] != 1);
     }

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_PARTS_H
+#define VCG_FCD_GRAPH_PARTS_H
+
+#include "graph_deformer.h"
+
+namespace vcg {
+namespace fcd {
+
+/// What holds the nodes of a deformation graph of k nodes, and how they move.
+struct NodeConstraints {
+    std::vector<bool> constrained;       ///< k flags: the position is given
+    std::vector<bool> turns;             ///< k flags: of constrained nodes whose rotation is not given
+    std::vector<double> heldArea;        ///< k, as GraphDeformer takes it
+    std::vector<Eigen::Affine3d> motion; ///< k, of constrained nodes, frame units
+};
+
+/// The parts of \p graph that its held nodes separate: the nodes of each, ascending, held ones beside several parts in
+/// each of them. Parts without a constrained node are left out.
+inline std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph,
+                                                     const std::vector<bool> &constrained) {
+    const Index k = graph.Size();
+    std::vector<std::vector<Index>> parts;
+    std::vector<Index> seen(k, -1);
+    for (Index seed = 0; seed < k; ++seed) {
+        if (seen[seed] >= 0 || graph.IsHeld(seed))
+            continue;
+        const Index number = seed;
+        std::vector<Index> part(1, seed);
+        seen[seed] = number;
+        bool isConstrained = false;
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            isConstrained |= constrained[part[i]];
+            if (!graph.IsHeld(part[i]))
+                for (Index j : graph.graph.adjacency[part[i]])
+                    if (seen[j] != number) {
+                        seen[j] = number;
+                        part.push_back(j);
+                    }
+        }
+        std::sort(part.begin(), part.end());
+        if (isConstrained)
+            parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+/// The graph that \p nodes, ascending, form in \p graph.
+inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes) {
+    std::vector<Index> newIndex(graph.Size(), -1);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        newIndex[nodes[i]] = Index(i);
+    DeformationGraph part;
+    std::vector<std::uint32_t> item;
+    part.graph.position.resize(3, Eigen::Index(nodes.size()));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Index node = nodes[i];
+        part.graph.position.col(Eigen::Index(i)) = graph.graph.position.col(node);
+        part.radius.push_back(graph.radius[node]);
+        part.held.push_back(graph.IsHeld(node));
+        for (std::uint32_t e = graph.graph.adjacency.begin[node]; e < graph.graph.adjacency.begin[node + 1]; ++e)
+            if (newIndex[graph.graph.adjacency.item[e]] >= 0) {
+                part.graph.adjacency.item.push_back(newIndex[graph.graph.adjacency.item[e]]);
+                part.weight.push_back(graph.weight[e]);
+                item.push_back(e);
+            }
+        part.graph.adjacency.begin.push_back(std::uint32_t(item.size()));
+    }
+    part.edge.resize(3, Eigen::Index(item.size()));
+    for (std::size_t e = 0; e < item.size(); ++e)
+        part.edge.col(Eigen::Index(e)) = graph.edge.col(item[e]);
+    return part;
+}
+
+/// Deforms each part of \p graph that held nodes separate as if there were no others (GraphDeformer). A part of which
+/// nothing that holds it moves stays at rest.
+/// \param area k values: of each node's patch, frame units^2; A of a part is their sum
+inline GraphPose SolveParts(const DeformationGraph &graph, const std::vector<double> &area,
+                            const NodeConstraints &given, const SolverParam &param,
+                            double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {}) {
+    const Index k = graph.Size();
+    GraphPose pose;
+    pose.position = graph.graph.position.cast<double>();
+    pose.linear.assign(k, Eigen::Matrix3d::Identity());
+    pose.nodeEnergy.assign(k, 0);
+    pose.rests.assign(k, 0);
+    for (Index i = 0; i < k; ++i)
+        if (given.constrained[i]) {
+            pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
+            pose.linear[i] = given.motion[i].linear();
+        }
+    std::vector<bool> solved(k, false); // a held node beside several parts turns as the first of them wants
+    const std::vector<std::vector<Index>> parts = SeparateParts(graph, given.constrained);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const std::vector<Index> &nodes = parts[p];
+        const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
+            return given.constrained[i] && !given.motion[i].matrix().isIdentity(0);
+        });
+        if (!moves) {
+            for (Index i : nodes)
+                pose.rests[i] = !graph.IsHeld(i);
+            continue;
+        }
+        const DeformationGraph part = PartOf(graph, nodes);
+        NodeConstraints here;
+        double A = 0;
+        for (Index i : nodes) {
+            here.constrained.push_back(given.constrained[i]);
+            here.turns.push_back(given.turns[i]);
+            here.heldArea.push_back(given.heldArea[i]);
+            here.motion.push_back(given.motion[i]);
+            A += area[i];
+        }
+        const GraphDeformer deformer(part, here.constrained, A, here.turns, here.heldArea, heldDepth);
+        const GraphPose found = deformer.Solve(
+            here.motion, param, progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size())));
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
+            if (solved[nodes[i]])
+                continue;
+            solved[nodes[i]] = true;
+            pose.position.col(nodes[i]) = found.position.col(Eigen::Index(i));
+            pose.linear[nodes[i]] = found.linear[i];
+        }
+        pose.energy += found.energy;
+        pose.iterations = std::max(pose.iterations, found.iterations);
+        pose.converged = pose.converged && found.converged;
+    }
+    return pose;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
