@@ -146,7 +146,7 @@ def test_files_and_graph_layer(tmp_path):
                             use_graph_layer=True, graph_layer=1, graph_layers=False))
     assert run.code == 0, run.log
     assert set(run.meshes) == {"bone", "bonegraph", "bonedeformed"}, run.log
-    assert int(run.value("nodes")) >= int(run.value("patches"))
+    assert 0 < int(run.value("nodes")) <= int(run.value("patches"))  # none where nothing bends
     points = run.meshes["bonedeformed"].vertex_matrix()
     assert (points[tags == 0] == rest[tags == 0]).all()
     assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-6
@@ -376,7 +376,8 @@ def test_valgrind_finds_no_error_and_no_leak_of_the_plugin(tmp_path):
                 "--leak-check=full", "--show-leak-kinds=definite"]
     run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), graph_filter(initial_patches=60),
               save_filter(**files, translation=(0, 0, 0.25)), read_filter(files["tag_file"]),
-              deform_filter(handles=3, **files, initial_patches=60), deform_filter(transforms="2: turn"), under=valgrind)
+              deform_filter(handles=3, **files, initial_patches=60), deform_filter(transforms="2: turn"), under=valgrind,
+              QT_ENABLE_REGEXP_JIT="0")  # compiled regular expressions read beyond texts on purpose
     assert run.value("converged") == "true" and "transforms, character 4: expected" in run.log, run.log
     reports = [xml.etree.ElementTree.parse(path) for path in tmp_path.glob("*.xml")]
     reports = [report for report in reports if "meshlabserver.bin" in report.findtext("args/argv/exe")]

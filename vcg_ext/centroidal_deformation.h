@@ -293,6 +293,7 @@ struct Constraints {
     std::vector<Index> original;             ///< tag of the single nodes before, -1 for point handles
     std::map<Index, Eigen::Matrix4d> motion; ///< of every tag but 1, at the pose wanted, mesh units
     std::map<Index, bool> rotates;           ///< tags whose motion is told to turn
+    std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of point handles at vertices that are no surface, by slot
 
     static bool IsSingle(Index t) { return t < 0; }
     bool IsFixed(Index t) const { return t == 0 || (IsSingle(t) && original[-1 - t] == 0); }
@@ -365,19 +366,24 @@ Constraints MakeConstraints(const MeshType &m, const SurfaceGraph &surface, cons
         if (!point.target.allFinite())
             throw Error(name + " has a target that is not finite.");
         const Index node = surface.nodeOf[point.vertex];
-        if (node >= 0 && c.IsSingle(c.tag[node]))
-            throw Error(name + " is at the same place as point handle " + std::to_string(-c.tag[node]) +
+        if (node >= 0 ? c.IsSingle(c.tag[node]) : c.pointMotion.count(point.vertex) > 0) {
+            std::size_t other = 0;
+            while (surface.nodeOf[handles.point[other].vertex] != node ||
+                   (node < 0 && handles.point[other].vertex != point.vertex))
+                ++other;
+            throw Error(name + " is at the same place as point handle " + std::to_string(other + 1) +
                         "; leave one of them out.");
+        }
         if (node < 0 ? handles.tag[point.vertex] != 1 : c.tag[node] != 1)
             throw Error(name + " is at vertex " + std::to_string(point.vertex) +
                         ", which is held already; point handles belong where the surface is free.");
         Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
         motion.topRightCorner<3, 1>() = (point.target - vcg::tri::PositionOf(m.vert[point.vertex])) * (pose / 100);
         ExpectNear(surface.frame, motion, name);
-        if (node < 0) // no surface there: a number of its own all the same, for the messages above
-            c.original.push_back(-1);
-        const Index t = node < 0 ? -Index(c.original.size()) : c.HoldAlone(node, -1);
-        c.motion[t] = motion;
+        if (node < 0)
+            c.pointMotion[point.vertex] = motion;
+        else
+            c.motion[c.HoldAlone(node, -1)] = motion;
     }
     for (Index u : alone) {
         const Index before = c.tag[u];
@@ -725,7 +731,7 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     const GraphMapping::Posed mapped = mapping.At(pose, motion);
     const std::vector<Eigen::Matrix4d> looseMotion =
         LooseMotions(m, handles, surface, loose, param.looseParts == LooseParts::Follow, constraints.motion,
-                     [&](Index u, const Eigen::Vector3d &p) -> Eigen::Affine3d {
+                     constraints.pointMotion, [&](Index u, const Eigen::Vector3d &p) -> Eigen::Affine3d {
                          Eigen::Affine3d there = Eigen::Affine3d::Identity();
                          const Index j = patches.patchOf[u];
                          there.linear() = fcd::detail::RotationOf(pose.linear[j]);
@@ -739,7 +745,7 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     };
     const Eigen::Matrix4d still = Eigen::Matrix4d::Identity();
     const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
-    bool moves = false;
+    bool moves = !constraints.pointMotion.empty();
     for (const auto &each : constraints.motion)
         moves |= each.second != Eigen::Matrix4d::Identity();
     const std::size_t slotCount = m.vert.size(), block = 1 << 19; // progress is reported between blocks
@@ -778,11 +784,8 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
                 }
             });
     }
-    for (const PointHandle &point : handles.point) // those that no surface is at
-        if (surface.nodeOf[point.vertex] < 0) {
-            const Eigen::Vector3d p = PositionOf(m.vert[point.vertex]);
-            result.position.col(point.vertex) = p + (point.target - p) * (param.pose / 100);
-        }
+    for (const auto &point : constraints.pointMotion)
+        result.position.col(point.first) += point.second.topRightCorner<3, 1>();
     result.check.rigid = fcd::detail::MovesAsOne(tag, constraints.motion);
     result.check.overruled = fcd::detail::CountOverruled(surface, handles.tag);
     fcd::detail::CheckEdgesBetweenHeld(m, surface.frame, handles.tag, result.position, progress.Slice(0.95, 0.96),

@@ -78,12 +78,13 @@ fcd::LooseSurface FindLoose(const MeshType &m, const fcd::Handles &handles, cons
 /// so that a button follows the sleeve.
 /// \param follow false: they stay
 /// \param motion of each tag but 1
+/// \param pointMotion of the point handles at vertices that are no surface, by slot
 /// \param motionAt motionAt(node, p): the rigid motion of \p surface there, in its frame
 template <class MeshType, class MotionAt>
-std::vector<Eigen::Matrix4d> LooseMotions(const MeshType &m, const fcd::Handles &handles,
-                                          const fcd::SurfaceGraph &surface, const fcd::LooseSurface &loose, bool follow,
-                                          const std::map<fcd::Index, Eigen::Matrix4d> &motion,
-                                          const MotionAt &motionAt) {
+std::vector<Eigen::Matrix4d>
+LooseMotions(const MeshType &m, const fcd::Handles &handles, const fcd::SurfaceGraph &surface,
+             const fcd::LooseSurface &loose, bool follow, const std::map<fcd::Index, Eigen::Matrix4d> &motion,
+             const std::map<std::size_t, Eigen::Matrix4d> &pointMotion, const MotionAt &motionAt) {
     using fcd::Index;
     std::vector<Eigen::Matrix4d> result(loose.parts, Eigen::Matrix4d::Identity());
     if (!follow || loose.parts == 0)
@@ -131,7 +132,8 @@ std::vector<Eigen::Matrix4d> LooseMotions(const MeshType &m, const fcd::Handles 
         if (surface.nodeOf[i] >= 0 && surface.tag[surface.nodeOf[i]] == 1) {
             there = motionAt(surface.nodeOf[i], p);
         } else {
-            const Eigen::Matrix4d &given = motion.at(std::max(0, handles.tag[i]));
+            const Eigen::Matrix4d &given =
+                handles.tag[i] == 1 ? pointMotion.at(i) : motion.at(std::max(0, handles.tag[i]));
             if (given.isIdentity(0))
                 continue;
             const Eigen::Affine3d moved = surface.frame.ToFrame(given);

@@ -176,6 +176,18 @@ TEST(DeformCentroidal, RefusesPointHandlesThatCannotBe) {
     EXPECT_NE(error({{300, p * std::numeric_limits<double>::infinity()}}).find("not finite"), std::string::npos);
 }
 
+TEST(DeformCentroidal, LoosePartsFollowAPointHandleThatNoSurfaceIsAt) {
+    Case c{Join(Triangle(), Shape{{{9, 9, 9}, {9, 9, 8}}, {}, {}}), {{1, 1, 1, 1, 1}, {}, {}}};
+    c.handles.point = {{0, c.shape.position[0]}, {3, {9, 9, 12}}};
+    const Matrix3Xd points = Deformed(c);
+    EXPECT_EQ(points.col(0), c.shape.position[0]);
+    EXPECT_EQ(points.col(3), Vector3d(9, 9, 12));
+    EXPECT_LE((points.col(4) - Vector3d(9, 9, 11)).norm(), 1e-12);
+    c.handles.point = {{0, c.shape.position[0]}, {3, {9, 9, 12}}, {3, {9, 9, 9}}};
+    EXPECT_NE(MessageOf<Error>([&] { Deformed(c); }).find("Point handle 3 is at the same place as point handle 2"),
+              std::string::npos);
+}
+
 TEST(DeformCentroidal, NoMotionIsTheRestPoseToTheBit) {
     for (Case c : {TubeCase(), GridCase(), SphereCase()}) {
         const Matrix3Xd rest = PositionsOf(MeshD(c.shape));

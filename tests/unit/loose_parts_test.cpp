@@ -142,7 +142,7 @@ struct Plates {
         loose = LooseOf(MeshD(c.shape), c.handles, surface);
     }
     std::vector<Matrix4d> Motions(bool follow) const {
-        return LooseMotions(MeshD(c.shape), c.handles, surface, loose, follow, motion,
+        return LooseMotions(MeshD(c.shape), c.handles, surface, loose, follow, motion, {},
                             [](Index, const Vector3d &) -> Affine3d { throw Error("nothing bends here"); });
     }
 };
@@ -197,7 +197,7 @@ TEST(LooseMotions, AreThoseOfTheSurfaceThatBends) {
     const Affine3d there = RandomRigid(3); // mesh units
     Vector3d at(0, 0, 0);
     const std::vector<Matrix4d> motion =
-        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}},
+        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}}, {},
                      [&](Index u, const Vector3d &p) {
                          EXPECT_EQ(surface.tag[u], 1);
                          at = surface.frame.FromFrame(p);
@@ -215,11 +215,11 @@ TEST(LooseMotions, TakesASingleHeldVertexAndNone) {
     ASSERT_EQ(loose.parts, 1);
     const auto never = [](Index, const Vector3d &) { return Affine3d::Identity(); };
     const std::vector<Matrix4d> with =
-        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}}, never);
+        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}}, {}, never);
     EXPECT_LE((with[0] - bend.matrix()).norm(), 1e-12);
     const Handles free{{1, 1, 1, 1}, {}, {}};
     const LooseSurface all = LooseOf(mesh, free, surface);
     EXPECT_EQ(all.parts, 2);
-    for (const Matrix4d &m : LooseMotions(mesh, free, surface, all, true, {}, never))
+    for (const Matrix4d &m : LooseMotions(mesh, free, surface, all, true, {}, {}, never))
         EXPECT_EQ(m, Matrix4d::Identity());
 }
