@@ -266,10 +266,22 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
                            "What becomes of parts that are not connected to any handle or fixed vertex: <i>Follow</i> "
                            "the nearest part that is "
                            "(a button follows the sleeve), or <i>Stay</i> where they are.");
+    if (host::scriptsMayLackParameters)
+        addParameter<RichFloat>(
+            list, Shown::Advanced, "weld_distance", Scalarm(deformation.weldDistance), "Weld distance",
+            "Vertices on open borders that are at most this far apart count as one, so that a seam does not tear; a "
+            "fraction of the bounding box diagonal of what bends. <b>Raise it</b> when the log says that borders lie "
+            "close to each other and are not joined; with <b>0</b>, only vertices at the same place count as one.");
     addParameter<RichFloat>(
         list, Shown::Always, "pose", Scalarm(deformation.pose), "Pose (percent)",
         "How much of the motion of the handles is carried out: 0 is the mesh as it is, 100 the full motion; "
         "it may exceed 100.");
+    if (host::scriptsMayLackParameters)
+        addParameter<RichInt>(
+            list, Shown::Advanced, "pose_steps", deformation.steps, "Pose in steps",
+            "The pose is reached over so many steps, each bent from the one before. <b>Raise it</b> (10, say) where a "
+            "strong compression or twist makes the shape jump from one pose to the next: it then stays with the shape "
+            "that grows out of the mesh as it is.");
     addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
                            "Also adds the deformation graph at rest and deformed, as two layers; their attribute "
                            "<i>energy</i> says where the deformation costs most.");
@@ -320,6 +332,10 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &doc
     deformation.influence = list.getFloat("influence");
     deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
     deformation.pose = list.getFloat("pose");
+    if (host::scriptsMayLackParameters) {
+        deformation.weldDistance = list.getFloat("weld_distance");
+        deformation.steps = list.getInt("pose_steps");
+    }
     deformation.Validate();
 
     param.graphLayers = list.getBool("graph_layers");

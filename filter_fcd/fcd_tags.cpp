@@ -17,8 +17,6 @@ using vcg::fcd::TagCount;
 
 namespace {
 
-std::string text(const QString &s) { return s.toStdString(); }
-
 // --- parameters ---
 
 /// The parameters that "FCD: Save Tags" has in common with "FCD: Deform Mesh": those that say how handles move, and
@@ -51,10 +49,10 @@ TagTarget target(const RichParameterList &list) {
 /// The attribute \p name, null when there is none. \throw Error when it holds something else than a scalar
 const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString &name) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
-        if (attribute._name != text(name))
+        if (attribute._name != name.toStdString())
             continue;
         if (attribute._type != typeid(float) && attribute._type != typeid(double))
-            throw Error("This layer has a vertex attribute '" + text(name) +
+            throw Error("This layer has a vertex attribute '" + name.toStdString() +
                         "' already, and it is no scalar (float or double), so it cannot hold tags. Give another name "
                         "as 'tag_attribute', or leave it empty to use the vertex quality.");
         return &attribute;
@@ -134,7 +132,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
         write([&](std::size_t i) -> auto & { return mesh.vert[i].Q(); });
     } else {
         if (!attribute) {
-            vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, text(target.attribute));
+            vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, target.attribute.toStdString());
             attribute = scalarAttribute(mesh, target.attribute);
         }
         vcg::SimpleTempDataBase *data = attribute->_handle;

@@ -37,6 +37,7 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
     };
     mention(surface.components, surface.components == 1 ? "connected part" : "connected parts");
     mention(surface.welded, "vertices at the place of another (treated as one)");
+    mention(surface.seams, "on borders a hair from another (treated as one)");
     mention(surface.isolated, "isolated vertices");
     mention(surface.nonManifoldEdges, "non-manifold edges");
     mention(surface.degenerateFaces, "degenerate faces");
@@ -45,10 +46,9 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
 
 /// What describe() tells, for scripts.
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface) {
-    return {{"components", surface.components},
-            {"welded_vertices", surface.welded},
-            {"isolated_vertices", surface.isolated},
-            {"non_manifold_edges", surface.nonManifoldEdges},
+    return {{"components", surface.components},           {"welded_vertices", surface.welded},
+            {"joined_vertices", surface.seams},           {"gap_vertices", surface.gaps},
+            {"isolated_vertices", surface.isolated},      {"non_manifold_edges", surface.nonManifoldEdges},
             {"degenerate_faces", surface.degenerateFaces}};
 }
 
@@ -67,7 +67,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
 }
 
 /// A sentence for each thing that is probably not meant.
-std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check) {
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
     std::vector<std::string> warnings;
     const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
         return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -75,6 +75,12 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check) {
     if (check.rigid)
         warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
                               "Mark what stays as fixed (tag 0), beside what is free.");
+    if (gaps > 3)
+        warnings.push_back(
+            std::to_string(gaps) +
+            " vertices on open borders lie closer to another border than a tenth of their edges, and "
+            "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
+            (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
     if (check.overruled > 0)
         warnings.push_back(
             count(check.overruled, "handle vertex is", "handle vertices are") +
@@ -289,7 +295,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         logLine(std::to_string(result.placedNodes) + " of the " + std::to_string(param.deformation.nodes.cols()) +
                 " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
                 (result.placedNodes < param.deformation.nodes.cols() ? "; the others are left out." : "."));
-    for (const std::string &warning : describe(result.check))
+    for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
     if (!result.converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "

@@ -99,6 +99,14 @@ inline Matrix44m matrixParameter(const RichParameterList &list, const QString &n
 #endif
 }
 
+/// Whether a script may lack parameters, which then have their defaults. Where it may not, a filter keeps the
+/// parameters that it has, so that scripts written for it go on running.
+#ifdef FCD_MESHLAB_2020
+constexpr bool scriptsMayLackParameters = false;
+#else
+constexpr bool scriptsMayLackParameters = true;
+#endif
+
 // --- layers ---
 
 /// All layers, in the document's order.

@@ -21,8 +21,8 @@ DEFORM_DEFAULTS = {
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
-    "loose_parts": 0, "pose": 100, "graph_layers": True, "deformed_quality": 0}
-SURFACE_RETURNS = {"components": int, "welded_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
+    "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0}
+SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
@@ -1044,6 +1044,8 @@ ERRORS = {
     "matrix flattens": (dict(transformmatrix=np.diag([1.0, 1, 0, 1])), QUALITY_TAGS, "flatten"),
     "scale beyond all bounds": (dict(transforms="2: scale 1e300"), QUALITY_TAGS, "handle 2 moves too far"),
     "smoothness beyond all bounds": (dict(smoothness=1e308), QUALITY_TAGS, "smoothness must be a finite number"),
+    "weld distance of a tenth": (dict(weld_distance=0.1), QUALITY_TAGS, "weld distance must be from 0 to 0.001"),
+    "no steps": (dict(pose_steps=0), QUALITY_TAGS, "in 1 to 1000 steps"),
     "tolerance beyond all bounds": (dict(tolerance=1e308), QUALITY_TAGS, "tolerance must be a positive, finite number"),
     "influence beyond all bounds": (dict(influence=1e308), QUALITY_TAGS, "influence must be a finite number above 1"),
     "not a number": (dict(translation=np.array([np.nan, 0, 0])), QUALITY_TAGS, "finite"),
@@ -1865,3 +1867,41 @@ def test_every_mesh_through_every_filter(shared, name, tmp_path):
         assert (mesh.vertex_custom_scalar_attribute_array("read")[selected] == -1).all()
     assert len(list(ms)) == count + 5
     ms.clear()  # large ones would stay in memory
+
+
+def two_sheets(gap):
+    """Two sheets of 21 x 21 vertices side by side, \p gap of the diagonal between them, held at their far ends."""
+    x, y = np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij")
+    sheet = np.column_stack([x.ravel(), y.ravel(), 0.3 * np.sin(x.ravel())])
+    a = np.array([i * 21 + j for i in range(20) for j in range(20)])
+    faces = np.vstack([np.column_stack([a, a + 21, a + 1]), np.column_stack([a + 1, a + 21, a + 22])])
+    points = np.vstack([sheet, sheet * [-1, 1, 1] - [gap * 44, 0, 0]])  # the second one mirrored
+    tags = np.where(points[:, 0] > 18.5, 2.0, np.where(points[:, 0] < -18.5, 0.0, 1.0))
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, np.vstack([faces, faces[:, ::-1] + 441]), v_scalar_array=tags), "sheets")
+    return ms
+
+
+def test_seams_a_hair_apart_hold(capfd):
+    seam = np.arange(21)
+    for gap, more, joined in ((0, {}, True), (1e-9, {}, True), (5e-7, {}, True), (1e-4, {}, False), (1e-4, dict(weld_distance=2e-4), True)):
+        ms = two_sheets(gap)
+        ms.set_verbosity(True)
+        result = ms.apply_filter(DEFORM, translation=[2, 0, 8], rotation_axis=[0, 1, 0], rotation_angle=-60, **more)
+        assert result["components"] == (1 if joined else 2)
+        assert result["welded_vertices"] + result["joined_vertices"] == (21 if joined else 0)
+        assert result["gap_vertices"] == (0 if joined else 42)
+        points = ms.current_mesh().vertex_matrix()
+        opened = np.linalg.norm(points[seam] - points[441 + seam], axis=1).max() / 44
+        assert opened <= 3 * gap + 1e-12 if joined else opened > 0.01
+        log = capfd.readouterr().err
+        assert ("such a slit may open" in log) == (not joined), log
+
+
+def test_steps_reach_the_same_pose_where_there_is_one_way():
+    points = []
+    for steps in (1, 5):
+        ms = two_sheets(0)
+        ms.apply_filter(DEFORM, translation=[-2, 0, 8], rotation_axis=[0, 1, 0], rotation_angle=-60, tolerance=1e-8, pose_steps=steps)
+        points.append(ms.current_mesh().vertex_matrix())
+    assert np.abs(points[0] - points[1]).max() < 1e-3

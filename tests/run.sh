@@ -71,7 +71,8 @@ count() {
     fi
 }
 
-# unit CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME.
+# unit CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME. Sources compiled as one: each would compile what
+# they include again.
 unit() {
     local directory=$build/$name arguments
     arguments="$root $*"
@@ -82,7 +83,7 @@ unit() {
         echo "$arguments" >"$directory/arguments"
     fi
     if ! { cmake -G Ninja -S . -B "$directory" -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" \
-        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" && nice ninja -C "$directory" -j 1; } >"$results/$name.log" 2>&1; then
+        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 "$@" && nice ninja -C "$directory" -j 1; } >"$results/$name.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"
         fail "building $name, see $results/$name.log"
         return
@@ -150,6 +151,18 @@ check() {
     fi
 }
 
+# Of the plugin's sources one by one, as no build compiles them.
+tidy() {
+    local arguments
+    mapfile -t arguments <"$build/cmake/pymeshlab-2025.7/arguments"
+    if ! cmake -G Ninja -S . -B "$build/cmake/clang-tidy" "${arguments[@]:1}" -DCMAKE_UNITY_BUILD=OFF >"$results/$name-cmake.log"; then
+        fail "configuring, see $results/$name-cmake.log"
+        return
+    fi
+    check clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/clang-tidy" -quiet -j 1 \
+        '/filter_fcd/[a-z_]+\.cpp$'
+}
+
 if ! bash tests/setup.sh; then
     fail "setup"
     finish
@@ -165,8 +178,7 @@ start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 start meshlab-2020.09 meshlabserver
 start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
-start clang-tidy check clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/pymeshlab-2025.7" \
-    -quiet -j 1 '/filter_fcd/[a-z_]+\.cpp$'
+start clang-tidy tidy
 start cppcheck check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp
 wait

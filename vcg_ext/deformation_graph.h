@@ -182,7 +182,7 @@ inline void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, 
         if (p >= 0)
             ++count[p];
     const std::vector<Index> held =
-        detail::CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
+        CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
             if (patches.patchOf[u] >= 0)
                 return;
             for (Index v : surface.adjacency[u])

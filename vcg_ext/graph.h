@@ -50,6 +50,23 @@ struct Graph {
     Index Size() const { return adjacency.Size(); }
 };
 
+/// The lists that collect(u, list) makes for u in [0, n), in order, one after the other.
+template <class Item = Index, class Collect>
+std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
+    const std::size_t grain = 1 << 16;
+    std::vector<std::vector<Item>> lists((std::size_t(n) + grain - 1) / grain);
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        std::vector<Item> list;
+        for (std::size_t u = first; u < last; ++u)
+            collect(Index(u), list);
+        lists[first / grain] = std::move(list);
+    });
+    std::vector<Item> all;
+    for (const std::vector<Item> &list : lists)
+        all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
 /// The items of each group, ascending: the inverse of \p groupOf (n values in [0, groups), or -1 for none).
 inline Csr GroupMembers(const std::vector<Index> &groupOf, Index groups) {
     Csr members;

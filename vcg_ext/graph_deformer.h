@@ -243,10 +243,12 @@ class GraphDeformer {
 
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
-    /// \param start a pose of this graph to begin with, such as the last one of an animation; taken where its energy is
-    ///        lower than that of the guess
+    /// \param last a pose of this graph to go on from, such as the last one of an animation, so that the shape changes
+    /// as
+    ///        steadily as the motions do; null to begin at rest
+    /// \param lastMotion k, the motions of that pose; not read without it
     GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param, const Progress &progress = {},
-                    const GraphPose *start = nullptr) const {
+                    const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const {
         const Index k = graph.Size(), n = Index(unknown.size());
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         GraphPose pose;
@@ -254,28 +256,38 @@ class GraphDeformer {
         pose.linear.assign(k, Eigen::Matrix3d::Identity());
         pose.nodeEnergy.assign(k, 0);
         std::vector<Eigen::Matrix3d> rotation(k, Eigen::Matrix3d::Identity());
+        Eigen::Matrix3Xd before = rest; // where the motions below begin
         using Matrix34d = Eigen::Matrix<double, 3, 4>;
         Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12); // motion minus identity of the constrained nodes
+        if (last) {
+            before = last->position;
+            for (Index i = 0; i < k; ++i)
+                rotation[i] = detail::RotationOf(last->linear[i]);
+        }
         for (Index i = 0; i < k; ++i)
             if (constrained[i]) {
                 pose.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
                 pose.linear[i] = motion[i].linear();
-                rotation[i] = detail::RotationOf(pose.linear[i]);
-                const Matrix34d m = motion[i].matrix().topRows<3>() - Matrix34d::Identity();
+                const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
+                rotation[i] = last && turns[i] ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
+                                               : detail::RotationOf(pose.linear[i]);
+                const Matrix34d m = way.matrix().topRows<3>() - Matrix34d::Identity();
                 change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
             }
         if (turning.empty())
             return pose;
 
-        // Initial guess: the motions' matrices, interpolated by the bi-Laplacian. One motion of all is met exactly.
+        // Initial guess: the matrices of the motions since the last pose, interpolated by the bi-Laplacian. One motion
+        // of all is met exactly.
         Eigen::MatrixXd guess;
         if (n > 0)
             guess = initialGuess.solve(-(guessRows * (constrainedColumns * change)));
         for (Index u = 0; u < n; ++u) {
             const Eigen::Matrix<double, 1, 12> row = guess.row(u);
             const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + Matrix34d::Identity();
-            pose.position.col(unknown[u]) = m * rest.col(unknown[u]).homogeneous();
-            rotation[unknown[u]] = detail::RotationOf(m.leftCols<3>());
+            pose.position.col(unknown[u]) = m * before.col(unknown[u]).homogeneous();
+            const Eigen::Matrix3d turn = detail::RotationOf(m.leftCols<3>());
+            rotation[unknown[u]] = last ? Eigen::Matrix3d(turn * rotation[unknown[u]]) : turn;
         }
 
         State state{std::move(pose.position), std::move(rotation), {}, 0};
@@ -285,22 +297,10 @@ class GraphDeformer {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const double still = 10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
         state.energy = Energy(state, given);
-        if (start) {
-            State last = state;
-            for (Index i : unknown)
-                last.position.col(i) = start->position.col(i);
-            for (Index i : turning) {
-                last.quaternion[i] = detail::FitQuaternion(start->linear[i].transpose());
-                last.rotation[i] = detail::ToMatrix(last.quaternion[i]);
-            }
-            last.energy = Energy(last, given);
-            if (last.energy < state.energy)
-                state = std::move(last);
-        }
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.size() + 4 * turning.size();
         Anderson anderson(size);
-        Eigen::VectorXd before(size), after(size);
+        Eigen::VectorXd here(size), after(size);
         Work work{std::vector<Eigen::Matrix3d>(k), Eigen::Matrix3Xd(3, n)};
         pose.converged = false;
         for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
@@ -315,9 +315,9 @@ class GraphDeformer {
                     moved = std::max(moved,
                                      (stepped.rotation[i] - state.rotation[i]).squaredNorm() * edgeLength * edgeLength);
             // Accelerated step, where it lowers the energy; the plain one always does.
-            Pack(state, before);
+            Pack(state, here);
             Pack(stepped, after);
-            anderson.Mix(before, after);
+            anderson.Mix(here, after);
             pose.converged = moved == 0 || std::sqrt(moved) <= (1 - anderson.Contraction()) * still;
             Unpack(after, mixed);
             mixed.energy = Energy(mixed, given);

@@ -4,6 +4,8 @@
 
 #include "graph_deformer.h"
 
+#include <memory>
+
 namespace vcg {
 namespace fcd {
 
@@ -72,62 +74,100 @@ inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<
     return part;
 }
 
-/// Deforms each part of \p graph that held nodes separate as if there were no others (GraphDeformer). A part of which
-/// nothing that holds it moves stays at rest.
-/// \param area k values: of each node's patch, frame units^2; A of a part is their sum
-inline GraphPose SolveParts(const DeformationGraph &graph, const std::vector<double> &area,
-                            const NodeConstraints &given, const SolverParam &param,
-                            double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {}) {
-    const Index k = graph.Size();
-    GraphPose pose;
-    pose.position = graph.graph.position.cast<double>();
-    pose.linear.assign(k, Eigen::Matrix3d::Identity());
-    pose.nodeEnergy.assign(k, 0);
-    pose.rests.assign(k, 0);
-    for (Index i = 0; i < k; ++i)
-        if (given.constrained[i]) {
-            pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
-            pose.linear[i] = given.motion[i].linear();
+/// Deforms each part of a graph that held nodes separate as if there were no others (GraphDeformer). Prepared once, and
+/// solved as often as wanted; owns copies of what it needs of the graph.
+class PartsDeformer {
+  public:
+    /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
+    /// \param given motions are not read
+    PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
+                  double heldDepth = ShapeConstants().heldDepth)
+        : rest(graph.graph.position.cast<double>()) {
+        for (Index i = 0; i < graph.Size(); ++i)
+            isHeld.push_back(graph.IsHeld(i));
+        for (std::vector<Index> &nodes : SeparateParts(graph, given.constrained)) {
+            auto part = std::make_unique<Part>();
+            std::vector<bool> constrained, turns;
+            std::vector<double> heldArea;
+            double A = 0;
+            for (Index i : nodes) {
+                constrained.push_back(given.constrained[i]);
+                turns.push_back(given.turns[i]);
+                heldArea.push_back(given.heldArea[i]);
+                A += area[i];
+            }
+            part->graph = PartOf(graph, nodes);
+            part->nodes = std::move(nodes);
+            part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, turns, heldArea, heldDepth);
+            parts.push_back(std::move(part));
         }
-    std::vector<bool> solved(k, false); // a held node beside several parts turns as the first of them wants
-    const std::vector<std::vector<Index>> parts = SeparateParts(graph, given.constrained);
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        const std::vector<Index> &nodes = parts[p];
-        const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
-            return given.constrained[i] && !given.motion[i].matrix().isIdentity(0);
-        });
-        if (!moves) {
-            for (Index i : nodes)
-                pose.rests[i] = !graph.IsHeld(i);
-            continue;
-        }
-        const DeformationGraph part = PartOf(graph, nodes);
-        NodeConstraints here;
-        double A = 0;
-        for (Index i : nodes) {
-            here.constrained.push_back(given.constrained[i]);
-            here.turns.push_back(given.turns[i]);
-            here.heldArea.push_back(given.heldArea[i]);
-            here.motion.push_back(given.motion[i]);
-            A += area[i];
-        }
-        const GraphDeformer deformer(part, here.constrained, A, here.turns, here.heldArea, heldDepth);
-        const GraphPose found = deformer.Solve(
-            here.motion, param, progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size())));
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
-            pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
-            if (solved[nodes[i]])
-                continue;
-            solved[nodes[i]] = true;
-            pose.position.col(nodes[i]) = found.position.col(Eigen::Index(i));
-            pose.linear[nodes[i]] = found.linear[i];
-        }
-        pose.energy += found.energy;
-        pose.iterations = std::max(pose.iterations, found.iterations);
-        pose.converged = pose.converged && found.converged;
     }
-    return pose;
-}
+
+    /// A part of which nothing that holds it moves stays at rest.
+    /// \param given as at construction, with the motions \param last as GraphDeformer::Solve takes it
+    GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
+                    const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const {
+        const Index k = Index(rest.cols());
+        GraphPose pose;
+        pose.position = rest;
+        pose.linear.assign(k, Eigen::Matrix3d::Identity());
+        pose.nodeEnergy.assign(k, 0);
+        pose.rests.assign(k, 0);
+        for (Index i = 0; i < k; ++i)
+            if (given.constrained[i]) {
+                pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
+                pose.linear[i] = given.motion[i].linear();
+            }
+        std::vector<bool> solved(k, false); // a held node beside several parts turns as the first of them wants
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const std::vector<Index> &nodes = parts[p]->nodes;
+            const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
+                return given.constrained[i] && !given.motion[i].matrix().isIdentity(0);
+            });
+            if (!moves) {
+                for (Index i : nodes)
+                    pose.rests[i] = !isHeld[i];
+                continue;
+            }
+            std::vector<Eigen::Affine3d> motion, motionBefore;
+            GraphPose before;
+            before.position.resize(3, last ? Eigen::Index(nodes.size()) : 0);
+            for (std::size_t i = 0; i < nodes.size(); ++i) {
+                motion.push_back(given.motion[nodes[i]]);
+                if (!last)
+                    continue;
+                motionBefore.push_back(lastMotion[nodes[i]]);
+                before.position.col(Eigen::Index(i)) = last->position.col(nodes[i]);
+                before.linear.push_back(last->linear[nodes[i]]);
+            }
+            const GraphPose found = parts[p]->deformer->Solve(
+                motion, param, progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size())),
+                last ? &before : nullptr, motionBefore);
+            for (std::size_t i = 0; i < nodes.size(); ++i) {
+                pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
+                if (solved[nodes[i]])
+                    continue;
+                solved[nodes[i]] = true;
+                pose.position.col(nodes[i]) = found.position.col(Eigen::Index(i));
+                pose.linear[nodes[i]] = found.linear[i];
+            }
+            pose.energy += found.energy;
+            pose.iterations = std::max(pose.iterations, found.iterations);
+            pose.converged = pose.converged && found.converged;
+        }
+        return pose;
+    }
+
+  private:
+    struct Part {
+        std::vector<Index> nodes;
+        DeformationGraph graph;
+        std::unique_ptr<GraphDeformer> deformer; // of that graph
+    };
+    Eigen::Matrix3Xd rest; // 3 x k
+    std::vector<bool> isHeld;
+    std::vector<std::unique_ptr<Part>> parts;
+};
 
 } // namespace fcd
 } // namespace vcg

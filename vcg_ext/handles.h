@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <limits>
 #include <map>
 
 namespace vcg {
@@ -167,6 +168,9 @@ struct Handles {
         return m;
     }
 };
+
+/// The tag of a vertex slot that is deleted, where tags stand for themselves without a mesh.
+constexpr int noVertex = std::numeric_limits<int>::min();
 
 /// Live vertices by their tag.
 struct TagCount {

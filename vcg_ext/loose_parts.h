@@ -6,7 +6,7 @@
 #include "handles.h"
 #include "surface_graph.h"
 
-#include <functional>
+#include <memory>
 
 namespace vcg {
 namespace fcd {
@@ -28,22 +28,26 @@ namespace tri {
 /// out
 template <class MeshType>
 fcd::SurfaceGraph ReadFreeSurface(const MeshType &m, const std::vector<int> &tag, const std::vector<fcd::Index> &partOf,
-                                  const Eigen::Matrix3d &metric, const fcd::Progress &progress) {
+                                  const Eigen::Matrix3d &metric, const fcd::Progress &progress,
+                                  double weldDistance = fcd::defaultWeldDistance) {
     std::vector<char> excluded(partOf.size());
     for (std::size_t i = 0; i < partOf.size(); ++i)
         excluded[i] = partOf[i] >= 0;
     const Region region = FreeRegion(m, tag, excluded, metric, progress.Slice(0, 0.2));
-    return BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1));
+    return BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
 }
 
+} // namespace tri
+
+namespace fcd {
+
+/// \param slotTag one per vertex slot, noVertex where it is deleted \param point slots of point handles
 /// \param tag of each node of \p surface; 1 is free
-template <class MeshType>
-fcd::LooseSurface FindLoose(const MeshType &m, const fcd::Handles &handles, const fcd::SurfaceGraph &surface,
-                            const std::vector<fcd::Index> &tag, const fcd::Progress &progress) {
-    using fcd::Index;
-    fcd::LooseSurface loose;
+inline LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
+                              const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
+    LooseSurface loose;
     std::vector<Index> componentOf(surface.graph.Size());
-    loose.components = fcd::ConnectedComponents(surface.graph.adjacency, componentOf, progress);
+    loose.components = ConnectedComponents(surface.graph.adjacency, componentOf, progress);
     std::vector<char> isHeld(loose.components, 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
         isHeld[componentOf[u]] |= tag[u] != 1;
@@ -53,18 +57,17 @@ fcd::LooseSurface FindLoose(const MeshType &m, const fcd::Handles &handles, cons
             number[c] = loose.parts++;
     loose.isPartOfSurface = loose.parts > 0;
     std::vector<char> isPoint;
-    for (const fcd::PointHandle &point : handles.point)
-        if (surface.nodeOf[point.vertex] < 0) {
-            isPoint.resize(m.vert.size(), 0);
-            isPoint[point.vertex] = 1;
+    for (std::size_t i : point)
+        if (surface.nodeOf[i] < 0) {
+            isPoint.resize(slotTag.size(), 0);
+            isPoint[i] = 1;
         }
-    for (std::size_t i = 0; i < m.vert.size(); ++i) {
+    for (std::size_t i = 0; i < slotTag.size(); ++i) {
         const Index u = surface.nodeOf[i];
-        if (handles.tag[i] != 1 || (u >= 0 && isHeld[componentOf[u]]) || (!isPoint.empty() && isPoint[i]) ||
-            m.vert[i].IsD())
+        if (slotTag[i] != 1 || (u >= 0 && isHeld[componentOf[u]]) || (!isPoint.empty() && isPoint[i]))
             continue;
         if (loose.partOf.empty())
-            fcd::AssignLarge(loose.partOf, m.vert.size(), Index(-1));
+            AssignLarge(loose.partOf, slotTag.size(), Index(-1));
         if (u < 0) {
             ++loose.isolated;
             ++loose.components;
@@ -74,79 +77,127 @@ fcd::LooseSurface FindLoose(const MeshType &m, const fcd::Handles &handles, cons
     return loose;
 }
 
-/// The motion of each loose part, mesh units: the rigid one of the nearest place that is held or that follows what is,
-/// so that a button follows the sleeve.
-/// \param follow false: they stay
-/// \param motion of each tag but 1
-/// \param pointMotion of the point handles at vertices that are no surface, by slot
-/// \param motionAt motionAt(node, p): the rigid motion of \p surface there, in its frame
-template <class MeshType, class MotionAt>
-std::vector<Eigen::Matrix4d>
-LooseMotions(const MeshType &m, const fcd::Handles &handles, const fcd::SurfaceGraph &surface,
-             const fcd::LooseSurface &loose, bool follow, const std::map<fcd::Index, Eigen::Matrix4d> &motion,
-             const std::map<std::size_t, Eigen::Matrix4d> &pointMotion, const MotionAt &motionAt) {
-    using fcd::Index;
-    std::vector<Eigen::Matrix4d> result(loose.parts, Eigen::Matrix4d::Identity());
-    if (!follow || loose.parts == 0)
-        return result;
-    // Places to follow, in a frame of all of them: a sample of vertices fine enough that the next one moves alike.
-    const std::size_t most = 1 << 16;
-    std::vector<std::size_t> held, bent;
-    for (std::size_t i = 0; i < m.vert.size(); ++i)
-        if (!m.vert[i].IsD() && loose.partOf[i] < 0)
-            (handles.tag[i] == 1 ? bent : held).push_back(i);
-    std::vector<std::size_t> place;
-    for (const std::vector<std::size_t> *from : {&bent, &held})
-        for (std::size_t i = 0; i < std::min(most, from->size()); ++i)
-            place.push_back((*from)[from->size() * i / std::min(most, from->size())]);
-    if (place.empty())
-        return result;
-    const auto pointOf = [&](std::size_t i) {
-        const Eigen::Vector3d p = surface.frame.ToWorld(PositionOf(m.vert[i]));
-        return vcg::Point3d(p[0], p[1], p[2]);
+/// Places of a surface that things near it follow: a sample of vertices so fine that the next one moves alike.
+class Places {
+  public:
+    /// \param position 3 x slots, mesh units \param slotTag as of FindLoose \param isPlace slots that may be one
+    template <class IsPlace>
+    Places(const Eigen::Matrix3Xd &position, const std::vector<int> &slotTag, const Frame &frame,
+           const IsPlace &isPlace)
+        : frame(frame) {
+        const std::size_t most = 1 << 16;
+        std::vector<std::size_t> held, bent;
+        for (std::size_t i = 0; i < slotTag.size(); ++i)
+            if (slotTag[i] != noVertex && isPlace(i))
+                (slotTag[i] == 1 ? bent : held).push_back(i);
+        for (const std::vector<std::size_t> *from : {&bent, &held})
+            for (std::size_t i = 0; i < std::min(most, from->size()); ++i)
+                slot.push_back((*from)[from->size() * i / std::min(most, from->size())]);
+        std::vector<vcg::Point3d> point;
+        for (std::size_t i : slot)
+            point.push_back(InWorld(position.col(Eigen::Index(i))));
+        if (!slot.empty())
+            tree = std::make_unique<vcg::KdTree<double>>(
+                vcg::ConstDataWrapper<vcg::Point3d>(point.data(), int(point.size())));
+    }
+
+    bool IsEmpty() const { return slot.empty(); }
+
+    /// The slot of the place nearest to \p p (mesh units). \param distance in the world, out
+    std::size_t Nearest(const Eigen::Vector3d &p, double &distance) const {
+        unsigned found = 0;
+        tree->doQueryClosest(InWorld(p), found, distance);
+        return slot[found];
+    }
+
+    static constexpr int several = 8;
+    /// The slots of the places nearest to \p p, and weights of sum 1 that change smoothly with it; -1 fills up.
+    void Several(const Eigen::Vector3d &p, Index slots[several], float weights[several]) const {
+        vcg::KdTree<double>::PriorityQueue queue;
+        const int wanted = int(std::min<std::size_t>(several + 1, slot.size()));
+        tree->doQueryK(InWorld(p), wanted, queue);
+        std::vector<std::pair<double, Index>> found;
+        for (int i = 0; i < queue.getNofElements(); ++i)
+            found.emplace_back(std::sqrt(queue.getWeight(i)), Index(slot[queue.getIndex(i)]));
+        std::sort(found.begin(), found.end());
+        const double last = found.back().first; // has no weight left
+        double sum = 0, weight[several] = {};
+        for (int i = 0; i < several; ++i) {
+            const bool is = i < int(found.size());
+            slots[i] = is ? found[i].second : -1;
+            weight[i] = is && last > 0 ? std::pow(1 - found[i].first / last, 2) : 0;
+            sum += weight[i];
+        }
+        if (!(sum > 0))
+            sum = weight[0] = 1;
+        for (int i = 0; i < several; ++i)
+            weights[i] = float(weight[i] / sum);
+    }
+
+  private:
+    vcg::Point3d InWorld(const Eigen::Vector3d &p) const {
+        const Eigen::Vector3d w = frame.ToWorld(p);
+        return vcg::Point3d(w[0], w[1], w[2]);
+    }
+    const Frame &frame;
+    std::vector<std::size_t> slot;
+    std::unique_ptr<vcg::KdTree<double>> tree;
+};
+
+/// How loose parts follow what holds or bends nearby, so that a button follows the sleeve.
+struct LooseFollowing {
+    static constexpr std::size_t none = std::size_t(-1);
+    std::vector<std::size_t> leader; ///< of each part, the slot of the nearest place, or none
+    /// Vertices of parts that reach farther than patches do: each follows what is nearest to it.
+    struct Vertex {
+        std::size_t slot;
+        Index place[Places::several]; ///< slots, -1 fills up
+        float weight[Places::several];
     };
-    std::vector<vcg::Point3d> point;
-    for (std::size_t i : place)
-        point.push_back(pointOf(i));
-    vcg::ConstDataWrapper<vcg::Point3d> wrapper(point.data(), int(point.size()));
-    vcg::KdTree<double> tree(wrapper);
+    std::vector<Vertex> vertex;
+};
+
+/// \param large diameter in frame units from which a part does not move as one
+inline LooseFollowing FollowNearest(const Eigen::Matrix3Xd &position, const std::vector<int> &slotTag,
+                                    const Frame &frame, const LooseSurface &loose, double large,
+                                    const Progress &progress) {
+    LooseFollowing following;
+    following.leader.assign(loose.parts, LooseFollowing::none);
+    if (loose.parts == 0)
+        return following;
+    const Places places(position, slotTag, frame, [&](std::size_t i) { return loose.partOf[i] < 0; });
+    if (places.IsEmpty())
+        return following;
     std::vector<double> distance(loose.parts, std::numeric_limits<double>::infinity());
-    std::vector<std::size_t> leader(loose.parts, std::size_t(-1));
-    for (std::size_t i = 0; i < m.vert.size(); ++i) {
-        if (loose.partOf[i] < 0)
+    std::vector<Eigen::AlignedBox3d> box(loose.parts);
+    for (std::size_t i = 0; i < slotTag.size(); ++i) {
+        const Index part = loose.partOf[i];
+        if (part < 0)
             continue;
-        unsigned nearest = 0;
         double d = 0;
-        tree.doQueryClosest(pointOf(i), nearest, d);
-        if (d < distance[loose.partOf[i]]) {
-            distance[loose.partOf[i]] = d;
-            leader[loose.partOf[i]] = place[nearest];
+        const std::size_t nearest = places.Nearest(position.col(Eigen::Index(i)), d);
+        if (d < distance[part]) {
+            distance[part] = d;
+            following.leader[part] = nearest;
         }
+        box[part].extend(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
     }
-    for (Index part = 0; part < loose.parts; ++part) {
-        const std::size_t i = leader[part];
-        if (i == std::size_t(-1))
-            continue;
-        const Eigen::Vector3d p = surface.frame.ToFrame(PositionOf(m.vert[i]));
-        Eigen::Affine3d there;
-        if (surface.nodeOf[i] >= 0 && surface.tag[surface.nodeOf[i]] == 1) {
-            there = motionAt(surface.nodeOf[i], p);
-        } else {
-            const Eigen::Matrix4d &given =
-                handles.tag[i] == 1 ? pointMotion.at(i) : motion.at(std::max(0, handles.tag[i]));
-            if (given.isIdentity(0))
-                continue;
-            const Eigen::Affine3d moved = surface.frame.ToFrame(given);
-            there.linear() = fcd::detail::RotationOf(moved.linear());
-            there.translation() = moved * p - there.linear() * p;
+    for (std::size_t i = 0; i < slotTag.size(); ++i)
+        if (loose.partOf[i] >= 0 && box[loose.partOf[i]].diagonal().norm() > large) {
+            following.vertex.emplace_back();
+            following.vertex.back().slot = i;
         }
-        result[part] = surface.frame.FromFrame(there);
-        result[part].row(3) << 0, 0, 0, 1;
-    }
-    return result;
+    ParallelFor(progress, "Finding what loose parts follow", following.vertex.size(), 1 << 10,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t v = first; v < last; ++v) {
+                        LooseFollowing::Vertex &vertex = following.vertex[v];
+                        places.Several(position.col(Eigen::Index(vertex.slot)), vertex.place, vertex.weight);
+                    }
+                });
+    return following;
 }
 
-} // namespace tri
+} // namespace fcd
 } // namespace vcg
 
 #endif

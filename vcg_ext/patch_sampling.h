@@ -394,23 +394,6 @@ struct Lloyd {
     }
 };
 
-/// The lists that collect(u, list) makes for u in [0, n), in order, one after the other.
-template <class Collect>
-std::vector<Index> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
-    const std::size_t grain = 1 << 16;
-    std::vector<std::vector<Index>> lists((n + grain - 1) / grain);
-    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
-        std::vector<Index> list;
-        for (std::size_t u = first; u < last; ++u)
-            collect(Index(u), list);
-        lists[first / grain] = std::move(list);
-    });
-    std::vector<Index> all;
-    for (const std::vector<Index> &list : lists)
-        all.insert(all.end(), list.begin(), list.end());
-    return all;
-}
-
 /// Nodes of \p graph that take part joined into small connected clusters: the components of the cells of a regular
 /// grid.
 struct Clusters {

@@ -6,6 +6,7 @@
 #include "memory.h"
 #include "morton.h"
 #include "progress.h"
+#include "seams.h"
 
 #include <Eigen/Geometry>
 #include <atomic>
@@ -60,6 +61,10 @@ struct Frame {
     }
 };
 
+/// Vertices on open borders at most so far apart are one, frame units: what rounding to single precision moves by (1e-7
+/// of the coordinates), some times over, and a hundredth of what lies between the vertices of the largest scans.
+constexpr double defaultWeldDistance = 1e-6;
+
 /// What was met in the part of a mesh that was read.
 struct SurfaceReport {
     Index vertices = 0;         ///< live vertices
@@ -68,6 +73,8 @@ struct SurfaceReport {
     Index components = 0;       ///< connected components, isolated nodes included
     Index nonManifoldEdges = 0; ///< edges of more than two faces
     Index degenerateFaces = 0;  ///< faces with a repeated position
+    Index seams = 0;            ///< nodes on open borders that are joined with one of another, a hair apart
+    Index gaps = 0;             ///< nodes on open borders nearer to another than a tenth of their edges, not joined
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points
 };
 
@@ -111,6 +118,7 @@ struct TriangleGraph {
     Index nonManifoldEdges = 0;
     double edgeLengths = 0;  ///< sum over all edges
     std::vector<float> area; ///< of each node: a third of its triangles
+    std::vector<char> open;  ///< of each node: whether one of its edges has a single face
 };
 
 /// Joins the corners of triangles (3 x triangles nodes). A triangle with a repeated corner counts as the edge that is
@@ -177,6 +185,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
     std::vector<Block> done(blocks);
     TriangleGraph result;
     AssignLarge(result.area, std::size_t(nodes), 0.f);
+    result.open.assign(std::size_t(nodes), 0);
     AssignLarge(result.adjacency.begin, std::size_t(nodes) + 1, 0u);
     using Entry = std::uint32_t; // a neighbour and, in the lowest bit, whether a face is what joins it
     auto scramble = [](Entry e) {
@@ -236,6 +245,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
                 for (; i < n.end && Index(entry[i] >> 1) == v; ++i)
                     faces += entry[i] & 1;
                 block.nonManifoldEdges += u < v && (n.checksum ? faces > 2 : faces > 1);
+                result.open[u] |= n.checksum && faces == 1;
                 block.item.push_back(v);
                 if (u < v)
                     block.edgeLengths += (position.col(v) - x).norm();
@@ -472,24 +482,28 @@ Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vec
 
 /// Reads the connectivity of a mesh, or of a region of it. Neighbours are the vertices that share a face or an edge
 /// element; in a mesh that has neither, the 12 nearest points. Vertices at the same position (float precision of the
-/// frame) share a node, so that unwelded seams hold together; it is held where one of them is. Deleted elements are
-/// skipped; the mesh is only read. What is not in the region changes no bit of the result.
+/// frame) share a node, and so do those on open borders a hair apart, so that seams hold together; it is held where one
+/// of them is. Deleted elements are skipped; the mesh is only read. What is not in the region changes no bit of the
+/// result.
 ///
 /// \param region nullptr for all of the mesh \param tag one per vertex slot, read where there is a region
-/// \param metric as of Frame
+/// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3]
 /// \throw fcd::Error no vertices, or a coordinate that is not finite
 template <class MeshType>
 fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, const std::vector<int> &tag,
                                     const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(),
-                                    const fcd::Progress &progress = {}) {
+                                    const fcd::Progress &progress = {},
+                                    double weldDistance = fcd::defaultWeldDistance) {
     using fcd::Index;
     using fcd::ParallelFor;
     const char *stage = "Reading the mesh";
     const std::size_t slotCount = m.vert.size(), grain = 1 << 16, chunks = (slotCount + grain - 1) / grain;
     fcd::SurfaceGraph s;
     s.frame.SetMetric(metric);
+    s.report.pointCloud = s.graph.isCloud = m.fn == 0 && m.en == 0;
+    const bool hasSeams = !s.report.pointCloud && weldDistance > 0;
     progress(0, stage);
-    std::vector<unsigned char> beside; // candidates that may share the position of a part
+    std::vector<unsigned char> beside; // candidates that may be at a part, or a hair from it
     const auto isPart = [&](std::size_t i) { return region ? region->flag[i] == Region::part : !m.vert[i].IsD(); };
 
     // Bounding box.
@@ -548,15 +562,20 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         return Eigen::Vector3f(x.array() + 0.f); // no negative zero: equal positions have equal bits
     };
 
-    // Held vertices at the position of one that is part: a bit for each such position, some of them shared.
+    // Held vertices at one that is part, or a hair from it: a bit for each cell of a grid with such a place, some of
+    // them shared. The cells are wide enough for most hairs to lie in one, and narrow enough for few others.
     if (total.candidates) {
         std::size_t words = 1 << 10;
         while (words * 2 < total.live)
             words *= 2;
         std::unique_ptr<std::atomic<std::uint32_t>[]> bits(new std::atomic<std::uint32_t>[words]());
-        const auto place = [&](const Eigen::Vector3f &x) {
+        const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f, cells = hair > 0 ? 0.05f / hair : 1e6f;
+        const auto cellOf = [&](const Eigen::Vector3f &x) {
+            return Eigen::Vector3f((x * cells).array().floor() + 0.f);
+        };
+        const auto place = [&](const Eigen::Vector3f &cell) {
             std::uint32_t b[3];
-            std::memcpy(b, x.data(), sizeof b);
+            std::memcpy(b, cell.data(), sizeof b);
             std::uint64_t h = (std::uint64_t(b[0]) << 32 | b[1]) * 0x9E3779B97F4A7C15u + b[2];
             h = (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
             return h >> 20;
@@ -564,15 +583,27 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         ParallelFor(progress.Slice(0.05, 0.06), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
                 if (isPart(i)) {
-                    const std::uint64_t h = place(inFrame(i));
-                    bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
+                    const Eigen::Vector3f x = inFrame(i), low = cellOf(x.array() - hair),
+                                          high = cellOf(x.array() + hair);
+                    for (int corner = 0; corner < 8; ++corner) {
+                        Eigen::Vector3f cell = low;
+                        bool isNew = true;
+                        for (int d = 0; d < 3; ++d)
+                            if (corner >> d & 1) {
+                                isNew &= high[d] != low[d];
+                                cell[d] = high[d];
+                            }
+                        const std::uint64_t h = place(cell);
+                        if (isNew)
+                            bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
+                    }
                 }
         });
         beside.assign(slotCount, 0);
         ParallelFor(progress.Slice(0.06, 0.07), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
                 if (region->flag[i] == Region::candidate) {
-                    const std::uint64_t h = place(inFrame(i));
+                    const std::uint64_t h = place(cellOf(inFrame(i)));
                     beside[i] = bits[(h >> 5) & (words - 1)].load(std::memory_order_relaxed) >> (h & 31) & 1;
                     part[first / grain].live += beside[i];
                 }
@@ -639,7 +670,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
             for (next = i + 1; next < rangeBegin[range + 1] && order[next] >> 32 == code;)
                 ++next;
             if (next - i == 1) {
-                if (isBeside(slotAt(i)))
+                if (isBeside(slotAt(i)) && !hasSeams)
                     order[i] = code << 32 | dropped;
                 else
                     ++found, ++keptHere;
@@ -650,7 +681,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                 sameCode.push_back({{x(0, j), x(1, j), x(2, j)}, slotAt(j)});
             fcd::detail::SortShort(sameCode.data(), sameCode.data() + sameCode.size());
             for (std::size_t a = 0, b; a < sameCode.size(); a = b) {
-                bool isNode = false;
+                bool isNode = hasSeams;
                 for (b = a; b < sameCode.size() && sameCode[b].SamePlace(sameCode[a]); ++b)
                     isNode |= !isBeside(sameCode[b].slot);
                 for (std::size_t j = a; j < b; ++j) {
@@ -669,7 +700,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         firstNode[range + 1] += firstNode[range];
         keptTotal += std::size_t(kept[range]);
     }
-    const Index nodes = firstNode[ranges];
+    Index nodes = firstNode[ranges];
     s.report.welded = Index(keptTotal) - nodes;
     const bool shifted = std::size_t(nodes) < total.live;
     bySlot.resize(3, 0); // first: Eigen's resize frees the old memory twice where it gets no new one
@@ -692,7 +723,9 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         x.swap(bySlot);
     order.reset();
     bySlot.resize(3, 0);
-    if (region) {
+    const auto readTags = [&] {
+        if (!region)
+            return;
         fcd::AssignLarge(s.tag, nodes, Index(1));
         for (std::size_t i = 0; i < slotCount; ++i) {
             const Index node = s.nodeOf[i];
@@ -702,7 +735,8 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
             if (s.tag[node] == 1 || t < s.tag[node])
                 s.tag[node] = t;
         }
-    }
+    };
+    readTags();
 
     // Faces and edge elements as corners; those that do not count as three times the same.
     const std::size_t faces = m.face.size();
@@ -742,13 +776,67 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
     }
     for (const auto &e : m.edge)
         triangles += !e.IsD() && add(e, 2, &corner[3 * triangles]);
-    s.report.pointCloud = s.graph.isCloud = m.fn == 0 && m.en == 0;
     if (s.report.pointCloud)
         corner =
             fcd::detail::NearestNeighbourPairs(x, fcd::detail::cloudNeighbours, triangles, progress.Slice(0.4, 0.5));
     fcd::detail::TriangleGraph connected =
-        fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.5, 1));
+        fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.5, 0.9));
     s.graph.adjacency = std::move(connected.adjacency);
+
+    // Seams: nodes that are joined, and candidates that are not, go, and the triangles are read again.
+    if (hasSeams) {
+        std::vector<char> near; // nodes of candidates alone
+        if (!beside.empty()) {
+            near.assign(nodes, 1);
+            for (std::size_t i = 0; i < slotCount; ++i)
+                if (s.nodeOf[i] >= 0 && !beside[i])
+                    near[s.nodeOf[i]] = 0;
+            s.report.welded = 0;
+            for (std::size_t i = 0; i < slotCount; ++i)
+                s.report.welded += s.nodeOf[i] >= 0 && !near[s.nodeOf[i]];
+            for (Index u = 0; u < nodes; ++u) {
+                s.report.welded -= !near[u];
+                connected.open[u] |= near[u];
+            }
+        }
+        fcd::Seams seams = fcd::FindSeams(s.graph, connected.open, s.tag, weldDistance, progress.Slice(0.9, 0.92));
+        s.report.seams = seams.joined;
+        s.report.gaps = seams.gaps;
+        const bool drops = std::find(near.begin(), near.end(), 1) != near.end();
+        if (drops || seams.joined > 0) {
+            if (seams.into.empty()) {
+                seams.into.resize(nodes);
+                std::iota(seams.into.begin(), seams.into.end(), 0);
+            }
+            std::vector<Index> newIndex(nodes, -1);
+            for (Index u = 0; u < nodes; ++u)
+                if (!drops || !near[u])
+                    newIndex[seams.into[u]] = 0;
+            Index kept = 0;
+            for (Index u = 0; u < nodes; ++u)
+                if (newIndex[u] >= 0) {
+                    newIndex[u] = kept;
+                    x.col(kept++) = Eigen::Vector3f(x.col(u));
+                }
+            bySlot = x.leftCols(kept);
+            x.swap(bySlot);
+            bySlot.resize(3, 0);
+            for (Index &node : s.nodeOf)
+                if (node >= 0)
+                    node = newIndex[seams.into[node]];
+            nodes = kept;
+            readTags();
+            for (std::size_t t = 0; t < triangles; ++t) {
+                Index *c = &corner[3 * t];
+                for (int j = 0; j < 3; ++j)
+                    c[j] = newIndex[seams.into[c[j]]];
+                if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
+                    c[1] = c[2] = c[0];
+            }
+            connected = fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.92, 1));
+            s.graph.adjacency = std::move(connected.adjacency);
+        }
+    }
     s.nodeArea = std::move(connected.area);
     s.report.nonManifoldEdges = connected.nonManifoldEdges;
     const std::size_t items = s.graph.adjacency.item.size();

@@ -815,6 +815,70 @@ TEST(DeformCentroidal, LeavesOutGivenNodesThatAreNotOnTheSurface) {
     }
 }
 
+TEST(DeformCentroidal, SeamsAHairApartDoNotTear) {
+    // A tube cut open along its length and across it, as exporters leave seams.
+    const Case whole = TubeCase();
+    const Shape soup = Unwelded(whole.shape);
+    const double diagonal = 4; // and more
+    for (double gap : {1e-9, 1e-7}) {
+        Case cut{soup, whole.handles};
+        cut.handles.tag.clear();
+        std::mt19937 random(1);
+        std::uniform_real_distribution<double> unit(-0.3, 0.3);
+        std::map<std::array<double, 3>, int> first;
+        for (int i = 0; i < whole.shape.Size(); ++i) {
+            const Vector3d &p = whole.shape.position[i];
+            first.emplace(std::array<double, 3>{p[0], p[1], p[2]}, i);
+        }
+        std::vector<int> origin;
+        for (Vector3d &p : cut.shape.position) {
+            origin.push_back(first.at({p[0], p[1], p[2]}));
+            cut.handles.tag.push_back(whole.handles.tag[origin.back()]);
+            p += gap * diagonal * Vector3d(unit(random), unit(random), unit(random));
+        }
+        const DeformationResult r = DeformCentroidal(MeshD(cut.shape), cut.handles, Param());
+        EXPECT_EQ(r.surface.components, 1) << gap;
+        std::vector<Vector3d> at(whole.shape.Size(), Vector3d::Constant(std::nan("")));
+        double most = 0;
+        for (int i = 0; i < cut.shape.Size(); ++i) {
+            Vector3d &p = at[origin[i]];
+            if (std::isnan(p[0]))
+                p = r.position.col(i);
+            most = std::max(most, (p - r.position.col(i)).norm());
+        }
+        EXPECT_LE(most, 10 * gap * diagonal) << gap;
+    }
+}
+
+TEST(DeformCentroidal, ReachesItsPoseOverSteps) {
+    // The branch that begins at rest: one step further moves no vertex by more than a few times what the handle moves.
+    Case c = TubeCase();
+    Affine3d squeeze = Affine3d::Identity();
+    squeeze.translation() = Vector3d(0.2, 0, -4.5);
+    c.handles.motion[2] = Motion(squeeze.matrix());
+    DeformationParam param = Param();
+    std::vector<double> jump;
+    Matrix3Xd before;
+    for (double percent = 60; percent <= 100; percent += 2.5) {
+        param.pose = percent;
+        param.steps = int(percent / 2.5);
+        const Matrix3Xd x = Deformed(c, param);
+        if (before.cols() > 0)
+            jump.push_back((x - before).colwise().norm().maxCoeff() / (0.025 * squeeze.translation().norm()));
+        before = x;
+    }
+    EXPECT_LE(*std::max_element(jump.begin(), jump.end()), 6);
+    // Where there is one branch only, the way to it makes no difference.
+    c = TubeCase();
+    param = Param();
+    param.tolerance = 1e-8;
+    const Matrix3Xd at = Deformed(c, param);
+    param.steps = 4;
+    EXPECT_LE((Deformed(c, param) - at).cwiseAbs().maxCoeff(), 1e-4);
+    param.steps = 0;
+    EXPECT_EQ(MessageOf<Error>([&] { Deformed(c, param); }), "The pose can be reached in 1 to 1000 steps.");
+}
+
 TEST(DeformCentroidal, TakesPointClouds) {
     Case c = TubeCase();
     c.shape = Points(c.shape);

@@ -41,7 +41,7 @@ static GraphPose PoseOf(const Rig &rig, const Affine3d &motion) {
 
 static Matrix3Xd Rest(const Rig &rig) { return rig.surface.graph.position.cast<double>(); }
 
-static Rig TubeRig() {
+static Rig RoundTubeRig() {
     return Rig(Jittered(Tube(40, 16), 0.02), 0.6, [](const Vector3d &p) { return TubeTag(p); });
 }
 
@@ -52,7 +52,7 @@ static Motions Bend() {
 }
 
 TEST(GraphMapping, HeldNodesAreExact) {
-    const Rig rig = TubeRig();
+    const Rig rig = RoundTubeRig();
     const Motions motion = Bend();
     const GraphPose pose = Solved(rig, motion);
     for (MappingWeights weights : both) {
@@ -66,7 +66,7 @@ TEST(GraphMapping, HeldNodesAreExact) {
 }
 
 TEST(GraphMapping, ReproducesTheIdentityAndRigidMotions) {
-    std::vector<Rig> rigs{TubeRig()};
+    std::vector<Rig> rigs{RoundTubeRig()};
     for (const Shape &shape : {Grid(30, 30), Fan(50), PointCloud(300), Triangle(), TwoSheets(10, 0.3)})
         rigs.emplace_back(shape, 0.25, [](const Vector3d &p) { return p[0] < 0.3 ? 0 : p[0] > 0.8 ? 2 : 1; });
     for (const Rig &rig : rigs)
@@ -308,7 +308,7 @@ TEST(GraphMapping, KernelFallsFromOneToZero) {
 }
 
 TEST(GraphMapping, CanBeCancelledAnywhere) {
-    const Rig rig = TubeRig();
+    const Rig rig = RoundTubeRig();
     auto prepare = [&](const CallbackLog &log) {
         GraphMapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
                      rig.param.targetRadius, log.Progress(1));

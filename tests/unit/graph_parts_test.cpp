@@ -18,6 +18,11 @@ static Rig SheetRig(int middle = 0) {
 
 static const Affine3d lift = Eigen::Translation3d(0, 0.5, 1) * Eigen::AngleAxisd(0.7, Vector3d::UnitX());
 
+static GraphPose SolveParts(const DeformationGraph &graph, const std::vector<double> &area,
+                            const NodeConstraints &given, const SolverParam &param) {
+    return PartsDeformer(graph, area, given).Solve(given, param);
+}
+
 /// Handle 2 moves, what else is held does not.
 static NodeConstraints ConstraintsOf(const Rig &rig, const Affine3d &second = lift,
                                      const Affine3d &third = Affine3d::Identity()) {
@@ -118,7 +123,7 @@ TEST(PartOf, KeepsTheEdgesBetweenItsNodes) {
     }
 }
 
-TEST(SolveParts, OfOnePartIsTheGraphDeformers) {
+TEST(PartsDeformer, OfOnePartIsTheGraphDeformers) {
     const Rig rig = SheetRig(1);
     const std::vector<double> area = AreasOf(rig);
     double A = 0;
@@ -137,7 +142,7 @@ TEST(SolveParts, OfOnePartIsTheGraphDeformers) {
     EXPECT_EQ(pose.iterations, whole.iterations);
 }
 
-TEST(SolveParts, HeldNodesKeepPartsApart) {
+TEST(PartsDeformer, HeldNodesKeepPartsApart) {
     const Rig rig = SheetRig();
     const std::vector<double> area = AreasOf(rig);
     const Eigen::Matrix3Xd rest = rig.graph.graph.position.cast<double>();
@@ -166,7 +171,7 @@ TEST(SolveParts, HeldNodesKeepPartsApart) {
     EXPECT_GT(both.energy, pulled.energy);
 }
 
-TEST(SolveParts, APartIsSolvedAsIfThereWereNoOthers) {
+TEST(PartsDeformer, APartIsSolvedAsIfThereWereNoOthers) {
     const Rig rig = SheetRig();
     const std::vector<double> area = AreasOf(rig);
     const NodeConstraints given = ConstraintsOf(rig, lift, lift.inverse());
@@ -200,7 +205,7 @@ TEST(SolveParts, APartIsSolvedAsIfThereWereNoOthers) {
     EXPECT_NEAR(std::accumulate(pose.nodeEnergy.begin(), pose.nodeEnergy.end(), 0.0), energy, 1e-9 * energy);
 }
 
-TEST(SolveParts, WhatNothingHoldsRests) {
+TEST(PartsDeformer, WhatNothingHoldsRests) {
     const Rig rig(TwoSheets(10, 1), 2, [](const Vector3d &p) { return p[2] < 0.5 && p[0] < 2 ? 2 : 1; });
     const NodeConstraints given = ConstraintsOf(rig);
     const GraphPose pose = SolveParts(rig.graph, AreasOf(rig), given, {});
@@ -220,11 +225,11 @@ TEST(SolveParts, WhatNothingHoldsRests) {
     EXPECT_EQ(SolveParts({}, {}, {}, {}).position.cols(), 0);
 }
 
-TEST(SolveParts, CanBeCancelledAnywhere) {
+TEST(PartsDeformer, CanBeCancelledAnywhere) {
     const Rig rig = SheetRig();
     const NodeConstraints given = ConstraintsOf(rig, lift, lift);
     const auto solve = [&](const CallbackLog &log) {
-        SolveParts(rig.graph, AreasOf(rig), given, {}, ShapeConstants().heldDepth, log.Progress(1));
+        PartsDeformer(rig.graph, AreasOf(rig), given).Solve(given, {}, log.Progress(1));
     };
     CallbackLog all;
     solve(all);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "loose_parts.h"
+#include "centroidal_deformation.h"
 #include "test_support.h"
 
 #include <map>
@@ -7,15 +8,21 @@
 using namespace vcg::fcd;
 using namespace fcd_test;
 using Eigen::Affine3d;
-using Eigen::Matrix4d;
+using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using vcg::tri::FindLoose;
-using vcg::tri::LooseMotions;
+using vcg::tri::DeformCentroidal;
 using vcg::tri::ReadFreeSurface;
+
+static std::vector<std::size_t> PointsOf(const Handles &handles) {
+    std::vector<std::size_t> slot;
+    for (const PointHandle &point : handles.point)
+        slot.push_back(point.vertex);
+    return slot;
+}
 
 static LooseSurface LooseOf(const MeshD &mesh, const Handles &handles, SurfaceGraph &surface, unsigned threads = 0) {
     surface = ReadFreeSurface(mesh, handles.tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
-    return FindLoose(mesh, handles, surface, surface.tag, Threads(threads));
+    return FindLoose(handles.tag, PointsOf(handles), surface, surface.tag, Threads(threads));
 }
 
 /// Tubes, spheres, triangles and single vertices, each held in places or not at all.
@@ -88,7 +95,7 @@ TEST(FindLoose, IsWhatNothingHolds) {
                 EXPECT_EQ(rest.nodeOf[i] >= 0, surface.nodeOf[i] >= 0);
             }
         }
-        EXPECT_FALSE(FindLoose(mesh, c.handles, rest, rest.tag, {}).isPartOfSurface);
+        EXPECT_FALSE(FindLoose(c.handles.tag, {}, rest, rest.tag, {}).isPartOfSurface);
         for (unsigned threads : {1u, 7u}) {
             const LooseSurface same = LooseOf(mesh, c.handles, surface, threads);
             EXPECT_EQ(same.partOf, loose.partOf);
@@ -122,7 +129,6 @@ TEST(FindLoose, APointHandleOnAnIsolatedVertexIsNotLoose) {
 struct Plates {
     Case c;
     std::vector<Index> speckOf; // of each vertex
-    std::map<Index, Matrix4d> motion{{0, Matrix4d::Identity()}, {2, bend.matrix()}};
     SurfaceGraph surface;
     LooseSurface loose;
 
@@ -141,17 +147,17 @@ struct Plates {
         c.handles.motion[2] = Motion(bend.matrix());
         loose = LooseOf(MeshD(c.shape), c.handles, surface);
     }
-    std::vector<Matrix4d> Motions(bool follow) const {
-        return LooseMotions(MeshD(c.shape), c.handles, surface, loose, follow, motion, {},
-                            [](Index, const Vector3d &) -> Affine3d { throw Error("nothing bends here"); });
+    Matrix3Xd Deformed(LooseParts looseParts) const {
+        DeformationParam param;
+        param.looseParts = looseParts;
+        return DeformCentroidal(MeshD(c.shape), c.handles, param).position;
     }
 };
 
-TEST(LooseMotions, AreThoseOfTheNearestHeldPlace) {
+TEST(LooseParts, MoveAsTheNearestHeldPlace) {
     const Plates plates;
     ASSERT_EQ(plates.loose.parts, 8);
-    const std::vector<Matrix4d> follow = plates.Motions(true), stay = plates.Motions(false);
-    ASSERT_EQ(follow.size(), 8u);
+    const Matrix3Xd follow = plates.Deformed(LooseParts::Follow), stay = plates.Deformed(LooseParts::Stay);
     std::map<Index, int> with;
     for (Index part = 0; part < 8; ++part) {
         double nearest = 1e9;
@@ -166,60 +172,98 @@ TEST(LooseMotions, AreThoseOfTheNearestHeldPlace) {
                     }
                 }
         ++with[tag];
-        EXPECT_LE((follow[part] - plates.motion.at(tag)).norm(), 1e-12) << "part " << part;
-        if (tag == 0) {
-            EXPECT_EQ(follow[part], Matrix4d::Identity()) << "to the bit";
-        }
-        EXPECT_EQ(stay[part], Matrix4d::Identity());
+        for (int i = 50; i < plates.c.shape.Size(); ++i)
+            if (plates.loose.partOf[i] == part) {
+                const Vector3d &p = plates.c.shape.position[i];
+                EXPECT_LE((follow.col(i) - (tag == 2 ? bend * p : p)).norm(), 1e-12) << "part " << part;
+                if (tag == 0)
+                    EXPECT_EQ(follow.col(i), p) << "to the bit";
+                EXPECT_EQ(stay.col(i), p);
+            }
     }
     EXPECT_GT(with[0], 1);
     EXPECT_GT(with[2], 1);
 }
 
-TEST(LooseMotions, AreRigidThoughTheHandleScales) {
+TEST(LooseParts, MoveRigidlyThoughTheHandleScales) {
     Plates plates;
     Affine3d large = bend;
     large.linear() *= 2;
-    plates.motion[2] = large.matrix();
-    for (const Matrix4d &m : plates.Motions(true)) {
-        EXPECT_TRUE((m.topLeftCorner<3, 3>() * m.topLeftCorner<3, 3>().transpose()).isIdentity(1e-12));
-        EXPECT_EQ(m.row(3), Eigen::RowVector4d(0, 0, 0, 1));
-    }
+    plates.c.handles.motion[2] = Motion(large.matrix());
+    const Matrix3Xd x = plates.Deformed(LooseParts::Follow);
+    for (int i = 51; i < x.cols(); ++i)
+        if (plates.loose.partOf[i] == plates.loose.partOf[i - 1])
+            EXPECT_NEAR((x.col(i) - x.col(i - 1)).norm(),
+                        (plates.c.shape.position[i] - plates.c.shape.position[i - 1]).norm(), 1e-12);
 }
 
-TEST(LooseMotions, AreThoseOfTheSurfaceThatBends) {
+/// A tube that is held at both ends, and more, held by none.
+static Case TubeWith(const Shape &more) {
+    const Shape tube = Tube(40, 16);
+    Case c{Join(tube, more), {}};
+    for (int i = 0; i < c.shape.Size(); ++i)
+        c.handles.tag.push_back(i < tube.Size() ? TubeTag(c.shape.position[i]) : 1);
+    c.handles.motion[2] = Motion(bend.matrix());
+    return c;
+}
+
+TEST(LooseParts, MoveAsTheSurfaceThatBendsBesideThem) {
     const Shape button = Moved(Sphere(4, 6), Affine3d(Eigen::Translation3d(1.4, 0, 3) * Eigen::Scaling(0.1)));
-    const Case c = CaseOf(Join(Tube(40, 16), button), [](const Vector3d &p) { return p[0] > 1.1 ? 1 : TubeTag(p); });
-    const MeshD mesh(c.shape);
-    SurfaceGraph surface;
-    const LooseSurface loose = LooseOf(mesh, c.handles, surface);
-    ASSERT_EQ(loose.parts, 1);
-    const Affine3d there = RandomRigid(3); // mesh units
-    Vector3d at(0, 0, 0);
-    const std::vector<Matrix4d> motion =
-        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}}, {},
-                     [&](Index u, const Vector3d &p) {
-                         EXPECT_EQ(surface.tag[u], 1);
-                         at = surface.frame.FromFrame(p);
-                         return surface.frame.ToFrame(there.matrix());
-                     });
-    EXPECT_LE((at - Vector3d(1, 0, 3)).norm(), 0.2) << "the nearest place of the tube";
-    EXPECT_LE((motion[0] - there.matrix()).norm(), 1e-12);
+    const Case c = TubeWith(button);
+    const int first = c.shape.Size() - button.Size();
+    const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, {}).position;
+    // As far from the tube as before, and as large.
+    const auto gap = [&](const Matrix3Xd &p) {
+        double least = 1e9;
+        for (int i = first; i < p.cols(); ++i)
+            for (int j = 0; j < first; ++j)
+                least = std::min(least, (p.col(i) - p.col(j)).norm());
+        return least;
+    };
+    EXPECT_NEAR(gap(x), gap(PositionsOf(MeshD(c.shape))), 0.05);
+    EXPECT_GT((x.col(first) - c.shape.position[first]).norm(), 0.1);
+    for (int i = first + 1; i < x.cols(); ++i)
+        EXPECT_NEAR((x.col(i) - x.col(i - 1)).norm(), (c.shape.position[i] - c.shape.position[i - 1]).norm(), 1e-9);
 }
 
-TEST(LooseMotions, TakesASingleHeldVertexAndNone) {
-    const Case c{Join(Triangle(), Shape{{{9, 9, 9}}, {}, {}}), {{1, 1, 1, 2}, {}, {}}};
-    const MeshD mesh(c.shape);
+TEST(LooseParts, LongOnesFollowPartByPart) {
+    // A sleeve around all of the tube.
+    Shape sleeve = Tube(40, 24);
+    for (Vector3d &p : sleeve.position)
+        p.head<2>() *= 1.2;
+    const Case c = TubeWith(sleeve);
+    const int first = c.shape.Size() - sleeve.Size();
+    const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, {}).position;
+    double nearest = 1e9, farthest = 0, uneven[2] = {0, 0}; // of the tube, of the sleeve
+    for (int i = first; i < x.cols(); ++i) {
+        double gap = 1e9;
+        for (int j = 0; j < first; ++j)
+            gap = std::min(gap, (x.col(i) - x.col(j)).norm());
+        nearest = std::min(nearest, gap);
+        farthest = std::max(farthest, gap);
+    }
+    for (const auto &f : c.shape.face)
+        for (int k = 0; k < 3; ++k) {
+            const int a = f[k], b = f[(k + 1) % 3];
+            const double ratio = (x.col(a) - x.col(b)).norm() / (c.shape.position[a] - c.shape.position[b]).norm();
+            uneven[a >= first] = std::max(uneven[a >= first], std::abs(std::log(ratio)));
+        }
+    EXPECT_GE(nearest, 0.05) << "0.2 at rest, and the tube's inside is pressed";
+    EXPECT_LE(farthest, 0.35);
+    EXPECT_LE(uneven[1], 2 * uneven[0]) << "farther from the axis of the bend, but no steps";
+}
+
+TEST(LooseParts, FollowASingleHeldVertexOrNothing) {
+    const Case c{Join(Triangle(), Shape{{{9, 9, 9}}, {}, {}}), {{1, 1, 1, 2}, {{2, Motion(bend.matrix())}}, {}}};
+    const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, {}).position;
+    for (int i = 0; i < 4; ++i)
+        EXPECT_LE((x.col(i) - bend * c.shape.position[i]).norm(), 1e-12);
     SurfaceGraph surface;
-    const LooseSurface loose = LooseOf(mesh, c.handles, surface);
-    ASSERT_EQ(loose.parts, 1);
-    const auto never = [](Index, const Vector3d &) { return Affine3d::Identity(); };
-    const std::vector<Matrix4d> with =
-        LooseMotions(mesh, c.handles, surface, loose, true, {{0, Matrix4d::Identity()}, {2, bend.matrix()}}, {}, never);
-    EXPECT_LE((with[0] - bend.matrix()).norm(), 1e-12);
     const Handles free{{1, 1, 1, 1}, {}, {}};
-    const LooseSurface all = LooseOf(mesh, free, surface);
+    const LooseSurface all = LooseOf(MeshD(c.shape), free, surface);
     EXPECT_EQ(all.parts, 2);
-    for (const Matrix4d &m : LooseMotions(mesh, free, surface, all, true, {}, {}, never))
-        EXPECT_EQ(m, Matrix4d::Identity());
+    const LooseFollowing nothing =
+        FollowNearest(PositionsOf(MeshD(c.shape)), free.tag, surface.frame, all, 1, Threads(1));
+    EXPECT_EQ(nothing.leader, std::vector<std::size_t>(2, LooseFollowing::none));
+    EXPECT_TRUE(nothing.vertex.empty());
 }

@@ -94,7 +94,7 @@ static void ExpectConverged(const Graph &g, const std::vector<Index> &tag, const
     }
 }
 
-static PatchParam Param(double D, int initialPatches = 20) {
+static PatchParam SamplingParam(double D, int initialPatches = 20) {
     PatchParam param;
     param.targetRadius = D;
     param.initialPatches = initialPatches;
@@ -193,7 +193,7 @@ TEST(SamplePatches, PartitionsMiniatureMeshes) {
                                Fan(200), TwoSheets(12, 0.2), UnweldedGrid(12, 9), Wireframe(12, 9), PointCloud(500)})
         for (double D : {0.01, 0.1, 0.4}) {
             const SurfaceGraph s = SurfaceOf(shape);
-            PatchParam param = Param(D);
+            PatchParam param = SamplingParam(D);
             param.maxIterations = 1000; // a star is split once an iteration
             ExpectConverged(s.graph, {}, SamplePatches(s.graph, {}, {}, param), D);
         }
@@ -204,9 +204,9 @@ TEST(SamplePatches, OnlyNodesOfTagOneTakePart) {
         const SurfaceGraph s = SurfaceOf(Jittered(Grid(25, 25), 0.3, seed));
         const std::vector<Index> halves =
             TagNodes(s, [](const Eigen::Vector3d &p) { return p[0] + p[1] < 20 ? 1 : 2; });
-        ExpectConverged(s.graph, halves, SamplePatches(s.graph, halves, {}, Param(0.15)), 0.15);
+        ExpectConverged(s.graph, halves, SamplePatches(s.graph, halves, {}, SamplingParam(0.15)), 0.15);
         const std::vector<Index> random = RandomGroups(s.graph.Size(), 3, seed); // many tiny parts
-        ExpectConverged(s.graph, random, SamplePatches(s.graph, random, {}, Param(0.15)), 0.15);
+        ExpectConverged(s.graph, random, SamplePatches(s.graph, random, {}, SamplingParam(0.15)), 0.15);
     }
 }
 
@@ -216,14 +216,14 @@ TEST(SamplePatches, LeavesNoPatchEmptyOnIrregularGraphs) {
         s.graph.adjacency = RandomGraph(s.graph.Size(), s.graph.Size(), seed); // edges of any length
         const double D = 0.05 * (1 + seed % 5);
         SCOPED_TRACE(seed);
-        ExpectConverged(s.graph, {}, SamplePatches(s.graph, {}, {}, Param(D, 1 + seed % 4)), D);
+        ExpectConverged(s.graph, {}, SamplePatches(s.graph, {}, {}, SamplingParam(D, 1 + seed % 4)), D);
     }
 }
 
 TEST(SamplePatches, AnyNumberOfIterationsGivesAPartition) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(30, 30), 0.3));
     for (int iterations : {1, 2, 3, 5}) {
-        PatchParam param = Param(0.05, 3);
+        PatchParam param = SamplingParam(0.05, 3);
         param.maxIterations = iterations;
         const Patches p = SamplePatches(s.graph, {}, {}, param);
         EXPECT_LE(p.iterations, iterations);
@@ -234,7 +234,7 @@ TEST(SamplePatches, AnyNumberOfIterationsGivesAPartition) {
 
 TEST(SamplePatches, RelaxesEvenWherePatchesAreSmallEnoughFromTheStart) {
     const SurfaceGraph s = SurfaceOf(Grid(40, 40));
-    const Patches p = SamplePatches(s.graph, {}, {}, Param(10, 30));
+    const Patches p = SamplePatches(s.graph, {}, {}, SamplingParam(10, 30));
     ExpectConverged(s.graph, {}, p, 10);
     EXPECT_EQ(p.Size(), 30);
     EXPECT_GT(p.iterations, 2);
@@ -245,7 +245,7 @@ TEST(SamplePatches, RelaxesEvenWherePatchesAreSmallEnoughFromTheStart) {
 
 TEST(SamplePatches, TakesMoreSeedsThanNodes) {
     const SurfaceGraph s = SurfaceOf(Quad());
-    const Patches p = SamplePatches(s.graph, {}, {}, Param(0.5, 300));
+    const Patches p = SamplePatches(s.graph, {}, {}, SamplingParam(0.5, 300));
     ExpectPartition(s.graph, {}, p);
     EXPECT_EQ(p.Size(), 4);
 }
@@ -253,7 +253,7 @@ TEST(SamplePatches, TakesMoreSeedsThanNodes) {
 TEST(SamplePatches, TakesExtremeRadii) {
     const SurfaceGraph s = SurfaceOf(Grid(6, 6));
     for (double D : {1e-30, 1e-60, 1e30}) {
-        const Patches p = SamplePatches(s.graph, {}, {}, Param(D, 4));
+        const Patches p = SamplePatches(s.graph, {}, {}, SamplingParam(D, 4));
         ExpectPartition(s.graph, {}, p);
         EXPECT_EQ(p.Size(), D < 1 ? 36 : 4) << D;
     }
@@ -268,8 +268,8 @@ TEST(SamplePatches, EachDisconnectedPartHasItsOwn) {
         shape.position.emplace_back(-5, -5, 0); // isolated
         return SurfaceOf(shape);
     }();
-    ExpectConverged(s.graph, {}, SamplePatches(s.graph, {}, {}, Param(1)), 1);
-    const Patches p = SamplePatches(many.graph, {}, {}, Param(1));
+    ExpectConverged(s.graph, {}, SamplePatches(s.graph, {}, {}, SamplingParam(1)), 1);
+    const Patches p = SamplePatches(many.graph, {}, {}, SamplingParam(1));
     ExpectConverged(many.graph, {}, p, 1);
     EXPECT_EQ(p.Size(), 1001);
 }
@@ -278,14 +278,14 @@ TEST(SamplePatches, TakesIsolatedNodes) {
     Shape shape = Points(Grid(5, 5));
     shape.edge = {{0, 1}};
     const SurfaceGraph s = SurfaceOf(shape);
-    const Patches p = SamplePatches(s.graph, {}, {}, Param(1));
+    const Patches p = SamplePatches(s.graph, {}, {}, SamplingParam(1));
     ExpectConverged(s.graph, {}, p, 1);
     EXPECT_GE(p.Size(), 24);
 }
 
 TEST(SamplePatches, DependsOnTheSeedAloneNotOnTheThreads) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(150, 150), 0.3));
-    PatchParam param = Param(0.1);
+    PatchParam param = SamplingParam(0.1);
     const Patches first = SamplePatches(s.graph, {}, {}, param, Threads(1));
     for (unsigned threads : {1u, 2u, 7u}) {
         const Patches again = SamplePatches(s.graph, {}, {}, param, Threads(threads));
@@ -311,7 +311,7 @@ TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
           Case{"sheets", TwoSheets(150, 0.5), 0.08}}) {
         SCOPED_TRACE(c.name);
         const SurfaceGraph s = SurfaceOf(c.shape);
-        const PatchParam param = Param(c.D, 100);
+        const PatchParam param = SamplingParam(c.D, 100);
         const Patches p = SamplePatches(s.graph, {}, {}, param);
         ExpectConverged(s.graph, {}, p, param.targetRadius);
         const PlainPatches plain = SamplePlainly(s.graph, param);
@@ -327,7 +327,7 @@ TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
 TEST(SamplePatches, IsNearlyUniform) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(317, 317), 0.3));
     for (unsigned seed = 1; seed <= 3; ++seed) {
-        PatchParam param = Param(0.045, 100);
+        PatchParam param = SamplingParam(0.045, 100);
         param.randomSeed = seed;
         const Patches p = SamplePatches(s.graph, {}, {}, param);
         const Csr members = GroupMembers(p.patchOf, p.Size());
@@ -342,7 +342,7 @@ TEST(SamplePatches, IsNearlyUniform) {
 TEST(SamplePatches, AnyNumberOfIterationsGivesAPartitionOfManyNodes) {
     const SurfaceGraph s = SurfaceOf(Grid(200, 200));
     for (int iterations : {1, 2, 4, 20}) {
-        PatchParam param = Param(0.1, 20);
+        PatchParam param = SamplingParam(0.1, 20);
         param.maxIterations = iterations;
         SCOPED_TRACE(iterations);
         ExpectPartition(s.graph, {}, SamplePatches(s.graph, {}, {}, param));
@@ -352,7 +352,7 @@ TEST(SamplePatches, AnyNumberOfIterationsGivesAPartitionOfManyNodes) {
 TEST(SamplePatches, KeepsPartsApartAmongManyNodes) {
     const SurfaceGraph s = SurfaceOf(TwoSheets(120, 0.01));
     const std::vector<Index> tag = TagNodes(s, [](const Eigen::Vector3d &p) { return p[0] < 35.5 ? 1 : 0; });
-    ExpectConverged(s.graph, tag, SamplePatches(s.graph, tag, {}, Param(0.12)), 0.12);
+    ExpectConverged(s.graph, tag, SamplePatches(s.graph, tag, {}, SamplingParam(0.12)), 0.12);
 }
 
 /// A sheet that is sampled finer and finer from left to right, \p n rows.
@@ -366,7 +366,7 @@ static Shape Graded(int n) {
 TEST(SamplePatches, NodesCountByTheirMass) {
     for (const Shape &shape : {Jittered(Grid(40, 40), 0.3), Graded(40), Tube(20, 12)}) {
         const SurfaceGraph s = SurfaceOf(shape);
-        const Patches p = SamplePatches(s.graph, {}, s.nodeArea, Param(0.2));
+        const Patches p = SamplePatches(s.graph, {}, s.nodeArea, SamplingParam(0.2));
         ExpectConverged(s.graph, {}, p, 0.2, s.nodeArea);
     }
 }
@@ -374,7 +374,7 @@ TEST(SamplePatches, NodesCountByTheirMass) {
 TEST(SamplePatches, PatchesAreOfEqualAreaOnASurfaceOfUnequalDensity) {
     const SurfaceGraph s = SurfaceOf(Graded(120));
     const auto variation = [&](const std::vector<float> &mass) {
-        const Patches p = SamplePatches(s.graph, {}, mass, Param(10, 100));
+        const Patches p = SamplePatches(s.graph, {}, mass, SamplingParam(10, 100));
         ExpectPartition(s.graph, {}, p, mass);
         std::vector<double> area(p.Size(), 0);
         for (Index u = 0; u < s.graph.Size(); ++u)
@@ -393,10 +393,10 @@ TEST(SamplePatches, PatchesAreOfEqualAreaOnASurfaceOfUnequalDensity) {
 TEST(SamplePatches, MassesMayBeScaledByAPowerOfTwo) {
     const SurfaceGraph s = SurfaceOf(Graded(40));
     std::vector<float> mass = s.nodeArea;
-    const Patches first = SamplePatches(s.graph, {}, mass, Param(0.2));
+    const Patches first = SamplePatches(s.graph, {}, mass, SamplingParam(0.2));
     for (float &m : mass)
         m *= 1024;
-    const Patches again = SamplePatches(s.graph, {}, mass, Param(0.2));
+    const Patches again = SamplePatches(s.graph, {}, mass, SamplingParam(0.2));
     EXPECT_EQ(again.patchOf, first.patchOf);
     EXPECT_EQ(again.cost, first.cost);
 }
@@ -405,15 +405,15 @@ TEST(SamplePatches, TakesNodesWithoutMass) {
     const SurfaceGraph s = SurfaceOf(Grid(30, 30));
     for (unsigned seed = 1; seed <= 5; ++seed) {
         const std::vector<float> some = RandomMasses(s.graph.Size(), seed), none(s.graph.Size(), 0);
-        ExpectPartition(s.graph, {}, SamplePatches(s.graph, {}, some, Param(0.2)), some);
-        ExpectPartition(s.graph, {}, SamplePatches(s.graph, {}, none, Param(0.2)), none);
+        ExpectPartition(s.graph, {}, SamplePatches(s.graph, {}, some, SamplingParam(0.2)), some);
+        ExpectPartition(s.graph, {}, SamplePatches(s.graph, {}, none, SamplingParam(0.2)), none);
     }
 }
 
 TEST(SamplePatches, ANodeEachDoesNotDependOnTheSeed) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(25, 20), 0.3));
     const std::vector<Index> tag = TagNodes(s, [](const Eigen::Vector3d &p) { return p[0] < 6 ? 0 : 1; });
-    PatchParam param = Param(1, 10 * s.graph.Size());
+    PatchParam param = SamplingParam(1, 10 * s.graph.Size());
     const Patches first = SamplePatches(s.graph, tag, {}, param);
     EXPECT_EQ(first.Size(), Index(std::count(tag.begin(), tag.end(), 1)));
     for (unsigned seed : {2, 3, 77}) {
@@ -429,14 +429,14 @@ TEST(SamplePatches, WhatDoesNotTakePartIsNotRead) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(100, 60), 0.3));
     const std::vector<Index> tag = TagNodes(s, [](const Eigen::Vector3d &p) { return p[0] < 50.5 ? 1 : 0; });
     std::vector<float> mass = s.nodeArea;
-    const Patches first = SamplePatches(s.graph, tag, mass, Param(0.1));
+    const Patches first = SamplePatches(s.graph, tag, mass, SamplingParam(0.1));
     std::vector<Index> other = tag;
     for (Index u = 0; u < s.graph.Size(); ++u)
         if (tag[u] != 1) {
             mass[u] *= 1e6f;
             other[u] = 5;
         }
-    const Patches again = SamplePatches(s.graph, other, mass, Param(0.1));
+    const Patches again = SamplePatches(s.graph, other, mass, SamplingParam(0.1));
     EXPECT_EQ(again.patchOf, first.patchOf);
     EXPECT_EQ(again.center, first.center);
     EXPECT_EQ(again.radius, first.radius);
@@ -446,13 +446,13 @@ TEST(SamplePatches, WhatDoesNotTakePartIsNotRead) {
 TEST(SamplePatches, CanBeCancelledAnywhere) {
     const SurfaceGraph s = SurfaceOf(Grid(100, 100));
     CallbackLog all;
-    SamplePatches(s.graph, {}, {}, Param(0.15), all.Progress(1));
+    SamplePatches(s.graph, {}, {}, SamplingParam(0.15), all.Progress(1));
     EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
     const std::size_t calls = all.percent.size();
     ASSERT_GT(calls, 0u);
     for (std::size_t i = 0; i < calls; ++i) {
         CallbackLog log(i);
-        EXPECT_THROW(SamplePatches(s.graph, {}, {}, Param(0.15), log.Progress(1)), Cancelled);
+        EXPECT_THROW(SamplePatches(s.graph, {}, {}, SamplingParam(0.15), log.Progress(1)), Cancelled);
     }
 }
 

@@ -252,6 +252,49 @@ TEST(SurfaceGraph, TakesAPointCloudWithDuplicates) {
     EXPECT_EQ(twice.graph.adjacency.item, once.graph.adjacency.item);
 }
 
+/// Two grids of 6 x 5 vertices, the second one \p gap beyond the first along x.
+static Shape TwoGrids(double gap) {
+    const Shape grid = Grid(6, 5);
+    return Join(grid, Moved(grid, Eigen::Affine3d(Eigen::Translation3d(5 + gap, 0, 0))));
+}
+
+TEST(SurfaceGraph, JoinsBordersAHairApart) {
+    const SurfaceGraph exact = BuildSurfaceGraph(MeshD(TwoGrids(0)));
+    EXPECT_EQ(exact.report.seams, 0);
+    EXPECT_EQ(exact.report.welded, 5);
+    for (double gap : {1e-12, 1e-9, 1e-7, 5e-7}) {
+        const SurfaceGraph s = BuildSurfaceGraph(MeshD(TwoGrids(gap * exact.frame.scale)));
+        EXPECT_EQ(s.report.welded + s.report.seams, 5) << gap;
+        EXPECT_EQ(s.report.gaps, 0);
+        EXPECT_EQ(VertexEdges(s), VertexEdges(exact));
+        EXPECT_NEAR(s.area, exact.area, 1e-5);
+        EXPECT_EQ(s.graph.Size(), exact.graph.Size());
+    }
+    for (double gap : {3e-6, 1e-3}) {
+        const SurfaceGraph s = BuildSurfaceGraph(MeshD(TwoGrids(gap * exact.frame.scale)));
+        EXPECT_EQ(s.report.welded + s.report.seams, 0) << gap;
+        EXPECT_EQ(s.report.gaps, 10);
+    }
+    const auto seamsWith = [&](double gap, double weldDistance) {
+        const MeshD mesh(TwoGrids(gap * exact.frame.scale));
+        return BuildSurfaceGraph(mesh, nullptr, {}, Eigen::Matrix3d::Identity(), {}, weldDistance).report.seams;
+    };
+    EXPECT_EQ(seamsWith(5e-7, 0), 0);
+    EXPECT_EQ(seamsWith(3e-6, 6e-6), 5);
+    EXPECT_EQ(seamsWith(5e-4, 1e-3), 5);
+    EXPECT_EQ(BuildSurfaceGraph(MeshD(TwoGrids(0.5))).report.gaps, 0) << "half an edge is no slit";
+}
+
+TEST(SurfaceGraph, DoesNotJoinWhatIsNoBorder) {
+    // Two closed surfaces that lie on each other but for a hair.
+    const Shape sphere = Sphere(8, 12);
+    const SurfaceGraph s =
+        BuildSurfaceGraph(MeshD(Join(sphere, Moved(sphere, Eigen::Affine3d(Eigen::Scaling(1 + 1e-6))))));
+    EXPECT_EQ(s.report.seams, 0);
+    EXPECT_EQ(s.report.components, 0);
+    EXPECT_EQ(s.graph.Size(), 2 * BuildSurfaceGraph(MeshD(sphere)).graph.Size());
+}
+
 TEST(SurfaceGraph, WeldsWhereRangesOfVerticesMeet) {
     const Shape grid = Grid(150, 150); // six corners at most places, and 65536 is no multiple of it
     const SurfaceGraph welded = BuildSurfaceGraph(MeshD(grid)), soup = BuildSurfaceGraph(MeshD(Unwelded(grid)));
@@ -729,6 +772,31 @@ TEST(SurfaceGraphOfARegion, DoesNotDependOnTheThreads) {
             ExpectSameBits(s, t);
             EXPECT_EQ(s.tag, t.tag);
         }
+    }
+}
+
+TEST(SurfaceGraphOfARegion, IsHeldByWhatIsAHairAway) {
+    // The second grid is held: the first one is joined to its border, and whatever else is held changes nothing.
+    for (double gap : {0.0, 1e-8, 3e-6, 1e-5}) { // of a diagonal of 6.4: the last is none
+        const Shape shape = TwoGrids(gap);
+        const auto tags = [](int n) {
+            std::vector<int> tag(n, 0);
+            std::fill(tag.begin(), tag.begin() + 30, 1);
+            return tag;
+        };
+        const SurfaceGraph s = RegionOf(MeshD(shape), tags(shape.Size()));
+        const bool isJoined = gap < 6e-6;
+        EXPECT_EQ(std::count(s.tag.begin(), s.tag.end(), 0), isJoined ? 5 : 0) << gap;
+        EXPECT_EQ(s.graph.Size(), 30);
+        EXPECT_EQ(s.report.welded + s.report.seams, isJoined ? 5 : 0);
+        for (int i = 30; i < shape.Size(); ++i)
+            EXPECT_EQ(s.nodeOf[i] >= 0, isJoined && shape.position[i][0] < 5.5);
+        // Held vertices near the free surface, but at no border of it, and far ones.
+        Shape with = Join(shape, Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Translation3d(0.3, 0, 1e-5))));
+        with = Join(with, Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Translation3d(100, 0, 0))));
+        SurfaceGraph t = RegionOf(MeshD(with), tags(with.Size()));
+        t.nodeOf.resize(s.nodeOf.size());
+        ExpectSameBits(s, t);
     }
 }
 

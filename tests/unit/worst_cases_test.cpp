@@ -69,14 +69,14 @@ static Case Bar(double scale = 1, const Vector3d &at = Vector3d::Zero()) {
     return c;
 }
 
-static DeformationParam Param(double targetRadius = 0) {
+static DeformationParam CoarseParam(double targetRadius = 0) {
     DeformationParam param;
     param.graph.targetRadius = targetRadius;
     return param;
 }
 
 /// Deforms, with the promises for what is held. Both ways to weigh the nodes.
-static void ExpectDeforms(const Shape &shape, const Handles &handles, DeformationParam param = Param()) {
+static void ExpectDeforms(const Shape &shape, const Handles &handles, DeformationParam param = CoarseParam()) {
     const MeshD mesh(shape);
     for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
         param.weights = weights;
@@ -95,7 +95,7 @@ static void ExpectGraph(const Shape &shape, GraphParam param = {}) {
         ASSERT_TRUE(patch >= 0 && patch < Index(g.geometry.position.cols()));
 }
 
-static std::string ErrorOf(const Case &c, const DeformationParam &param = Param()) {
+static std::string ErrorOf(const Case &c, const DeformationParam &param = CoarseParam()) {
     const MeshD mesh(c.shape);
     const std::vector<VertexD> before = mesh.vert;
     const std::string message = MessageOf<Error>([&] { DeformCentroidal(mesh, c.handles, param); });
@@ -105,7 +105,7 @@ static std::string ErrorOf(const Case &c, const DeformationParam &param = Param(
     return message;
 }
 
-static void ExpectError(const Case &c, const std::string &word, const DeformationParam &param = Param()) {
+static void ExpectError(const Case &c, const std::string &word, const DeformationParam &param = CoarseParam()) {
     const std::string message = ErrorOf(c, param);
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
@@ -118,7 +118,7 @@ TEST(WorstCases, AHundredThousandComponents) {
     for (int i = 0; i < 30; ++i)
         few.tag[many / 20 * i] = i % 2 * 2;
     few.motion[2] = Motion(bend.matrix());
-    DeformationParam param = Param();
+    DeformationParam param = CoarseParam();
     param.maxIterations = 100; // enough to be right, if not at rest
     ExpectDeforms(shape, few, param);
     ExpectDeforms(shape, TagsInTurn(shape.position.size()), param);
@@ -159,7 +159,7 @@ TEST(WorstCases, AFanOfAPatchPerVertex) {
     for (int i = 2; i < 1000; ++i)
         few.tag[i] = i % 2 * 2;
     few.motion[2] = Motion(bend.matrix());
-    ExpectDeforms(fan, few, Param(1e-5));
+    ExpectDeforms(fan, few, CoarseParam(1e-5));
 }
 
 TEST(WorstCases, FacesWithoutArea) {
@@ -176,10 +176,10 @@ TEST(WorstCases, AllVerticesAtOnePoint) {
         ExpectGraph(shape);
         // One place is one node: what is fixed there holds all of it, and a handle carries the free.
         Handles handles = TagsInTurn(shape.position.size());
-        Matrix3Xd x = DeformCentroidal(MeshD(shape), handles, Param()).position;
+        Matrix3Xd x = DeformCentroidal(MeshD(shape), handles, CoarseParam()).position;
         EXPECT_TRUE((x.colwise() - point).isZero(0));
         std::replace(handles.tag.begin(), handles.tag.end(), 0, 1);
-        x = DeformCentroidal(MeshD(shape), handles, Param()).position;
+        x = DeformCentroidal(MeshD(shape), handles, CoarseParam()).position;
         EXPECT_LE((x.colwise() - bend * point).cwiseAbs().maxCoeff(), 1e-12);
     }
 }
@@ -189,7 +189,7 @@ TEST(WorstCases, OneTriangle) {
     std::vector<int> tag{0, 1, 2};
     do
         for (double radius : {0.0, 1e-3, 1e3})
-            ExpectDeforms(Triangle(), {tag, {{2, Motion(bend.matrix())}}, {}}, Param(radius));
+            ExpectDeforms(Triangle(), {tag, {{2, Motion(bend.matrix())}}, {}}, CoarseParam(radius));
     while (std::next_permutation(tag.begin(), tag.end()));
 }
 
@@ -218,10 +218,10 @@ TEST(WorstCases, FineDetailFarFromTheOrigin) {
     const Vector3d far(1e7, -1e7, 1e7);
     const Case near = Bar(), there = Bar(1, far);
     const MeshD mesh(there.shape);
-    const DeformationResult r = DeformCentroidal(mesh, there.handles, Param());
+    const DeformationResult r = DeformCentroidal(mesh, there.handles, CoarseParam());
     ExpectHeldExact(mesh, there.handles, r.position);
     EXPECT_EQ(r.surface.welded, 0);
-    const Matrix3Xd expected = DeformCentroidal(MeshD(near.shape), near.handles, Param()).position;
+    const Matrix3Xd expected = DeformCentroidal(MeshD(near.shape), near.handles, CoarseParam()).position;
     EXPECT_LE(((r.position.colwise() - far) - expected).cwiseAbs().maxCoeff(), 1e-2);
 }
 
@@ -236,12 +236,12 @@ TEST(WorstCases, DetailBelowThePrecisionOfTheFrame) {
 }
 
 TEST(WorstCases, HugeAndTinyCoordinates) {
-    const Matrix3Xd once = DeformCentroidal(MeshD(Bar().shape), Bar().handles, Param()).position;
+    const Matrix3Xd once = DeformCentroidal(MeshD(Bar().shape), Bar().handles, CoarseParam()).position;
     for (double scale : {std::ldexp(1., -1000), std::ldexp(1., -100), std::ldexp(1., 100), std::ldexp(1., 330)}) {
         const Case c = Bar(scale);
         ExpectGraph(c.shape);
         ExpectDeforms(c.shape, c.handles);
-        const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, Param()).position;
+        const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, CoarseParam()).position;
         EXPECT_LE((x / scale - once).cwiseAbs().maxCoeff(), 1e-9) << scale;
     }
     // Near the end of the numbers: positions are finite, squares of lengths need not be.
@@ -250,7 +250,7 @@ TEST(WorstCases, HugeAndTinyCoordinates) {
         c.shape = Moved(c.shape, Affine3d(Eigen::Scaling(scale)));
         c.handles.motion[2] = Motion(Affine3d(bend.linear()).matrix());
         const MeshD mesh(c.shape);
-        ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, Param()).position);
+        ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, CoarseParam()).position);
     }
 }
 
@@ -258,7 +258,7 @@ TEST(WorstCases, FloatCoordinatesAtTheEndsOfTheirRange) {
     for (double scale : {1e-38, 1e-30, 1e30, 1e37}) {
         const Case c = Bar(scale);
         const MeshF mesh(c.shape);
-        ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, Param()).position);
+        ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, CoarseParam()).position);
     }
 }
 
@@ -275,7 +275,7 @@ TEST(WorstCases, DeletedVerticesAndFaces) {
         mesh.vert[v].P()[1] = std::numeric_limits<double>::infinity();
         mesh.DeleteVertex(v);
     }
-    const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
+    const DeformationResult r = DeformCentroidal(mesh, c.handles, CoarseParam());
     ExpectHeldExact(mesh, c.handles, r.position);
     EXPECT_GT(r.surface.vertices, 0); // of the part that bends
     EXPECT_LE(r.surface.vertices, mesh.vn);
@@ -289,7 +289,7 @@ TEST(WorstCases, DeletedVerticesAndFaces) {
     EXPECT_EQ(one.patchOf[101], 0);
     mesh.DeleteVertex(101);
     EXPECT_NE(MessageOf<Error>([&] { BuildCentroidalGraph(mesh, {}); }).find("no vertices"), std::string::npos);
-    EXPECT_NE(MessageOf<Error>([&] { DeformCentroidal(mesh, c.handles, Param()); }).find("no handle"),
+    EXPECT_NE(MessageOf<Error>([&] { DeformCentroidal(mesh, c.handles, CoarseParam()); }).find("no handle"),
               std::string::npos);
 }
 
@@ -372,7 +372,7 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
     c.handles.motion[2] = Motion(Affine3d(Eigen::Scaling(1e90)).matrix());
     ExpectError(c, tooFar);
     c.handles.motion[2] = Motion(Affine3d(Eigen::Scaling(2.0)).matrix());
-    DeformationParam param = Param();
+    DeformationParam param = CoarseParam();
     for (double pose : {1e6, 1e300, -1e300}) {
         param.pose = pose;
         if (pose > 0)
