@@ -369,6 +369,33 @@ def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):
         assert said in log, log
 
 
+def two_sheets(gap):
+    """Two sheets of 21 x 21 vertices side by side, a gap (over the diagonal) between them, held at their far ends."""
+    x, y = np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij")
+    sheet = np.column_stack([x.ravel(), y.ravel(), 0.3 * np.sin(x.ravel())])
+    a = np.array([i * 21 + j for i in range(20) for j in range(20)])
+    faces = np.vstack([np.column_stack([a, a + 21, a + 1]), np.column_stack([a + 1, a + 21, a + 22])])
+    points = np.vstack([sheet, sheet * [-1, 1, 1] - [gap * 44, 0, 0]])  # the second one mirrored
+    tags = np.where(points[:, 0] > 18.5, 2.0, np.where(points[:, 0] < -18.5, 0.0, 1.0))
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, np.vstack([faces, faces[:, ::-1] + 441]), v_scalar_array=tags), "sheets")
+    return ms
+
+
+def test_seams_a_hair_apart_hold(capfd):
+    seam = np.arange(21)
+    for gap, more, joined in ((0, {}, True), (1e-9, {}, True), (5e-7, {}, True), (1e-4, {}, False), (1e-4, dict(weld_distance=2e-4), True)):
+        ms = two_sheets(gap)
+        result, log = deform_logged(ms, capfd, translation=np.array([2.0, 0, 8]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-60, **more)
+        assert result["components"] == (1 if joined else 2)
+        assert result["welded_vertices"] + result["joined_vertices"] == (21 if joined else 0)
+        assert result["gap_vertices"] == (0 if joined else 42)
+        points = ms.current_mesh().vertex_matrix()
+        opened = np.linalg.norm(points[seam] - points[441 + seam], axis=1).max() / 44
+        assert opened <= 3 * gap + 1e-12 if joined else opened > 0.01
+        assert ("such a slit may open" in log) == (not joined), log
+
+
 WARNINGS = {
     "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "straight from one held region to another",
     "folded": "turned over", "still": "No handle moves"}
@@ -1867,35 +1894,6 @@ def test_every_mesh_through_every_filter(shared, name, tmp_path):
         assert (mesh.vertex_custom_scalar_attribute_array("read")[selected] == -1).all()
     assert len(list(ms)) == count + 5
     ms.clear()  # large ones would stay in memory
-
-
-def two_sheets(gap):
-    """Two sheets of 21 x 21 vertices side by side, \p gap of the diagonal between them, held at their far ends."""
-    x, y = np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij")
-    sheet = np.column_stack([x.ravel(), y.ravel(), 0.3 * np.sin(x.ravel())])
-    a = np.array([i * 21 + j for i in range(20) for j in range(20)])
-    faces = np.vstack([np.column_stack([a, a + 21, a + 1]), np.column_stack([a + 1, a + 21, a + 22])])
-    points = np.vstack([sheet, sheet * [-1, 1, 1] - [gap * 44, 0, 0]])  # the second one mirrored
-    tags = np.where(points[:, 0] > 18.5, 2.0, np.where(points[:, 0] < -18.5, 0.0, 1.0))
-    ms = new_set()
-    ms.add_mesh(pymeshlab.Mesh(points, np.vstack([faces, faces[:, ::-1] + 441]), v_scalar_array=tags), "sheets")
-    return ms
-
-
-def test_seams_a_hair_apart_hold(capfd):
-    seam = np.arange(21)
-    for gap, more, joined in ((0, {}, True), (1e-9, {}, True), (5e-7, {}, True), (1e-4, {}, False), (1e-4, dict(weld_distance=2e-4), True)):
-        ms = two_sheets(gap)
-        ms.set_verbosity(True)
-        result = ms.apply_filter(DEFORM, translation=[2, 0, 8], rotation_axis=[0, 1, 0], rotation_angle=-60, **more)
-        assert result["components"] == (1 if joined else 2)
-        assert result["welded_vertices"] + result["joined_vertices"] == (21 if joined else 0)
-        assert result["gap_vertices"] == (0 if joined else 42)
-        points = ms.current_mesh().vertex_matrix()
-        opened = np.linalg.norm(points[seam] - points[441 + seam], axis=1).max() / 44
-        assert opened <= 3 * gap + 1e-12 if joined else opened > 0.01
-        log = capfd.readouterr().err
-        assert ("such a slit may open" in log) == (not joined), log
 
 
 def test_steps_reach_the_same_pose_where_there_is_one_way():
