@@ -371,6 +371,60 @@ Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t co
     return box.intersection(Eigen::AlignedBox3d(center - half, center + half));
 }
 
+/// The tag of a place where vertices have two: held where one is, by the smaller one.
+inline Index TagOfBoth(Index a, Index b) { return a == 1 ? b : b == 1 ? a : std::min(a, b); }
+
+/// Makes nodes on open borders a hair apart one, and leaves out those that are \p near but joined with none.
+/// \param open n flags as of TriangleGraph \param near n flags, or empty for none
+/// \param corner of the triangles, renumbered like the nodes; those between held nodes alone become points
+/// \return whether a node went: then the triangles have to be connected again
+inline bool JoinSeams(SurfaceGraph &s, const std::vector<char> &open, const std::vector<char> &near,
+                      double weldDistance, Index *corner, std::size_t triangles, const Progress &progress) {
+    Seams seams = FindSeams(s.graph, open, s.tag, weldDistance, progress);
+    s.report.seams = seams.joined;
+    s.report.gaps = seams.gaps;
+    if (seams.joined == 0 && std::find(near.begin(), near.end(), 1) == near.end())
+        return false;
+    Eigen::Matrix3Xf &x = s.graph.position;
+    const Index n = Index(x.cols());
+    if (seams.into.empty()) {
+        seams.into.resize(n);
+        std::iota(seams.into.begin(), seams.into.end(), 0);
+    }
+    std::vector<Index> newIndex(n, -1);
+    for (Index u = 0; u < n; ++u)
+        if (near.empty() || !near[u])
+            newIndex[seams.into[u]] = 0;
+    Index kept = 0;
+    for (Index u = 0; u < n; ++u)
+        if (newIndex[u] >= 0) {
+            newIndex[u] = kept;
+            x.col(kept++) = Eigen::Vector3f(x.col(u));
+        }
+    for (Index u = 0; u < n; ++u)
+        newIndex[u] = newIndex[seams.into[u]];
+    Eigen::Matrix3Xf left = x.leftCols(kept);
+    x.swap(left);
+    for (Index &node : s.nodeOf)
+        if (node >= 0)
+            node = newIndex[node];
+    if (!s.tag.empty()) {
+        std::vector<Index> tag(kept, 1);
+        for (Index u = 0; u < n; ++u)
+            if (newIndex[u] >= 0)
+                tag[newIndex[u]] = TagOfBoth(tag[newIndex[u]], s.tag[u]);
+        s.tag = std::move(tag);
+    }
+    for (std::size_t t = 0; t < triangles; ++t) {
+        Index *c = corner + 3 * t;
+        for (int j = 0; j < 3; ++j)
+            c[j] = newIndex[c[j]];
+        if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
+            c[1] = c[2] = c[0];
+    }
+    return true;
+}
+
 inline Error NotFinite(std::size_t vertex) {
     return Error("Vertex " + std::to_string(vertex) +
                  " has a coordinate that is not a finite number; remove such vertices first.");
@@ -723,20 +777,12 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         x.swap(bySlot);
     order.reset();
     bySlot.resize(3, 0);
-    const auto readTags = [&] {
-        if (!region)
-            return;
+    if (region) {
         fcd::AssignLarge(s.tag, nodes, Index(1));
-        for (std::size_t i = 0; i < slotCount; ++i) {
-            const Index node = s.nodeOf[i];
-            if (node < 0 || tag[i] == 1)
-                continue;
-            const Index t = std::max(tag[i], 0);
-            if (s.tag[node] == 1 || t < s.tag[node])
-                s.tag[node] = t;
-        }
-    };
-    readTags();
+        for (std::size_t i = 0; i < slotCount; ++i)
+            if (const Index node = s.nodeOf[i]; node >= 0 && tag[i] != 1)
+                s.tag[node] = fcd::detail::TagOfBoth(s.tag[node], std::max(tag[i], 0));
+    }
 
     // Faces and edge elements as corners; those that do not count as three times the same.
     const std::size_t faces = m.face.size();
@@ -783,9 +829,8 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.5, 0.9));
     s.graph.adjacency = std::move(connected.adjacency);
 
-    // Seams: nodes that are joined, and candidates that are not, go, and the triangles are read again.
     if (hasSeams) {
-        std::vector<char> near; // nodes of candidates alone
+        std::vector<char> near; // nodes of candidates alone, which only a seam makes part of it
         if (!beside.empty()) {
             near.assign(nodes, 1);
             for (std::size_t i = 0; i < slotCount; ++i)
@@ -799,40 +844,9 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                 connected.open[u] |= near[u];
             }
         }
-        fcd::Seams seams = fcd::FindSeams(s.graph, connected.open, s.tag, weldDistance, progress.Slice(0.9, 0.92));
-        s.report.seams = seams.joined;
-        s.report.gaps = seams.gaps;
-        const bool drops = std::find(near.begin(), near.end(), 1) != near.end();
-        if (drops || seams.joined > 0) {
-            if (seams.into.empty()) {
-                seams.into.resize(nodes);
-                std::iota(seams.into.begin(), seams.into.end(), 0);
-            }
-            std::vector<Index> newIndex(nodes, -1);
-            for (Index u = 0; u < nodes; ++u)
-                if (!drops || !near[u])
-                    newIndex[seams.into[u]] = 0;
-            Index kept = 0;
-            for (Index u = 0; u < nodes; ++u)
-                if (newIndex[u] >= 0) {
-                    newIndex[u] = kept;
-                    x.col(kept++) = Eigen::Vector3f(x.col(u));
-                }
-            bySlot = x.leftCols(kept);
-            x.swap(bySlot);
-            bySlot.resize(3, 0);
-            for (Index &node : s.nodeOf)
-                if (node >= 0)
-                    node = newIndex[seams.into[node]];
-            nodes = kept;
-            readTags();
-            for (std::size_t t = 0; t < triangles; ++t) {
-                Index *c = &corner[3 * t];
-                for (int j = 0; j < 3; ++j)
-                    c[j] = newIndex[seams.into[c[j]]];
-                if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
-                    c[1] = c[2] = c[0];
-            }
+        if (fcd::detail::JoinSeams(s, connected.open, near, weldDistance, corner.get(), triangles,
+                                   progress.Slice(0.9, 0.92))) {
+            nodes = Index(x.cols());
             connected = fcd::detail::ConnectTriangles(x, corner.get(), triangles, progress.Slice(0.92, 1));
             s.graph.adjacency = std::move(connected.adjacency);
         }
