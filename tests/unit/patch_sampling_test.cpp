@@ -315,13 +315,12 @@ TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
         const Patches p = SamplePatches(s.graph, {}, {}, param);
         ExpectConverged(s.graph, {}, p, param.targetRadius);
         const PlainPatches plain = SamplePlainly(s.graph, param);
-        EXPECT_LT(p.cost, 1.06 * plain.cost);
         sum += p.cost / plain.cost / 5;
         EXPECT_LT(p.Size(), 1.1 * double(plain.center.size()));
-        // With k patches the cost goes as 1 / k: compare what is left of it.
-        EXPECT_LT(p.cost * p.Size(), 1.06 * plain.cost * double(plain.center.size()));
+        // With k patches the cost goes as 1 / k, and how often patches are split is a matter of chance.
+        EXPECT_LT(p.cost * p.Size(), 1.02 * plain.cost * double(plain.center.size()));
     }
-    EXPECT_LT(sum, 1.02) << "mean over the meshes; single ones with few patches scatter by the local minimum they find";
+    EXPECT_LT(sum, 1.02) << "mean over the meshes";
 }
 
 TEST(SamplePatches, IsNearlyUniform) {
