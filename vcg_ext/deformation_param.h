@@ -74,7 +74,7 @@ struct DeformationParam {
             throw Error("The pose must be a finite number of percent.");
         if (steps < 1 || steps > 1000)
             throw Error("The pose can be reached in 1 to 1000 steps.");
-        if (!(weldDistance >= 0 && weldDistance <= 1e-3))
+        if (!(weldDistance >= 0 && float(weldDistance) <= 1e-3f)) // hosts give it in single precision
             throw Error("The weld distance must be from 0 to 0.001 (of the bounding box diagonal).");
     }
 };

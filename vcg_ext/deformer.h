@@ -588,8 +588,11 @@ class Deformer {
         return pose.given.motion.at(slotTag[slot] == 1 ? 0 : std::max(0, slotTag[slot]));
     }
 
-    /// The motion of what follows a held vertex that is no node of the surface.
+    /// The motion of a held vertex, or of a free one at the place of one.
     const Eigen::Matrix4d &GivenAt(const Pose &pose, std::size_t slot) const {
+        const Index node = surface.nodeOf[slot];
+        if (node >= 0)
+            return pose.given.motion.at(held.tag[node]);
         return slotTag[slot] == 1 ? pose.given.pointMotion.at(slot) : pose.given.motion.at(std::max(0, slotTag[slot]));
     }
 

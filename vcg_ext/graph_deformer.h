@@ -170,6 +170,9 @@ class GraphDeformer {
                 edge[e] = graph.weight[e] * d;
                 edgeLength += d.norm() / double(edge.size());
             }
+        for (double &s : stay)
+            if (!(s > 0)) // without edges, all is left open
+                s = 1;
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
                 if (i < Neighbour(e) && held[componentOf[i]])
@@ -258,7 +261,11 @@ class GraphDeformer {
         std::vector<Eigen::Matrix3d> rotation(k, Eigen::Matrix3d::Identity());
         Eigen::Matrix3Xd before = rest; // where the motions below begin
         using Matrix34d = Eigen::Matrix<double, 3, 4>;
-        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12); // motion minus identity of the constrained nodes
+        // What the motions of the constrained nodes differ by from that of the first one. Without that, what they have
+        // in common would be as inexact as the solution where a node hardly hangs on the others.
+        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12);
+        Matrix34d common = Matrix34d::Identity();
+        bool isFirst = true;
         if (last) {
             before = last->position;
             for (Index i = 0; i < k; ++i)
@@ -271,7 +278,10 @@ class GraphDeformer {
                 const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
                 rotation[i] = last && turns[i] ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
                                                : detail::RotationOf(pose.linear[i]);
-                const Matrix34d m = way.matrix().topRows<3>() - Matrix34d::Identity();
+                if (isFirst)
+                    common = way.matrix().topRows<3>();
+                isFirst = false;
+                const Matrix34d m = way.matrix().topRows<3>() - common;
                 change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
             }
         if (turning.empty())
@@ -284,7 +294,7 @@ class GraphDeformer {
             guess = initialGuess.solve(-(guessRows * (constrainedColumns * change)));
         for (Index u = 0; u < n; ++u) {
             const Eigen::Matrix<double, 1, 12> row = guess.row(u);
-            const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + Matrix34d::Identity();
+            const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + common;
             pose.position.col(unknown[u]) = m * before.col(unknown[u]).homogeneous();
             const Eigen::Matrix3d turn = detail::RotationOf(m.leftCols<3>());
             rotation[unknown[u]] = last ? Eigen::Matrix3d(turn * rotation[unknown[u]]) : turn;

@@ -879,6 +879,41 @@ TEST(DeformCentroidal, ReachesItsPoseOverSteps) {
     EXPECT_EQ(MessageOf<Error>([&] { Deformed(c, param); }), "The pose can be reached in 1 to 1000 steps.");
 }
 
+TEST(DeformCentroidal, APartOfOnePatchTurnsWithTheHandleInItsMiddle) {
+    Case c = TubeCase();
+    const int first = c.shape.Size();
+    c.shape = Join(c.shape, Moved(Grid(21, 21, 0.02), Affine3d(Eigen::Translation3d(3, 0, 1))));
+    for (int i = 0; i < 441; ++i) // 3 x 3 in the middle
+        c.handles.tag.push_back(std::abs(i / 21 - 10) <= 1 && std::abs(i % 21 - 10) <= 1 ? 2 : 1);
+    const Affine3d turn(Eigen::AngleAxisd(2, Vector3d(1, 2, 3).normalized()));
+    c.handles.motion[2] = Motion(turn.matrix());
+    for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
+        DeformationParam param = Param();
+        param.weights = weights;
+        const Matrix3Xd x = Deformed(c, param);
+        double most = 0;
+        for (int i = first; i < c.shape.Size(); ++i)
+            most = std::max(most, (x.col(i) - turn * c.shape.position[i]).norm());
+        if (weights == MappingWeights::Surface)
+            EXPECT_LE(most, 1e-6);
+        else
+            EXPECT_LE(most, 0.1) << "the tube's nodes pull, too";
+    }
+}
+
+TEST(DeformCentroidal, LoosePartsFollowWhereAFreeVertexLiesOnAHeldOne) {
+    // The nearest place of the speck is such a vertex.
+    Case c{Join(Grid(5, 5), Grid(5, 5)), {}};
+    for (int i = 0; i < 50; ++i)
+        c.handles.tag.push_back(i < 25 ? i % 5 < 2 ? 2 : 0 : i % 5 < 2 ? 1 : i % 5 == 2 ? 0 : 1);
+    c.shape = Join(c.shape, Shape{{{0, 0, 0.1}}, {}, {}});
+    c.handles.tag.push_back(1);
+    const Affine3d lift(Eigen::Translation3d(0, 0, 2));
+    c.handles.motion[2] = Motion(lift.matrix());
+    const Matrix3Xd x = Deformed(c);
+    EXPECT_LE((x.col(50) - Vector3d(0, 0, 2.1)).norm(), 1e-9);
+}
+
 TEST(DeformCentroidal, TakesPointClouds) {
     Case c = TubeCase();
     c.shape = Points(c.shape);
