@@ -58,8 +58,9 @@ std::string HashOf(const Problem &problem) {
     return hash.Text();
 }
 
-/// What is within two rings of a free vertex: the rotations that CGAL gives to the inner one depend on the outer one,
-/// and nothing beyond them matters.
+/// The region that CGAL is given: what is within two rings of a free vertex. It is a choice: the rotations of held
+/// vertices are unknowns, too, and with more rings they give way less. On fork_arm our distance to the reference at 300
+/// patches is 0.67 % with two rings, 0.19 % with 8 and 0.17 % with 25.
 std::vector<bool> NearFree(const Problem &problem) {
     const Mesh &mesh = problem.mesh;
     std::vector<bool> near(mesh.vert.size());
