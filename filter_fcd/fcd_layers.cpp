@@ -547,7 +547,7 @@ bool hasOwnNormals(const MeshModel &layer) {
     std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
     for (const CFaceO &face : mesh.face)
         for (int k = 0; !face.IsD() && k < 3; ++k) {
-            const std::size_t i = std::size_t(face.cV(k) - &mesh.vert[0]);
+            const std::size_t i = std::size_t(face.cV(k) - mesh.vert.data());
             if (i % step != 0)
                 continue;
             const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),

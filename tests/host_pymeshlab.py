@@ -384,7 +384,8 @@ def two_sheets(gap):
 
 def test_seams_a_hair_apart_hold(capfd):
     seam = np.arange(21)
-    for gap, more, joined in ((0, {}, True), (1e-9, {}, True), (5e-7, {}, True), (1e-4, {}, False), (1e-4, dict(weld_distance=2e-4), True)):
+    for gap, more, joined in ((0, {}, True), (1e-9, {}, True), (5e-7, {}, True), (1e-4, {}, False), (1e-4, dict(weld_distance=2e-4), True),
+                             (5e-4, dict(weld_distance=1e-3), True)):
         ms = two_sheets(gap)
         result, log = deform_logged(ms, capfd, translation=np.array([2.0, 0, 8]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-60, **more)
         assert result["components"] == (1 if joined else 2)

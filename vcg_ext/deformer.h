@@ -393,7 +393,7 @@ class Deformer {
           slotTag(std::move(slotTag)), point(point), param(param) {
         Stopwatch watch;
         for (std::size_t i : point)
-            pointRest.push_back(rest.col(Eigen::Index(i)));
+            pointRest.emplace_back(rest.col(Eigen::Index(i)));
         center = detail::HandleCenters(rest, this->slotTag);
         BuildGraph(rest, progress.Slice(0, 0.7));
         secondsGraph = watch.Seconds();
@@ -485,6 +485,7 @@ class Deformer {
         const Frame &frame = surface.frame;
         const std::vector<Eigen::Matrix4d> looseMotion = LooseMotions(pose, mapped, position);
         std::vector<Eigen::Vector3d> followed;
+        followed.reserve(following.vertex.size());
         for (const LooseFollowing::Vertex &vertex : following.vertex)
             followed.push_back(Followed(pose, mapped, vertex, position.col(Eigen::Index(vertex.slot))));
         const Eigen::Matrix4d still = Eigen::Matrix4d::Identity();
@@ -534,7 +535,7 @@ class Deformer {
     std::vector<Eigen::Matrix3d> LooseLinear(const Pose &pose, const Eigen::Matrix3Xd &rest) const {
         std::vector<Eigen::Matrix3d> linear;
         for (const Eigen::Matrix4d &m : LooseMotions(pose, mapping->At(pose.graph, pose.motion), rest))
-            linear.push_back(m.topLeftCorner<3, 3>());
+            linear.emplace_back(m.topLeftCorner<3, 3>());
         return linear;
     }
 

@@ -94,6 +94,7 @@ class Places {
             for (std::size_t i = 0; i < std::min(most, from->size()); ++i)
                 slot.push_back((*from)[from->size() * i / std::min(most, from->size())]);
         std::vector<vcg::Point3d> point;
+        point.reserve(slot.size());
         for (std::size_t i : slot)
             point.push_back(InWorld(position.col(Eigen::Index(i))));
         if (!slot.empty())
@@ -117,10 +118,11 @@ class Places {
         const int wanted = int(std::min<std::size_t>(several + 1, slot.size()));
         tree->doQueryK(InWorld(p), wanted, queue);
         std::vector<std::pair<double, Index>> found;
+        found.reserve(several + 1);
         for (int i = 0; i < queue.getNofElements(); ++i)
             found.emplace_back(std::sqrt(queue.getWeight(i)), Index(slot[queue.getIndex(i)]));
         std::sort(found.begin(), found.end());
-        const double last = found.back().first; // has no weight left
+        const double last = found.empty() ? 0 : found.back().first; // has no weight left
         double sum = 0, weight[several] = {};
         for (int i = 0; i < several; ++i) {
             const bool is = i < int(found.size());
@@ -128,10 +130,10 @@ class Places {
             weight[i] = is && last > 0 ? std::pow(1 - found[i].first / last, 2) : 0;
             sum += weight[i];
         }
-        if (!(sum > 0))
+        if (!(sum > 0) && !found.empty())
             sum = weight[0] = 1;
         for (int i = 0; i < several; ++i)
-            weights[i] = float(weight[i] / sum);
+            weights[i] = sum > 0 ? float(weight[i] / sum) : 0.f;
     }
 
   private:

@@ -39,7 +39,8 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
             float sum = 0;
             for (Index v : graph.adjacency[u])
                 sum += (graph.position.col(v) - p).norm();
-            place.push_back({direction.dot(p), 0.1f * sum / std::max<std::size_t>(1, graph.adjacency[u].size()), u});
+            place.push_back(
+                {direction.dot(p), 0.1f * sum / float(std::max<std::size_t>(1, graph.adjacency[u].size())), u});
         }
     std::sort(place.begin(), place.end());
 
