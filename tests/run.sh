@@ -173,11 +173,11 @@ suites=()
 tools=$build/venv-tools/bin
 start unit-sanitized sanitized
 start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
+start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 start meshlab-2020.09 meshlabserver
-start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
 start clang-tidy tidy
 start cppcheck check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp

@@ -43,22 +43,26 @@ inline double CotangentWeight(const Graph &g, Index u, Index v) {
     const Csr::Row a = g.adjacency[u], b = g.adjacency[v];
     const Eigen::Vector3d xu = g.position.col(u).cast<double>(), xv = g.position.col(v).cast<double>();
     const Eigen::Vector3d edge = xv - xu;
-    const auto forShared = [&](const auto &body) { // body(cotangent, across): the angle's, and from the edge to there
-        for (const Index *i = a.begin(), *j = b.begin(); i != a.end() && j != b.end();) {
-            if (*i < *j) {
-                ++i;
-            } else if (*j < *i) {
+    const auto forShared = [&](const auto &body) {  // body(cotangent, across): the angle's, and from the edge to there
+        const bool isShorter = a.size() < b.size(); // a hub has as many edges as neighbours: look up what is shared
+        const Csr::Row &few = isShorter ? a : b, &many = isShorter ? b : a;
+        const bool isHub = many.size() > 16 * few.size();
+        const Index *j = many.begin();
+        for (Index i : few) {
+            if (isHub)
+                j = std::lower_bound(j, many.end(), i);
+            while (j != many.end() && *j < i)
                 ++j;
-            } else {
-                const Eigen::Vector3d x = g.position.col(*i).cast<double>(), p = xu - x, q = xv - x;
-                const double twice = p.cross(q).norm();
-                // Below this height over base, a triangle's float coordinates say nothing about its shape.
-                const bool isFlat = !(twice > 1e-5 * std::max(p.squaredNorm(), q.squaredNorm()));
-                body(isFlat ? 0 : p.dot(q) / twice, isFlat,
-                     Eigen::Vector3d(-p - edge * (edge.dot(-p) / edge.squaredNorm())), p.dot(q));
-                ++i;
-                ++j;
-            }
+            if (j == many.end())
+                break;
+            if (*j != i)
+                continue;
+            const Eigen::Vector3d x = g.position.col(i).cast<double>(), p = xu - x, q = xv - x;
+            const double twice = p.cross(q).norm();
+            // Below this height over base, a triangle's float coordinates say nothing about its shape.
+            const bool isFlat = !(twice > 1e-5 * std::max(p.squaredNorm(), q.squaredNorm()));
+            body(isFlat ? 0 : p.dot(q) / twice, isFlat,
+                 Eigen::Vector3d(-p - edge * (edge.dot(-p) / edge.squaredNorm())), p.dot(q));
         }
     };
     double sum = 0, widest = std::numeric_limits<double>::infinity(), opposite = widest;

@@ -647,9 +647,10 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                                 isNew &= high[d] != low[d];
                                 cell[d] = high[d];
                             }
+                        if (!isNew)
+                            continue;
                         const std::uint64_t h = place(cell);
-                        if (isNew)
-                            bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
+                        bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
                     }
                 }
         });

@@ -163,11 +163,11 @@ TEST(WorstCases, AFanOfAPatchPerVertex) {
 }
 
 TEST(WorstCases, FacesWithoutArea) {
-    const int n = sanitized ? 40 : 150;
+    constexpr int n = sanitized ? 40 : 150;
     const Shape shape = NoArea(n);
     ExpectGraph(shape);
     ExpectDeforms(shape, TagsInTurn(shape.position.size()));
-    const Case c = CaseOf(shape, [n](const Vector3d &p) { return p[0] < 0.14 * n ? 0 : p[0] > 0.8 * n ? 2 : 1; });
+    const Case c = CaseOf(shape, [](const Vector3d &p) { return p[0] < 0.14 * n ? 0 : p[0] > 0.8 * n ? 2 : 1; });
     ExpectDeforms(c.shape, c.handles);
 }
 
