@@ -108,9 +108,9 @@ inline float DegreesOf(const Eigen::Vector4d &q) {
 }
 
 /// Stretch and rotation of the surface at each vertex, from its edges; what they leave open is as the patch turned.
-/// \param looseLinear the linear map of each loose part
+/// \param looseMotion of each loose part
 inline void Measure(const Deformer &deformer, const Deformer::Pose &pose,
-                    const std::vector<Eigen::Matrix3d> &looseLinear, const Progress &progress,
+                    const std::vector<Eigen::Matrix4d> &looseMotion, const Progress &progress,
                     DeformationResult &result) {
     const SurfaceGraph &surface = deformer.surface;
     const Patches &patches = deformer.patches;
@@ -150,7 +150,7 @@ inline void Measure(const Deformer &deformer, const Deformer::Pose &pose,
             result.stretch[i] = stretch[surface.nodeOf[i]];
             result.rotation[i] = rotation[surface.nodeOf[i]];
         } else if (deformer.slotTag[i] != noVertex) {
-            const Eigen::Matrix3d linear = deformer.LinearElsewhere(pose, looseLinear, i);
+            const Eigen::Matrix3d linear = deformer.MatrixAt(pose, looseMotion, i).topLeftCorner<3, 3>();
             if (linear == Eigen::Matrix3d::Identity())
                 continue;
             result.stretch[i] = float(linear.norm() / std::sqrt(3.0));
@@ -243,8 +243,11 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
 }
 
 /// Prepares a mesh to be deformed: reads the tags of \p handles and where its points are, not their motions. The mesh
-/// is only read. \param rest 3 x vertex slots: the mesh's positions, out \throw fcd::Error as DeformCentroidal, but for
-/// motions \throw fcd::Cancelled
+/// is only read.
+///
+/// \param rest 3 x vertex slots: the mesh's positions, out
+/// \throw fcd::Error as DeformCentroidal, but for motions
+/// \throw fcd::Cancelled
 template <class MeshType>
 std::unique_ptr<fcd::Deformer> PrepareDeformer(const MeshType &m, const fcd::Handles &handles,
                                                const fcd::DeformationParam &param, Eigen::Matrix3Xd &rest,
@@ -311,12 +314,11 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     result.secondsGraph = watch.Seconds() - deformer->secondsMap;
 
     watch = {};
-    Deformer::Pose pose, last;
+    Deformer::Pose pose;
     for (int step = 1; step <= param.steps; ++step) {
         const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
-        pose = deformer->Solve(deformer->MotionsOf(handles, percent), step > 1 ? &last : nullptr,
+        pose = deformer->Solve(deformer->MotionsOf(handles, percent), step > 1 ? &pose : nullptr,
                                progress.Slice(0.75 + 0.1 * (step - 1) / param.steps, 0.75 + 0.1 * step / param.steps));
-        last = pose;
         result.iterations += pose.graph.iterations;
     }
     result.converged = pose.graph.converged;
@@ -324,13 +326,13 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     result.secondsSolve = watch.Seconds();
 
     watch = {};
-    std::vector<Eigen::Matrix3d> looseLinear;
+    std::vector<Eigen::Matrix4d> looseMotion;
     if (param.measure)
-        looseLinear = deformer->LooseLinear(pose, result.position);
+        looseMotion = deformer->LooseMotions(pose, result.position);
     deformer->Apply(pose, result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.85, 0.95));
     result.check = fcd::detail::Check(m, handles, *deformer, pose, result.position, progress.Slice(0.95, 0.97));
     if (param.measure)
-        fcd::detail::Measure(*deformer, pose, looseLinear, progress.Slice(0.97, 0.99), result);
+        fcd::detail::Measure(*deformer, pose, looseMotion, progress.Slice(0.97, 0.99), result);
     result.secondsMap = watch.Seconds() + deformer->secondsMap;
     fcd::detail::ShowGraph(m, *deformer, pose, progress.Slice(0.99, 1), result);
     progress(1, "Mapping to the mesh");

@@ -531,20 +531,17 @@ class Deformer {
                 position.col(Eigen::Index(following.vertex[v].slot)) = followed[v];
     }
 
-    /// The linear part of the motion of each loose part. \param rest 3 x slots
-    std::vector<Eigen::Matrix3d> LooseLinear(const Pose &pose, const Eigen::Matrix3Xd &rest) const {
-        std::vector<Eigen::Matrix3d> linear;
-        for (const Eigen::Matrix4d &m : LooseMotions(pose, mapping->At(pose.graph, pose.motion), rest))
-            linear.emplace_back(m.topLeftCorner<3, 3>());
-        return linear;
+    /// The motion of each loose part, mesh units. \param rest 3 x slots
+    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose, const Eigen::Matrix3Xd &rest) const {
+        return LooseMotions(pose, mapping->At(pose.graph, pose.motion), rest);
     }
 
-    /// The same of any vertex that is no node of the surface. \param looseLinear that of each loose part
-    Eigen::Matrix3d LinearElsewhere(const Pose &pose, const std::vector<Eigen::Matrix3d> &looseLinear,
+    /// The motion of a vertex that is no node of the surface, mesh units. \param looseMotion of each loose part
+    const Eigen::Matrix4d &MatrixAt(const Pose &pose, const std::vector<Eigen::Matrix4d> &looseMotion,
                                     std::size_t slot) const {
         if (slotTag[slot] == 1 && !loose.partOf.empty() && loose.partOf[slot] >= 0)
-            return looseLinear[loose.partOf[slot]];
-        return pose.given.motion.at(slotTag[slot] == 1 ? 0 : std::max(0, slotTag[slot])).topLeftCorner<3, 3>();
+            return looseMotion[loose.partOf[slot]];
+        return pose.given.motion.at(slotTag[slot] == 1 ? 0 : std::max(0, slotTag[slot]));
     }
 
     const SurfaceGraph surface;
@@ -579,14 +576,6 @@ class Deformer {
         for (Index u = 0; u < surface.graph.Size(); ++u)
             if (patches.patchOf[u] >= 0)
                 nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
-    }
-
-    /// The motion of a vertex that is no node of the surface.
-    const Eigen::Matrix4d &MatrixAt(const Pose &pose, const std::vector<Eigen::Matrix4d> &looseMotion,
-                                    std::size_t slot) const {
-        if (slotTag[slot] == 1 && !loose.partOf.empty() && loose.partOf[slot] >= 0)
-            return looseMotion[loose.partOf[slot]];
-        return pose.given.motion.at(slotTag[slot] == 1 ? 0 : std::max(0, slotTag[slot]));
     }
 
     /// The motion of a held vertex, or of a free one at the place of one.

@@ -663,11 +663,14 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                     part[first / grain].live += beside[i];
                 }
         });
+        const std::size_t parts = total.live;
         total.live = 0;
         for (std::size_t c = 0; c < chunks; ++c) {
             begin[c] = total.live;
             total.live += part[c].live;
         }
+        if (total.live == parts) // none, as mostly
+            beside = {};
     }
     const auto isBeside = [&](std::size_t i) { return !beside.empty() && beside[i]; };
 
