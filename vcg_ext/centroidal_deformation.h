@@ -60,8 +60,9 @@ struct DeformationResult {
 };
 
 /// What a map of points does to normals, but for their length; the map may flatten.
-inline Eigen::Matrix3d Cofactors(const Eigen::Matrix3d &map) {
-    Eigen::Matrix3d c;
+template <class Scalar>
+Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
+    Eigen::Matrix<Scalar, 3, 3> c;
     for (int i = 0; i < 3; ++i)
         c.col(i) = map.col((i + 1) % 3).cross(map.col((i + 2) % 3));
     return c;
@@ -90,7 +91,8 @@ GraphGeometry GeometryOf(const MeshType &m, const SurfaceGraph &surface, const P
         for (Index c : patches.center)
             isCenter[c] = true;
         const std::vector<Index> atCenter = CollectInOrder(
-            progress, "Building the graph", Index(m.vert.size()), [&](Index i, std::vector<Index> &found) {
+            progress, "Building the graph", Index(surface.slots.size()), [&](Index s, std::vector<Index> &found) {
+                const Index i = Index(surface.slots[s]);
                 if (surface.nodeOf[i] >= 0 && isCenter[surface.nodeOf[i]])
                     found.push_back(i);
             });
@@ -166,12 +168,12 @@ DeformationCheck Check(const MeshType &m, const Handles &handles, const Deformer
     DeformationCheck check;
     check.rigid = MovesAsOne(deformer.held.tag, pose.given.motion);
     check.overruled = CountOverruled(surface, handles.tag);
-    CheckEdgesBetweenHeld(m, surface.frame, handles.tag, position, progress.Slice(0, 0.5), check);
+    CheckEdgesBetweenHeld(m, surface.frame, surface.apart, position, check);
     std::vector<Eigen::Matrix3d> turns = pose.graph.linear; // of the surface in each patch
     for (Index j = 0; j < deformer.graph.Size(); ++j)
         if (deformer.graph.IsHeld(j))
             turns[j] = pose.nodeMotion[j].linear();
-    check.folded = CountFolded(m, surface, deformer.patches.patchOf, turns, position, progress.Slice(0.5, 1));
+    check.folded = CountFolded(m, surface, deformer.patches.patchOf, turns, position, progress);
     return check;
 }
 
@@ -242,6 +244,20 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
     return result;
 }
 
+/// Counts the vertices by tag, point handles as handles.
+/// \throw fcd::Error wrong number of tags, no handle, or nothing free
+template <class MeshType>
+fcd::TagCount CountHandles(const MeshType &m, const fcd::Handles &handles, unsigned threads = 0) {
+    fcd::TagCount tags = CountTags(m, handles.tag, threads);
+    tags.handle += fcd::Index(handles.point.size());
+    tags.free -= fcd::Index(handles.point.size());
+    if (tags.handle == 0)
+        throw fcd::Error("There is no handle: no vertex has a tag of 2 or more. Mark the part to move with tag 2.");
+    if (tags.free <= 0)
+        throw fcd::Error("There is nothing to deform: no vertex is free. Mark the part that may bend with tag 1.");
+    return tags;
+}
+
 /// Prepares a mesh to be deformed: reads the tags of \p handles and where its points are, not their motions. The mesh
 /// is only read.
 ///
@@ -250,7 +266,7 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
 /// \throw fcd::Cancelled
 template <class MeshType>
 std::unique_ptr<fcd::Deformer> PrepareDeformer(const MeshType &m, const fcd::Handles &handles,
-                                               const fcd::DeformationParam &param, Eigen::Matrix3Xd &rest,
+                                               const fcd::DeformerParam &param, Eigen::Matrix3Xd &rest,
                                                const fcd::Progress &progress = {}) {
     using namespace fcd;
     std::vector<std::size_t> point;
@@ -281,6 +297,37 @@ std::unique_ptr<fcd::Deformer> PrepareDeformer(const MeshType &m, const fcd::Han
                                       rest, param, progress.Slice(0.4, 1));
 }
 
+/// Poses a prepared mesh. The mesh is only read.
+/// \param result in: its position is that at rest, 3 x slots; out: all but the counts of tags
+/// \throw fcd::Error a motion by more than 1e30 times the mesh \throw fcd::Cancelled
+template <class MeshType>
+void PoseMesh(const MeshType &m, const fcd::Handles &handles, fcd::Deformer &deformer,
+              const fcd::DeformationParam &param, const fcd::Progress &progress, fcd::DeformationResult &result) {
+    using namespace fcd;
+    const SurfaceGraph &surface = deformer.surface;
+    result.surface = surface.report;
+    result.surface.components = deformer.loose.components;
+    result.surface.isolated += deformer.loose.isolated;
+    result.looseParts = deformer.loose.parts;
+    result.placedNodes = deformer.placedNodes;
+
+    fcd::Stopwatch watch;
+    const Deformer::Pose pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    result.iterations = pose.iterations;
+    result.converged = pose.graph.converged;
+    result.energy = pose.graph.energy * surface.frame.scale * surface.frame.scale;
+    result.secondsSolve = watch.Seconds();
+
+    watch = {};
+    deformer.Apply(pose, result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.4, 0.8));
+    result.check = fcd::detail::Check(m, handles, deformer, pose, result.position, progress.Slice(0.8, 0.9));
+    if (param.measure)
+        fcd::detail::Measure(deformer, pose, deformer.LooseMotions(pose), progress.Slice(0.9, 0.96), result);
+    result.secondsMap = watch.Seconds();
+    fcd::detail::ShowGraph(m, deformer, pose, progress.Slice(0.96, 1), result);
+    progress(1, "Mapping to the mesh");
+}
+
 /// Deforms a mesh: fixed vertices and vertices outside the region of influence keep their position to the bit, handle
 /// vertices are their motion of their rest position, the free ones follow as rigidly as possible. The mesh is only
 /// read.
@@ -291,51 +338,16 @@ template <class MeshType>
 fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,
                                         const fcd::DeformationParam &param, const fcd::Progress &progress = {}) {
     using namespace fcd;
-    using fcd::Index; // vcg::tri has a function of that name
     param.Validate();
     DeformationResult result;
-    result.tags = CountTags(m, handles.tag);
-    result.tags.handle += Index(handles.point.size());
-    result.tags.free -= Index(handles.point.size());
-    if (result.tags.handle == 0)
-        throw Error("There is no handle: no vertex has a tag of 2 or more. Mark the part to move with tag 2.");
-    if (result.tags.free <= 0)
-        throw Error("There is nothing to deform: no vertex is free. Mark the part that may bend with tag 1.");
-
-    fcd::Stopwatch watch;
+    result.tags = CountHandles(m, handles, progress.threads);
+    const fcd::Stopwatch watch;
     const std::unique_ptr<Deformer> deformer =
         PrepareDeformer(m, handles, param, result.position, progress.Slice(0, 0.75));
-    const SurfaceGraph &surface = deformer->surface;
-    result.surface = surface.report;
-    result.surface.components = deformer->loose.components;
-    result.surface.isolated += deformer->loose.isolated;
-    result.looseParts = deformer->loose.parts;
-    result.placedNodes = deformer->placedNodes;
-    result.secondsGraph = watch.Seconds() - deformer->secondsMap;
-
-    watch = {};
-    Deformer::Pose pose;
-    for (int step = 1; step <= param.steps; ++step) {
-        const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
-        pose = deformer->Solve(deformer->MotionsOf(handles, percent), step > 1 ? &pose : nullptr,
-                               progress.Slice(0.75 + 0.1 * (step - 1) / param.steps, 0.75 + 0.1 * step / param.steps));
-        result.iterations += pose.graph.iterations;
-    }
-    result.converged = pose.graph.converged;
-    result.energy = pose.graph.energy * surface.frame.scale * surface.frame.scale;
-    result.secondsSolve = watch.Seconds();
-
-    watch = {};
-    std::vector<Eigen::Matrix4d> looseMotion;
-    if (param.measure)
-        looseMotion = deformer->LooseMotions(pose, result.position);
-    deformer->Apply(pose, result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.85, 0.95));
-    result.check = fcd::detail::Check(m, handles, *deformer, pose, result.position, progress.Slice(0.95, 0.97));
-    if (param.measure)
-        fcd::detail::Measure(*deformer, pose, looseMotion, progress.Slice(0.97, 0.99), result);
-    result.secondsMap = watch.Seconds() + deformer->secondsMap;
-    fcd::detail::ShowGraph(m, *deformer, pose, progress.Slice(0.99, 1), result);
-    progress(1, "Mapping to the mesh");
+    const double seconds = watch.Seconds();
+    PoseMesh(m, handles, *deformer, param, progress.Slice(0.75, 1), result);
+    result.secondsGraph = seconds - deformer->secondsMap;
+    result.secondsMap += deformer->secondsMap;
     return result;
 }
 

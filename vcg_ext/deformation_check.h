@@ -48,33 +48,16 @@ inline Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> 
 }
 
 /// What lies between the ends of such an edge is the edge alone, hence nothing can make up for their motions.
-/// \param tag one per vertex slot \param position 3 x slots, deformed, mesh units
+/// \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
 template <class MeshType>
-void CheckEdgesBetweenHeld(const MeshType &m, const Frame &frame, const std::vector<int> &tag,
-                           const Eigen::Matrix3Xd &position, const Progress &progress, DeformationCheck &check) {
-    using Pair = std::pair<std::size_t, std::size_t>;
-    const std::size_t grain = 1 << 14;
-    std::vector<std::vector<Pair>> found((m.face.size() + grain - 1) / grain);
-    ParallelFor(progress, "Checking the result", m.face.size(), grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f)
-            for (int k = 0; k < 3 && !m.face[f].IsD(); ++k) {
-                const std::size_t a = std::size_t(m.face[f].cV(k) - &m.vert[0]),
-                                  b = std::size_t(m.face[f].cV((k + 1) % 3) - &m.vert[0]);
-                const int s = std::max(0, tag[a]), t = std::max(0, tag[b]);
-                if (s != 1 && t != 1 && s != t)
-                    found[first / grain].emplace_back(std::min(a, b), std::max(a, b));
-            }
-    });
-    std::vector<Pair> edges;
-    for (const std::vector<Pair> &list : found)
-        edges.insert(edges.end(), list.begin(), list.end());
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    for (const Pair &edge : edges) {
-        const Eigen::Vector3d rest = frame.metric * (vcg::tri::PositionOf(m.vert[edge.first]) -
-                                                     vcg::tri::PositionOf(m.vert[edge.second])),
-                              posed = frame.metric * (position.col(Eigen::Index(edge.first)) -
-                                                      position.col(Eigen::Index(edge.second)));
+void CheckEdgesBetweenHeld(const MeshType &m, const Frame &frame,
+                           const std::vector<std::array<std::uint32_t, 2>> &apart, const Eigen::Matrix3Xd &position,
+                           DeformationCheck &check) {
+    for (const auto &edge : apart) {
+        const Eigen::Vector3d rest = frame.metric *
+                                     (vcg::tri::PositionOf(m.vert[edge[0]]) - vcg::tri::PositionOf(m.vert[edge[1]])),
+                              posed = frame.metric *
+                                      (position.col(Eigen::Index(edge[0])) - position.col(Eigen::Index(edge[1])));
         if (!(rest.norm() > 0))
             continue;
         const double ratio = posed.norm() / rest.norm();
@@ -95,23 +78,28 @@ Index CountFolded(const MeshType &m, const SurfaceGraph &surface, const std::vec
     for (const Eigen::Matrix3d &map : linear)
         turn.push_back(RotationOf(map));
     std::atomic<Index> folded{0};
-    ParallelFor(progress, "Checking the result", m.face.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f) {
-            if (m.face[f].IsD())
-                continue;
-            Vector3d rest[3], posed[3];
-            Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
+    const std::size_t faces = surface.faces.size();
+    ParallelFor(progress, "Checking the result", faces, 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint32_t f = surface.faces[i];
+            std::size_t slot[3];
+            Index patch[3];
             for (int k = 0; k < 3; ++k) {
-                const auto slot = m.face[f].cV(k) - &m.vert[0];
-                rest[k] = surface.frame.ToFrame(vcg::tri::PositionOf(m.vert[slot]));
-                posed[k] = surface.frame.ToFrame(Vector3d(position.col(slot)));
-                const Index node = surface.nodeOf[slot];
-                if (node >= 0 && patchOf[node] >= 0)
-                    turns += turn[patchOf[node]];
+                slot[k] = std::size_t(m.face[f].cV(k) - &m.vert[0]);
+                const Index node = surface.nodeOf[slot[k]];
+                patch[k] = node >= 0 ? patchOf[node] : -1;
             }
-            const Vector3d a = rest[1] - rest[0], b = rest[2] - rest[0], normal = a.cross(b);
-            if (normal.norm() > 1e-3 * std::max(a.squaredNorm(), b.squaredNorm()) &&
-                (posed[1] - posed[0]).cross(posed[2] - posed[0]).dot(turns * normal) < 0)
+            const auto toWorld = [&](const Vector3d &v) { return surface.frame.ToWorld(v); };
+            const auto rest = [&](int k) { return vcg::tri::PositionOf(m.vert[slot[k]]); };
+            const auto posed = [&](int k) { return Vector3d(position.col(Eigen::Index(slot[k]))); };
+            const Vector3d a = toWorld(rest(1) - rest(0)), b = toWorld(rest(2) - rest(0)), normal = a.cross(b);
+            if (!(normal.norm() > 1e-3 * std::max(a.squaredNorm(), b.squaredNorm())))
+                continue;
+            Vector3d turned = Vector3d::Zero();
+            for (int k = 0; k < 3; ++k)
+                if (patch[k] >= 0)
+                    turned += turn[patch[k]] * normal;
+            if (toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0)
                 ++folded;
         }
     });

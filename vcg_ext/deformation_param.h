@@ -41,23 +41,24 @@ enum class LooseParts {
     Stay    ///< none
 };
 
-/// How a mesh is deformed.
-struct DeformationParam {
+/// How a mesh is prepared to be deformed.
+struct DeformerParam {
     GraphParam graph;
     Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
-    double smoothness = SolverParam().smoothness;    ///< alpha of Eq. 2, >= 0
-    int maxIterations = SolverParam().maxIterations; ///< of the solver, >= 1
-    double tolerance = SolverParam().tolerance;      ///< of the solver (see SolverParam), > 0
     GraphWeights graphWeights = GraphWeights::Border;
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
-    double pose = 100; ///< percent of the handles' motion
-    int steps = 1;     ///< >= 1; the pose is reached over so many, each solved from the one before
     double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
-    bool measure = false;                      ///< also measure stretch and rotation of the surface
-    bool linear = false;                       ///< also give the linear map of the surface around each vertex
     ShapeConstants shape;
+};
+
+/// How a mesh is deformed.
+struct DeformationParam : DeformerParam, SolverParam {
+    double pose = 100;    ///< percent of the handles' motion
+    int steps = 1;        ///< >= 1; the pose is reached over so many, each solved from the one before
+    bool measure = false; ///< also measure stretch and rotation of the surface
+    bool linear = false;  ///< also give the linear map of the surface around each vertex
 
     /// \throw Error naming the value that is out of range
     void Validate() const {

@@ -3,205 +3,18 @@
 #define VCG_FCD_DEFORMER_H
 
 #include "deformation_param.h"
+#include "given_nodes.h"
+#include "graph_mapping.h"
 #include "graph_parts.h"
+#include "held_nodes.h"
 #include "loose_parts.h"
 
-#include <sstream>
+#include <utility>
 
 namespace vcg {
 namespace fcd {
 
-/// Which nodes of a surface are held, and which of them alone. Follows from the tags and the places of point handles.
-struct HeldNodes {
-    std::vector<Index> tag;      ///< n: 0 fixed, 1 free, from 2 handles; -1, -2, ... single nodes
-    std::vector<Index> original; ///< tag of the single nodes before, -1 for point handles
-    std::vector<Index> pointTag; ///< of each point handle: that of its node, 1 where no surface is
-
-    static bool IsSingle(Index t) { return t < 0; }
-    bool IsFixed(Index t) const { return t == 0 || (IsSingle(t) && original[-1 - t] == 0); }
-
-    /// Holds node \p u, alone. \return its tag
-    Index HoldAlone(Index u, Index tagBefore) {
-        original.push_back(tagBefore);
-        return tag[u] = -Index(original.size());
-    }
-};
-
-/// A node that is held without a neighbour that is held alike has no orientation of its own: only its position is
-/// given, unless it is told to turn. (Holding its orientation leaves a bump around it.)
-/// \param slotTag one per vertex slot \param point slots of the point handles, which exist
-/// \throw Error two point handles at one place, or one where the surface is held
-inline HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag,
-                           const std::vector<std::size_t> &point, const Progress &progress) {
-    HeldNodes held;
-    held.tag = surface.tag;
-    const std::vector<Index> alone =
-        CollectInOrder(progress, "Reading the handles", surface.graph.Size(), [&](Index u, std::vector<Index> &found) {
-            if (held.tag[u] == 1)
-                return;
-            bool free = false;
-            for (Index v : surface.graph.adjacency[u]) {
-                if (held.tag[v] == held.tag[u])
-                    return;
-                free |= held.tag[v] == 1;
-            }
-            if (free)
-                found.push_back(u);
-        });
-    std::map<std::size_t, std::size_t> isolated; // point handles by slot, where no surface is
-    for (std::size_t i = 0; i < point.size(); ++i) {
-        const std::string name = "Point handle " + std::to_string(i + 1);
-        const Index node = surface.nodeOf[point[i]];
-        std::size_t other = i;
-        if (node >= 0 && HeldNodes::IsSingle(held.tag[node]))
-            other = std::size_t(std::find(held.pointTag.begin(), held.pointTag.end(), held.tag[node]) -
-                                held.pointTag.begin());
-        else if (node < 0)
-            other = isolated.emplace(point[i], i).first->second;
-        if (other != i)
-            throw Error(name + " is at the same place as point handle " + std::to_string(other + 1) +
-                        "; leave one of them out.");
-        if ((node < 0 ? slotTag[point[i]] : held.tag[node]) != 1)
-            throw Error(name + " is at vertex " + std::to_string(point[i]) +
-                        ", which is held already; point handles belong where the surface is free.");
-        held.pointTag.push_back(node < 0 ? 1 : held.HoldAlone(node, -1));
-    }
-    for (Index u : alone)
-        held.HoldAlone(u, held.tag[u]);
-    return held;
-}
-
-/// How what is held moves, at one pose.
-struct HeldMotions {
-    std::map<Index, Eigen::Matrix4d> motion;            ///< of every tag but 1, mesh units
-    std::map<Index, bool> rotates;                      ///< tags whose motion is told to turn
-    std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of point handles at vertices that are no surface, by slot
-
-    bool Moves() const {
-        return !pointMotion.empty() || std::any_of(motion.begin(), motion.end(), [](const auto &each) {
-            return each.second != Eigen::Matrix4d::Identity();
-        });
-    }
-};
-
 namespace detail {
-
-/// \throw Error when \p motion leads so far that the numbers do not hold what follows from it
-inline void ExpectNear(const Frame &frame, const Eigen::Matrix4d &motion, const std::string &name) {
-    const double most = 1e30; // frame units; floats end at 3e38
-    if (!(frame.ToFrame(motion).matrix().cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most))
-        throw Error(name + " moves too far: beyond 1e30 times the size of the mesh. Check its motion, and the pose.");
-}
-
-/// The mean position of the vertices of each handle, mesh units.
-inline std::map<Index, Eigen::Vector3d> HandleCenters(const Eigen::Matrix3Xd &position, const std::vector<int> &tag) {
-    std::map<Index, std::pair<Eigen::Vector3d, double>> sums;
-    for (std::size_t i = 0; i < tag.size(); ++i)
-        if (tag[i] >= 2) {
-            auto &sum = sums.emplace(tag[i], std::make_pair(Eigen::Vector3d::Zero().eval(), 0.0)).first->second;
-            sum.first += position.col(Eigen::Index(i));
-            ++sum.second;
-        }
-    std::map<Index, Eigen::Vector3d> center;
-    for (const auto &sum : sums)
-        center[sum.first] = sum.second.first / sum.second.second;
-    return center;
-}
-
-/// The median distance of positions to the nearest other one; infinite for a single one.
-inline float SpacingOf(NodeTree &tree, const Eigen::Matrix3Xf &position) {
-    if (position.cols() < 2)
-        return std::numeric_limits<float>::infinity();
-    std::vector<float> spacing;
-    vcg::KdTree<float>::PriorityQueue nearest;
-    for (Eigen::Index i = 0; i < position.cols(); ++i) {
-        tree->doQueryK(tree.Point(position.col(i)), 2, nearest);
-        spacing.push_back(std::sqrt(nearest.getTopWeight()));
-    }
-    std::nth_element(spacing.begin(), spacing.begin() + spacing.size() / 2, spacing.end());
-    return spacing[spacing.size() / 2];
-}
-
-/// The nodes of \p surface nearest to \p centers (3 x k, mesh units), each once, without those that are held. Left out
-/// are centres further from the mesh than centres are from each other: they belong elsewhere.
-/// \param rest 3 x vertex slots \param tag one per vertex slot \param nodeTag n, 1 where free \param placed how many
-/// centres are not left out \throw Error when these are less than half of them
-inline std::vector<Index> NearestNodes(const Eigen::Matrix3Xd &rest, const SurfaceGraph &surface,
-                                       const std::vector<int> &tag, const std::vector<Index> &nodeTag,
-                                       const Eigen::Matrix3Xd &centers, Index &placed) {
-    const Index k = Index(centers.cols());
-    Eigen::Matrix3Xf position(3, k);
-    for (Index i = 0; i < k; ++i) {
-        if (!centers.col(i).allFinite())
-            throw Error("A node of the deformation graph has a coordinate that is not a finite number.");
-        const double most = 1e15; // squares of it are floats
-        position.col(i) =
-            surface.frame.ToFrame(Eigen::Vector3d(centers.col(i))).cwiseMin(most).cwiseMax(-most).cast<float>();
-    }
-    // What lies beside held vertices alone is on the mesh, too.
-    std::vector<float> distance(k, std::numeric_limits<float>::infinity());
-    std::vector<Index> nearest(k, -1);
-    if (surface.graph.Size() > 0) {
-        NodeTree tree(surface.graph.position);
-        for (Index i = 0; i < k; ++i) {
-            unsigned found = 0;
-            float d = 0;
-            tree->doQueryClosest(tree.Point(position.col(i)), found, d);
-            nearest[i] = Index(found);
-            distance[i] = (surface.graph.position.col(found) - position.col(i)).norm();
-        }
-    }
-    NodeTree centerTree(position);
-    // As far as patches reach: half-way to the next centre, or as k of them do that share the surface.
-    const double shared = std::sqrt(surface.area / (double(EIGEN_PI) * double(k)));
-    const double patchRadius = std::min(0.25, std::max(shared, 0.5 * double(SpacingOf(centerTree, position))));
-    const float tooFar = float(std::max(patchRadius, surface.averageEdge) + 1e-5); // of the frame's diagonal, 1
-    if (std::any_of(distance.begin(), distance.end(), [&](float d) { return d > tooFar; })) {
-        std::vector<vcg::Point3f> held;
-        for (std::size_t i = 0; i < tag.size(); ++i)
-            if (tag[i] != 1 && surface.nodeOf[i] < 0 && tag[i] != noVertex) {
-                const Eigen::Vector3d p = surface.frame.ToFrame(Eigen::Vector3d(rest.col(Eigen::Index(i))));
-                if (p.cwiseAbs().maxCoeff() < 1e15)
-                    held.push_back(NodeTree::Point(p.cast<float>()));
-            }
-        if (!held.empty()) {
-            vcg::KdTree<float> heldTree(vcg::ConstDataWrapper<vcg::Point3f>(held.data(), int(held.size())));
-            for (Index i = 0; i < k; ++i) {
-                unsigned found = 0;
-                float d = 0;
-                heldTree.doQueryClosest(NodeTree::Point(position.col(i)), found, d);
-                const float here = vcg::Distance(held[found], NodeTree::Point(position.col(i)));
-                if (here < distance[i]) {
-                    distance[i] = here;
-                    nearest[i] = -1;
-                }
-            }
-        }
-    }
-    placed = 0;
-    std::vector<bool> taken(surface.graph.Size(), false);
-    std::vector<Index> node;
-    for (Index i = 0; i < k; ++i) {
-        if (distance[i] > tooFar)
-            continue;
-        ++placed;
-        const Index u = nearest[i];
-        if (u < 0 || taken[u] || nodeTag[u] != 1)
-            continue;
-        taken[u] = true;
-        node.push_back(u);
-    }
-    if (2 * placed < k) {
-        std::ostringstream message;
-        message
-            << "Only " << placed << " of the " << k << " given nodes lie on the surface (within "
-            << tooFar * surface.frame.scale
-            << " of a vertex): they seem to belong to another mesh, or to this one in another place. Give the graph "
-               "of this mesh, move it to where the mesh is, or let a graph be built.";
-        throw Error(message.str());
-    }
-    return node;
-}
 
 /// D in frame units.
 inline double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius) {
@@ -225,146 +38,6 @@ inline Patches Sample(const SurfaceGraph &surface, const std::vector<Index> &tag
                          progress);
 }
 
-/// The closest rotation between the constrained nodes before and after, as the rotation that single nodes begin with.
-inline void TurnTogether(const DeformationGraph &graph, const std::vector<Index> &tag, const Patches &patches,
-                         NodeConstraints &given) {
-    std::vector<Eigen::Affine3d> &motion = given.motion;
-    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = before;
-    double count = 0;
-    auto forConstrained = [&](const auto &body) {
-        for (Index j = 0; j < graph.Size(); ++j)
-            if (given.constrained[j]) {
-                const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>();
-                body(x, Eigen::Vector3d(motion[j] * x));
-            }
-    };
-    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
-        before += x;
-        after += y;
-        ++count;
-    });
-    Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
-    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
-        s += (x - before / count) * (y - after / count).transpose();
-    });
-    // Where few points leave the rotation open, none is preferred.
-    const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
-    for (Index j = 0; j < graph.Size(); ++j)
-        if (given.turns[j] && HeldNodes::IsSingle(tag[patches.center[j]])) {
-            const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>(), y = motion[j] * x;
-            motion[j].linear() = rotation;
-            motion[j].translation() = y - rotation * x;
-        }
-}
-
-/// Small held parts of the surface: connected nodes of one tag that reach no farther than a fraction of D and have free
-/// surface around them.
-struct SmallParts {
-    std::vector<Index> center;  ///< of each part, the node nearest its middle
-    std::vector<double> radius; ///< farthest node of the part from there
-    std::vector<char> isIn;     ///< n flags
-};
-
-inline SmallParts FindSmallParts(const Graph &surface, const std::vector<Index> &tag, double D,
-                                 const ShapeConstants &shape) {
-    SmallParts small;
-    small.isIn.assign(tag.size(), 0);
-    std::vector<char> seen(tag.size(), 0);
-    std::vector<Index> part;
-    for (Index seed = 0; seed < Index(tag.size()); ++seed) {
-        if (tag[seed] == 1 || seen[seed])
-            continue;
-        seen[seed] = 1;
-        part.assign(1, seed);
-        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            mean += surface.position.col(part[i]).cast<double>();
-            for (Index v : surface.adjacency[part[i]])
-                if (!seen[v] && tag[v] == tag[seed]) {
-                    seen[v] = 1;
-                    part.push_back(v);
-                }
-        }
-        const Eigen::Vector3f middle = (mean / double(part.size())).cast<float>();
-        Index center = seed;
-        for (Index u : part)
-            if ((surface.position.col(u) - middle).norm() < (surface.position.col(center) - middle).norm())
-                center = u;
-        float radius = 0;
-        for (Index u : part)
-            radius = std::max(radius, (surface.position.col(u) - surface.position.col(center)).norm());
-        if (!(radius <= shape.smallHeldPart * D))
-            continue;
-        Eigen::Vector3d flow = Eigen::Vector3d::Zero();
-        double border = 0;
-        bool isFree = false;
-        for (Index u : part)
-            for (Index v : surface.adjacency[u])
-                if (tag[v] == 1) {
-                    const double w = CotangentWeight(surface, u, v);
-                    const Eigen::Vector3d way = (surface.position.col(v) - surface.position.col(u)).cast<double>();
-                    flow += w * way;
-                    border += std::abs(w) * way.norm();
-                    isFree = true;
-                }
-        if (!isFree || (part.size() > 1 && flow.norm() >= shape.surrounded * border))
-            continue;
-        small.center.push_back(center);
-        small.radius.push_back(radius);
-        for (Index u : part)
-            small.isIn[u] = 1;
-    }
-    return small;
-}
-
-/// Nodes of held patches move as their tag does, and turn with what they hold: the region behind them goes on for all
-/// that is known of it, but behind a small part there is only what it covers. A single node that is told to turn does.
-inline NodeConstraints ConstrainNodes(const DeformationGraph &graph, const std::vector<Index> &tag,
-                                      const Patches &patches, const SmallParts &small, const HeldMotions &motions,
-                                      const std::map<Index, Eigen::Affine3d> &motion) {
-    const Index k = graph.Size();
-    NodeConstraints given{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k, 0),
-                          std::vector<Eigen::Affine3d>(k, Eigen::Affine3d::Identity())};
-    for (Index j = 0; j < k; ++j) {
-        const Index t = tag[patches.center[j]];
-        if (t == 1)
-            continue;
-        const auto rotates = motions.rotates.find(t);
-        given.constrained[j] = true;
-        given.turns[j] = !(HeldNodes::IsSingle(t) && rotates != motions.rotates.end() && rotates->second);
-        given.heldArea[j] = HeldNodes::IsSingle(t) ? 0 : std::numeric_limits<double>::infinity();
-        given.motion[j] = motion.at(t);
-    }
-    for (std::size_t i = 0; i < small.center.size(); ++i)
-        given.heldArea[patches.patchOf[small.center[i]]] = double(EIGEN_PI) * small.radius[i] * small.radius[i];
-    return given;
-}
-
-/// Grows the patches anew with one around each small held part: its node then stands for the free surface around it, as
-/// any other, so that the surface follows it and not only the nearest vertices.
-inline void OpenSmallParts(const Graph &surface, const std::vector<Index> &tag, const SmallParts &small,
-                           Patches &patches, const Progress &progress) {
-    if (small.center.empty())
-        return;
-    std::vector<Index> open(tag), center;
-    for (std::size_t u = 0; u < tag.size(); ++u)
-        if (small.isIn[u])
-            open[u] = 1;
-    std::vector<char> dropped(patches.Size(), 0); // those that the part is near the centre of
-    for (Index c : small.center)
-        for (Index v : surface.adjacency[c]) {
-            const Index p = patches.patchOf[v];
-            if (p >= 0)
-                dropped[p] |= (surface.position.col(c) - surface.position.col(patches.center[p])).norm() <
-                              0.5f * patches.radius[p];
-        }
-    for (Index p = 0; p < patches.Size(); ++p)
-        if (!dropped[p])
-            center.push_back(patches.center[p]);
-    center.insert(center.end(), small.center.begin(), small.center.end());
-    patches = GrowPatches(surface, open, center, progress);
-}
-
 } // namespace detail
 
 /// A surface that is prepared to be deformed: built once from the surface and its regions (tags, places of point
@@ -380,6 +53,7 @@ class Deformer {
         std::vector<Eigen::Affine3d> nodeMotion; ///< k, of constrained nodes, frame units
         /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
         std::map<Index, Eigen::Affine3d> motion;
+        int iterations = 0; ///< of the solver, with those of the poses on the way
     };
 
     /// \param surface the free surface without its loose parts, and what holds it
@@ -387,14 +61,14 @@ class Deformer {
     /// \param rest 3 x vertex slots, mesh units
     /// \throw Error nodes that belong elsewhere, or a graph that cannot be factorised \throw Cancelled
     Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface looseSurface, std::vector<int> slotTag,
-             const std::vector<std::size_t> &point, const Eigen::Matrix3Xd &rest, const DeformationParam &param,
+             const std::vector<std::size_t> &point, const Eigen::Matrix3Xd &rest, const DeformerParam &param,
              const Progress &progress = {})
         : surface(std::move(surface)), held(std::move(heldNodes)), loose(std::move(looseSurface)),
           slotTag(std::move(slotTag)), point(point), param(param) {
         Stopwatch watch;
         for (std::size_t i : point)
             pointRest.emplace_back(rest.col(Eigen::Index(i)));
-        center = detail::HandleCenters(rest, this->slotTag);
+        center = HandleCenters(this->slotTag, [&](std::size_t i) { return rest.col(Eigen::Index(i)); });
         BuildGraph(rest, progress.Slice(0, 0.7));
         secondsGraph = watch.Seconds();
         watch = {};
@@ -404,6 +78,10 @@ class Deformer {
         following = param.looseParts == LooseParts::Follow
                         ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
                         : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
+        for (std::size_t i : following.leader)
+            leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero()
+                                                           : Eigen::Vector3d(rest.col(Eigen::Index(i))));
+        FindMoving(progress.Slice(1, 1));
         secondsMap = watch.Seconds();
     }
     Deformer(const Deformer &) = delete; // its parts refer to each other
@@ -440,7 +118,8 @@ class Deformer {
     }
 
     /// \param last the pose to go on from, null to begin at rest
-    Pose Solve(HeldMotions motions, const Pose *last = nullptr, const Progress &progress = {}) {
+    Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
+               const Progress &progress = {}) {
         Pose pose;
         pose.given = std::move(motions);
         for (const auto &each : pose.given.motion)
@@ -452,12 +131,9 @@ class Deformer {
             parts = std::make_unique<PartsDeformer>(graph, nodeArea, given, param.shape.heldDepth);
             turns = given.turns;
         }
-        SolverParam solver;
-        solver.smoothness = param.smoothness;
-        solver.maxIterations = param.maxIterations;
-        solver.tolerance = param.tolerance;
         pose.solved = parts->Solve(given, solver, progress, last ? &last->solved : nullptr,
                                    last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
+        pose.iterations = pose.solved.iterations;
         pose.graph = pose.solved;
         std::vector<bool> hasMotion(graph.Size());
         for (Index j = 0; j < graph.Size(); ++j)
@@ -476,64 +152,96 @@ class Deformer {
         return pose;
     }
 
+    /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps.
+    Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) {
+        Pose pose;
+        for (int step = 1; step <= param.steps; ++step) {
+            const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
+            const int before = pose.iterations;
+            pose = Solve(MotionsOf(handles, percent), param, step > 1 ? &pose : nullptr,
+                         progress.Slice(double(step - 1) / param.steps, double(step) / param.steps));
+            pose.iterations += before;
+        }
+        return pose;
+    }
+
     /// \param position 3 x vertex slots, mesh units; in: at rest, out: deformed. Held vertices are exact: what is fixed
     ///        keeps its bits.
     /// \param linear if given: how the surface turns and stretches around each vertex, mesh units, one per slot
     void Apply(const Pose &pose, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear = nullptr,
                const Progress &progress = {}) const {
-        const GraphMapping::Posed mapped = mapping->At(pose.graph, pose.motion);
-        const Frame &frame = surface.frame;
-        const std::vector<Eigen::Matrix4d> looseMotion = LooseMotions(pose, mapped, position);
-        std::vector<Eigen::Vector3d> followed;
-        followed.reserve(following.vertex.size());
-        for (const LooseFollowing::Vertex &vertex : following.vertex)
-            followed.push_back(Followed(pose, mapped, vertex, position.col(Eigen::Index(vertex.slot))));
-        const Eigen::Matrix4d still = Eigen::Matrix4d::Identity();
-        const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
-        const bool moves = pose.given.Moves();
-        const std::size_t slots = slotTag.size(), block = 1 << 19; // progress is reported between blocks
         if (linear)
-            linear->resize(slots);
-        for (std::size_t start = 0; start < slots; start += block) {
-            progress(double(start) / double(slots), "Mapping to the mesh");
-            const std::size_t count = std::min(block, slots - start);
-            ParallelFor(progress.threads, count, 1 << 12, [&](std::size_t first, std::size_t last) {
-                for (std::size_t i = start + first; i < start + last; ++i) {
-                    const Eigen::Vector3d p = position.col(Eigen::Index(i));
-                    const Index node = surface.nodeOf[i];
-                    const bool isFree = node >= 0 && held.tag[node] == 1;
-                    const bool isBent = moves && isFree && !(isSurface && pose.graph.rests[patches.patchOf[node]]);
-                    Eigen::Matrix3d map;
-                    if (isBent) {
-                        position.col(Eigen::Index(i)) =
-                            frame.FromFrame(mapped(node, frame.ToFrame(p), linear ? &map : nullptr));
-                        if (linear)
-                            map = frame.inverseMetric * map * frame.metric;
-                    } else {
-                        // Vertices of a seam may have different tags.
-                        const bool stays = !moves || isFree || (node >= 0 && held.IsFixed(held.tag[node]));
-                        const Eigen::Matrix4d &matrix = stays       ? still
-                                                        : node >= 0 ? pose.given.motion.at(held.tag[node])
-                                                                    : MatrixAt(pose, looseMotion, i);
-                        if (!matrix.isIdentity(0))
-                            position.col(Eigen::Index(i)) = (matrix * p.homogeneous()).head<3>();
-                        map = matrix.topLeftCorner<3, 3>();
-                    }
+            linear->assign(slotTag.size(), Eigen::Matrix3f::Identity());
+        Apply(
+            pose, [&](std::size_t i) { return Eigen::Vector3d(position.col(Eigen::Index(i))); },
+            [&] {
+                return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
+                    position.col(Eigen::Index(i)) = p;
                     if (linear)
-                        (*linear)[i] = map.cast<float>();
-                }
-            });
-        }
-        for (const auto &each : pose.given.pointMotion)
-            position.col(Eigen::Index(each.first)) += each.second.topRightCorner<3, 1>();
-        if (moves)
-            for (std::size_t v = 0; v < followed.size(); ++v)
-                position.col(Eigen::Index(following.vertex[v].slot)) = followed[v];
+                        (*linear)[i] = map;
+                };
+            },
+            linear != nullptr, progress, [](std::size_t) {});
     }
 
-    /// The motion of each loose part, mesh units. \param rest 3 x slots
-    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose, const Eigen::Matrix3Xd &rest) const {
-        return LooseMotions(pose, mapping->At(pose.graph, pose.motion), rest);
+    /// The same for any layout: rest(slot) gives the position at rest; taker() gives what takes, by a call with (slot,
+    /// position, map), the deformed ones and, where \p maps are wanted, how the surface turns and stretches there.
+    /// There is a taker for some slots each, called from several threads; it gets each slot that may move in some pose
+    /// once, and no other. ahead(slot) tells which slots come soon, for memory that is far away.
+    template <class Rest, class Taker, class Ahead>
+    void Apply(const Pose &pose, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
+               const Ahead &ahead) const {
+        const GraphMapping::Posed mapped = mapping->At(pose.graph, pose.motion);
+        const bool moves = pose.given.Moves();
+        const std::vector<Eigen::Matrix4d> looseMotion = LooseMotions(pose, mapped);
+        const char *stage = "Mapping to the mesh";
+        const std::size_t all = bent.size() + carried.size();
+        const double share = all > 0 ? double(bent.size()) / double(all) : 1;
+        ApplyToBent(pose, mapped, moves, rest, taker, maps, progress.Slice(0, share), ahead);
+        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            auto &&take = taker();
+            for (std::size_t c = first; c < last; ++c) {
+                const std::size_t i = carried[c];
+                const Index node = surface.nodeOf[i];
+                const Eigen::Matrix4d &matrix = !moves      ? still
+                                                : node >= 0 ? pose.given.motion.at(held.tag[node])
+                                                            : MatrixAt(pose, looseMotion, i);
+                Eigen::Vector3d p = rest(i);
+                if (!matrix.isIdentity(0))
+                    p = (matrix * p.homogeneous()).template head<3>();
+                const auto point = pose.given.pointMotion.find(i);
+                if (point != pose.given.pointMotion.end())
+                    p += point->second.template topRightCorner<3, 1>();
+                take(i, p, matrix.topLeftCorner<3, 3>().cast<float>());
+            }
+        });
+        ParallelFor(progress.threads, following.vertex.size(), 1 << 10, [&](std::size_t first, std::size_t last) {
+            auto &&take = taker();
+            for (std::size_t v = first; v < last; ++v) {
+                const std::size_t i = following.vertex[v].slot;
+                const Eigen::Vector3d p = rest(i);
+                const Eigen::Matrix4d &matrix = moves ? MatrixAt(pose, looseMotion, i) : still;
+                take(i, moves ? Followed(pose, mapped, following.vertex[v], p) : p,
+                     matrix.topLeftCorner<3, 3>().cast<float>());
+            }
+        });
+        progress(1, stage);
+    }
+
+    /// body(slot) for each slot that may move in some pose, once.
+    template <class Body>
+    void ForMoving(const Body &body) const {
+        for (const Bent &vertex : bent)
+            body(std::size_t(vertex.slot));
+        for (std::uint32_t i : carried)
+            body(std::size_t(i));
+        for (const LooseFollowing::Vertex &vertex : following.vertex)
+            body(vertex.slot);
+    }
+
+    /// The motion of each loose part, mesh units.
+    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose) const {
+        return LooseMotions(pose, mapping->At(pose.graph, pose.motion));
     }
 
     /// The motion of a vertex that is no node of the surface, mesh units. \param looseMotion of each loose part
@@ -548,6 +256,7 @@ class Deformer {
     const HeldNodes held;
     const LooseSurface loose;
     const std::vector<int> slotTag;
+    std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
     Patches patches;
     DeformationGraph graph;
     Index placedNodes = 0;   ///< how many of the given nodes lie on the surface, and are used
@@ -578,6 +287,111 @@ class Deformer {
                 nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
     }
 
+    /// A free vertex of the surface.
+    struct Bent {
+        std::uint32_t slot;
+        Index node;
+    };
+
+    /// Lists what may move, free vertices of one patch beside each other.
+    void FindMoving(const Progress &progress) {
+        const char *stage = "Preparing the mapping";
+        const std::size_t grain = 1 << 14, count = surface.slots.size(), chunks = (count + grain - 1) / grain;
+        std::vector<std::size_t> begin(chunks + 1, 0);
+        const auto isBent = [&](std::size_t i) {
+            const Index node = surface.nodeOf[surface.slots[i]];
+            return node >= 0 && held.tag[node] == 1;
+        };
+        ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                begin[first / grain + 1] += isBent(i);
+        });
+        for (std::size_t c = 0; c < chunks; ++c)
+            begin[c + 1] += begin[c];
+        AssignLarge(bent, begin[chunks], Bent{0, 0});
+        ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
+            std::vector<std::pair<Index, Bent>> here; // by patch
+            here.reserve(last - first);
+            std::map<Index, std::size_t> next; // of each patch: where its next one goes
+            for (std::size_t i = first; i < last; ++i)
+                if (isBent(i)) {
+                    const Index node = surface.nodeOf[surface.slots[i]];
+                    here.push_back({patches.patchOf[node], {surface.slots[i], node}});
+                    ++next[here.back().first];
+                }
+            std::size_t at = begin[first / grain];
+            for (auto &each : next)
+                each.second = std::exchange(at, at + each.second);
+            for (const auto &each : here)
+                bent[next[each.first]++] = each.second;
+        });
+
+        std::vector<char> follows, isPoint; // one per slot, where there is any
+        for (const LooseFollowing::Vertex &vertex : following.vertex) {
+            follows.resize(slotTag.size(), 0);
+            follows[vertex.slot] = 1;
+        }
+        for (std::size_t i : point) {
+            isPoint.resize(slotTag.size(), 0);
+            isPoint[i] = 1;
+        }
+        const auto isCarried = [&](std::size_t i) {
+            const Index node = surface.nodeOf[i];
+            if (node >= 0)
+                return held.tag[node] != 1 && !held.IsFixed(held.tag[node]);
+            if (slotTag[i] != 1)
+                return slotTag[i] > 1;
+            return (!loose.partOf.empty() && loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
+        };
+        carried = CollectInOrder<std::uint32_t>(progress, stage, Index(slotTag.size()),
+                                                [&](Index i, std::vector<std::uint32_t> &found) {
+                                                    if (isCarried(std::size_t(i)) && (follows.empty() || !follows[i]))
+                                                        found.push_back(std::uint32_t(i));
+                                                });
+    }
+
+    template <class Rest, class Taker, class Ahead>
+    void ApplyToBent(const Pose &pose, const GraphMapping::Posed &mapped, bool moves, const Rest &rest,
+                     const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
+        const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
+        const Frame &frame = surface.frame;
+        const bool isSame = frame.metric.isIdentity(0);
+        ParallelFor(progress, "Mapping to the mesh", bent.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            auto &&take = taker();
+            GraphMapping::Posed::Scratch scratch;
+            Index node[detail::lanes];
+            Eigen::Vector3d p[detail::lanes], there[detail::lanes];
+            Eigen::Matrix3f map[detail::lanes];
+            for (std::size_t i = first; i < last;) {
+                const Index patch = patches.patchOf[bent[i].node];
+                int count = 0;
+                for (std::size_t next = i + 2 * detail::lanes; next < std::min(last, i + 3 * detail::lanes); ++next)
+                    ahead(bent[next].slot);
+                for (; count < detail::lanes && i + count < last; ++count) {
+                    node[count] = bent[i + count].node;
+                    if (patches.patchOf[node[count]] != patch)
+                        break;
+                    p[count] = rest(bent[i + count].slot);
+                }
+                if (!moves || (isSurface && pose.graph.rests[patch])) {
+                    for (int l = 0; l < count; ++l)
+                        take(bent[i + l].slot, p[l], Eigen::Matrix3f::Identity());
+                } else {
+                    for (int l = 0; l < count; ++l)
+                        p[l] = frame.ToFrame(p[l]);
+                    mapped.Map(node, p, count, there, maps ? map : nullptr, scratch);
+                    for (int l = 0; l < count; ++l)
+                        take(bent[i + l].slot, frame.FromFrame(there[l]),
+                             maps && !isSame
+                                 ? Eigen::Matrix3f(
+                                       (frame.inverseMetric * map[l].cast<double>() * frame.metric).cast<float>())
+                                 : map[l]);
+                }
+                i += count;
+            }
+        });
+    }
+
     /// The motion of a held vertex, or of a free one at the place of one.
     const Eigen::Matrix4d &GivenAt(const Pose &pose, std::size_t slot) const {
         const Index node = surface.nodeOf[slot];
@@ -586,15 +400,14 @@ class Deformer {
         return slotTag[slot] == 1 ? pose.given.pointMotion.at(slot) : pose.given.motion.at(std::max(0, slotTag[slot]));
     }
 
-    /// The motion of each loose part, mesh units: the rigid one of its leader. \param rest 3 x slots, of leaders
-    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose, const GraphMapping::Posed &mapped,
-                                              const Eigen::Matrix3Xd &rest) const {
+    /// The motion of each loose part, mesh units: the rigid one of its leader.
+    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose, const GraphMapping::Posed &mapped) const {
         std::vector<Eigen::Matrix4d> result(loose.parts, Eigen::Matrix4d::Identity());
         for (Index part = 0; part < loose.parts; ++part) {
             const std::size_t i = following.leader[part];
             if (i == LooseFollowing::none)
                 continue;
-            const Eigen::Vector3d p = surface.frame.ToFrame(Eigen::Vector3d(rest.col(Eigen::Index(i))));
+            const Eigen::Vector3d p = surface.frame.ToFrame(leaderRest[part]);
             Eigen::Affine3d there;
             const Index node = surface.nodeOf[i];
             if (node >= 0 && surface.tag[node] == 1) {
@@ -632,14 +445,17 @@ class Deformer {
     }
 
     std::vector<std::size_t> point;
-    std::vector<Eigen::Vector3d> pointRest;  // of each point handle, mesh units
-    std::map<Index, Eigen::Vector3d> center; // of each handle tag, mesh units
-    DeformationParam param;
+    std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
+    DeformerParam param;
     double D = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
     std::unique_ptr<GraphMapping> mapping;
     LooseFollowing following;
+    std::vector<Eigen::Vector3d> leaderRest; // of each loose part, mesh units
+    std::vector<Bent> bent;                  // the free vertices of the surface
+    std::vector<std::uint32_t> carried;      // slots of handles, and of loose parts that move as one
+    const Eigen::Matrix4d still = Eigen::Matrix4d::Identity();
     std::vector<bool> turns; // those that parts is made for
     std::unique_ptr<PartsDeformer> parts;
 };

@@ -4,8 +4,8 @@
 
 #include "graph_deformer.h"
 #include "handles.h"
+#include "mapping_kernel.h"
 
-#include <array>
 #include <functional>
 #include <tuple>
 
@@ -59,99 +59,121 @@ class GraphMapping {
     class Posed {
       public:
         /// \param linear if given: how the surface around the vertex turns and stretches
-        Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3d *linear = nullptr) const {
+        Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3f *linear = nullptr) const {
             if (mapping.tag[node] != 1) {
                 const Eigen::Affine3d &held = motion.at(mapping.tag[node]);
                 if (linear)
-                    *linear = held.linear();
+                    *linear = held.linear().cast<float>();
                 return held * p;
             }
-            const Index patch = mapping.patches.patchOf[node];
-            const Eigen::Vector3f x = mapping.surface.position.col(node);
-            // What the candidates' motions differ by from that of the vertex's own patch is small, and float is enough.
-            Difference blend = Difference::Zero();
-            Eigen::Vector3f offset = Eigen::Vector3f::Zero(); // from x to the mean of the candidates
-            Eigen::Matrix3f strain = Eigen::Matrix3f::Zero();
-            float total = 0;
-            const std::uint32_t firstHeld = mapping.heldBegin[node], endHeld = mapping.heldBegin[node + 1];
-            const auto add = [&](std::uint32_t c, float share) {
-                const Ball &ball = mapping.ball[c];
-                const Eigen::Vector3f way = ball.center - x;
-                const float u = 1 - way.squaredNorm() * ball.inverse;
-                if (!(u > 0))
-                    return;
-                const float w = share * Kernel(u);
-                blend += w * difference[c];
-                offset += w * way;
-                total += w;
-                if (firstHeld < endHeld)
-                    strain += w * nodeStrain[ball.node];
+            Eigen::Vector3d moved;
+            Scratch scratch;
+            Map(&node, &p, 1, &moved, linear, scratch);
+            return moved;
+        }
+
+        /// Memory that many calls of Map use again.
+        struct Scratch {
+            detail::Blending blending;
+            std::vector<float> weight, shareWeight, strainTerm;
+            alignas(64) float strain[detail::terms][detail::lanes];
+        };
+
+        /// Maps \p count vertices, detail::lanes at most, at free nodes of one patch.
+        void Map(const Index *node, const Eigen::Vector3d *p, int count, Eigen::Vector3d *moved,
+                 Eigen::Matrix3f *linear, Scratch &scratch) const {
+            using detail::lanes;
+            const Index patch = mapping.patches.patchOf[node[0]];
+            const std::uint32_t first = mapping.candidates.begin[patch], end = mapping.candidates.begin[patch + 1];
+            const std::vector<detail::Ball> &nearby = mapping.nearby[patch];
+            const auto rows = [](std::vector<float> &memory, std::size_t wanted) {
+                if (memory.size() < wanted * lanes)
+                    memory.resize(wanted * lanes);
+                return reinterpret_cast<float(*)[lanes]>(memory.data());
             };
-            const std::uint32_t partial = mapping.partial[patch], end = mapping.candidates.begin[patch + 1];
-            for (std::uint32_t c = mapping.candidates.begin[patch]; c < partial; ++c)
-                add(c, 1);
-            const float *shares = mapping.shares.data() + mapping.sharesBegin[patch];
-            if (partial < end) {
-                const std::vector<Ball> &nearby = mapping.nearby[patch];
-                std::array<float, mostNearby> kernel;
-                float sum = 0;
-                for (std::size_t q = 0; q < nearby.size(); ++q) {
-                    kernel[q] = Kernel(std::max(0.f, 1 - (nearby[q].center - x).squaredNorm() * nearby[q].inverse));
-                    sum += kernel[q];
-                }
-                for (std::uint32_t c = partial; c < end; c += lanes) {
-                    Lanes share = Lanes::Zero();
-                    for (std::size_t q = 0; q < nearby.size(); ++q, shares += lanes)
-                        if (kernel[q] > 0)
-                            share += kernel[q] * Eigen::Map<const Lanes>(shares);
-                    for (std::uint32_t l = c; l < std::min(end, c + lanes); ++l)
-                        add(l, sum > 0 ? share[l - c] / sum : 1);
-                }
+            detail::Blending &b = scratch.blending;
+            b.ball = mapping.ball.data() + first;
+            b.term = reinterpret_cast<const float(*)[detail::terms]>(term.data() + std::size_t(first) * detail::terms);
+            b.n = end - first;
+            b.whole = mapping.partial[patch] - first;
+            b.shareBall = nearby.data();
+            b.share = mapping.shares.data() + mapping.sharesBegin[patch];
+            b.m = nearby.size();
+            b.weight = rows(scratch.weight, b.n);
+            b.shareWeight = rows(scratch.shareWeight, b.m);
+            for (int l = 0; l < lanes; ++l)
+                for (int d = 0; d < 3; ++d)
+                    b.x[d][l] = mapping.surface.position(d, node[std::min(l, count - 1)]);
+            detail::Blend(b);
+
+            // What the candidates' motions differ by from that of the patch is small, and float is enough.
+            const Eigen::Vector3d center = mapping.graph.graph.position.col(patch).template cast<double>();
+            float inverse[lanes], local[3][lanes], offset[3][lanes];
+            for (int l = 0; l < lanes; ++l) { // 0 where no ball reaches, as around an isolated vertex
+                const float total = b.sum[15][l];
+                inverse[l] = total > 0 ? 1 / total : 0;
             }
-            Eigen::Vector3d sum = own[patch] * p;
-            if (total > 0) { // else no ball reaches here, as around an isolated vertex
-                const Eigen::Vector3f center = mapping.graph.graph.position.col(patch);
-                const Eigen::Vector3f local =
-                    (p - center.cast<double>()).cast<float>() - 0.5f * (x - center + offset / total);
-                sum += ((local[0] * blend.segment<3>(0) + local[1] * blend.segment<3>(3) +
-                         local[2] * blend.segment<3>(6) + blend.segment<3>(9)) /
-                        total)
-                           .cast<double>();
-            }
-            if (linear) {
-                *linear = own[patch].linear();
-                if (total > 0)
-                    *linear += (Eigen::Map<const Eigen::Matrix3f>(blend.data()) / total).cast<double>();
-            }
-            double weight = 1;
-            for (std::uint32_t h = firstHeld; h < endHeld; ++h) {
-                // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all bounds.
-                // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
-                const Held &held = mapping.held[h];
-                const double s = Falloff(held.distance);
-                Eigen::Vector3d there = p;
-                if (total > 0)
-                    there += (strain * held.away / total).cast<double>();
-                sum += s / (1 - s) * (heldMotion[held.index] * there);
+            for (int d = 0; d < 3; ++d)
+                for (int l = 0; l < lanes; ++l)
+                    local[d][l] =
+                        float(p[std::min(l, count - 1)][d] - center[d]) - 0.5f * b.sum[12 + d][l] * inverse[l];
+            for (int d = 0; d < 3; ++d)
+                for (int l = 0; l < lanes; ++l)
+                    offset[d][l] = (local[0][l] * b.sum[d][l] + local[1][l] * b.sum[3 + d][l] +
+                                    local[2][l] * b.sum[6 + d][l] + b.sum[9 + d][l]) *
+                                   inverse[l];
+            bool isStrainKnown = false;
+            const Eigen::Matrix3f ownLinear = own[patch].linear().cast<float>();
+            for (int l = 0; l < count; ++l) {
+                Eigen::Vector3d sum = own[patch] * p[l] + Eigen::Vector3d(offset[0][l], offset[1][l], offset[2][l]);
                 if (linear)
-                    *linear += s / (1 - s) * heldMotion[held.index].linear();
-                weight += s / (1 - s);
+                    for (int d = 0; d < 9; ++d)
+                        linear[l].data()[d] = ownLinear.data()[d] + b.sum[d][l] * inverse[l];
+                const std::uint32_t firstHeld = mapping.heldBegin[node[l]], endHeld = mapping.heldBegin[node[l] + 1];
+                if (firstHeld == endHeld) {
+                    moved[l] = sum;
+                    continue;
+                }
+                if (!isStrainKnown)
+                    SumStrain(scratch);
+                isStrainKnown = true;
+                Eigen::Matrix3f strain;
+                for (int d = 0; d < 9; ++d)
+                    strain.data()[d] = scratch.strain[d][l] * inverse[l];
+                double weight = 1;
+                Eigen::Matrix3f turns = Eigen::Matrix3f::Zero();
+                for (std::uint32_t h = firstHeld; h < endHeld; ++h) {
+                    // s falls from 1 at the held region to 0 at the end of the fade; s / (1 - s) grows beyond all
+                    // bounds. What is held does not stretch, but beside it the surface may: as it does there, away from
+                    // the border.
+                    const Held &held = mapping.held[h];
+                    const double s = Falloff(held.distance), share = s / (1 - s);
+                    sum += share * (heldMotion[held.index] * (p[l] + (strain * held.away).cast<double>()));
+                    turns += float(share) * heldMotion[held.index].linear().cast<float>();
+                    weight += share;
+                }
+                if (linear)
+                    linear[l] = (linear[l] + turns) / float(weight);
+                moved[l] = sum / weight;
             }
-            if (linear)
-                *linear /= weight;
-            return sum / weight;
         }
 
       private:
         friend class GraphMapping;
-        static constexpr int lanes = 16;              // candidates whose shares are computed at once
-        static constexpr std::size_t mostNearby = 64; // small balls near a patch
-        using Lanes = Eigen::Array<float, lanes, 1>;
-        using Difference = Eigen::Matrix<float, 12, 1>; // columns of a 3 x 4 affine map, about the patch's centre
+
+        /// How the nodes stretch the surface, weighed as they were.
+        void SumStrain(Scratch &scratch) const {
+            const detail::Blending &b = scratch.blending;
+            scratch.strainTerm.assign(b.n * detail::terms, 0);
+            for (std::size_t c = 0; c < b.n; ++c)
+                std::copy_n(nodeStrain[b.ball[c].node].data(), 9, &scratch.strainTerm[c * detail::terms]);
+            detail::SumTerms(b.weight, reinterpret_cast<const float(*)[detail::terms]>(scratch.strainTerm.data()), b.n,
+                             scratch.strain);
+        }
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)
             : mapping(mapping), motion(motion), own(mapping.graph.Size()), nodeStrain(mapping.graph.Size()),
-              difference(mapping.candidates.item.size()) {
+              term(mapping.candidates.item.size() * detail::terms) {
             for (Index t : mapping.heldTag)
                 heldMotion.push_back(motion.at(t));
             const auto rest = [&](Index j) { return mapping.graph.graph.position.col(j).cast<double>(); };
@@ -162,15 +184,17 @@ class GraphMapping {
                 const Eigen::Matrix3d stretch = detail::RotationOf(pose.linear[j]).transpose() * pose.linear[j];
                 nodeStrain[j] = (stretch - Eigen::Matrix3d::Identity()).cast<float>();
             }
+            using Terms = Eigen::Matrix<float, detail::terms, 1>;
             for (Index patch = 0; patch < mapping.graph.Size(); ++patch)
                 for (std::uint32_t c = mapping.candidates.begin[patch]; c < mapping.candidates.begin[patch + 1]; ++c) {
                     const Index j = mapping.candidates.item[c];
                     const Eigen::Matrix3d linear = pose.linear[j] - pose.linear[patch];
-                    const Eigen::Vector3d shift =
-                        0.5 * (pose.linear[j] + pose.linear[patch]) * (rest(patch) - rest(j)) + pose.position.col(j) -
-                        pose.position.col(patch);
-                    difference[c] << linear.col(0).cast<float>(), linear.col(1).cast<float>(),
-                        linear.col(2).cast<float>(), shift.cast<float>();
+                    const Eigen::Vector3d way = rest(j) - rest(patch);
+                    const Eigen::Vector3d shift = pose.position.col(j) - pose.position.col(patch) -
+                                                  0.5 * (pose.linear[j] + pose.linear[patch]) * way;
+                    Eigen::Map<Terms>(term.data() + std::size_t(c) * detail::terms) << linear.col(0).cast<float>(),
+                        linear.col(1).cast<float>(), linear.col(2).cast<float>(), shift.cast<float>(),
+                        way.cast<float>(), 1.f;
                 }
         }
 
@@ -178,8 +202,10 @@ class GraphMapping {
         const std::map<Index, Eigen::Affine3d> &motion;
         std::vector<Eigen::Affine3d> heldMotion; // of each of mapping.heldTag
         std::vector<Eigen::Affine3d> own;
-        std::vector<Eigen::Matrix3f> nodeStrain;                                  // stretch minus identity
-        std::vector<Difference, Eigen::aligned_allocator<Difference>> difference; // of each candidate
+        std::vector<Eigen::Matrix3f> nodeStrain; // stretch minus identity
+        /// Of each candidate, about the patch's centre: columns of the 3 x 4 affine map by which it moves otherwise
+        /// than the patch's node, the way to it, 1.
+        std::vector<float> term;
     };
 
     /// \param motion of each held tag, 0 included; must outlive the result, as the mapping must
@@ -187,18 +213,11 @@ class GraphMapping {
         return Posed(*this, pose, motion);
     }
 
-    /// Weight of a node at u = 1 - (distance / reach)^2. Like Eq. 8 it falls from 1 at the node to 0 at its reach, but
-    /// without the cone's tip that (1 - r)^2 has at the node and the jump in curvature at its end: both show as
-    /// ripples.
-    static float Kernel(float u) { return u * u * u; }
-
   private:
-    struct Ball {
-        Eigen::Vector3f center;
-        float inverse; ///< 1 / radius^2
-        Index node;    ///< at the centre
-    };
-    Ball BallOf(Index j, float radius) const { return {graph.graph.position.col(j), 1 / (radius * radius), j}; }
+    detail::Ball BallOf(Index j, float radius) const {
+        const auto center = graph.graph.position.col(j);
+        return {{center[0], center[1], center[2]}, 1 / (radius * radius), j};
+    }
 
     struct Candidate {
         Index patch, node;
@@ -237,7 +256,6 @@ class GraphMapping {
     /// memory is enough for any graph.
     void FindCandidates(MappingWeights weights, double influence, const Progress &progress) {
         const Index k = graph.Size();
-        constexpr int lanes = Posed::lanes;
         const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(std::max(k, 1))); // patches a ball
         std::vector<Candidate> found;
         std::vector<float> share;
@@ -264,18 +282,13 @@ class GraphMapping {
         for (Index j = 0; j < k; ++j) {
             candidates.begin[j + 1] += candidates.begin[j];
             partial.push_back(candidates.begin[j + 1] - partials[j]);
-            const std::size_t blocks = (partials[j] + lanes - 1) / lanes;
-            sharesBegin.push_back(sharesBegin.back() + blocks * nearby[j].size() * lanes);
+            sharesBegin.push_back(sharesBegin.back() + std::size_t(partials[j]) * nearby[j].size());
         }
-        shares.assign(sharesBegin.back(), 0);
-        for (std::size_t c = 0; c < found.size(); ++c)
-            if (found[c].partial) {
-                const Index patch = found[c].patch;
-                const std::size_t place = c - partial[patch], balls = nearby[patch].size();
-                float *first = &shares[sharesBegin[patch] + place / lanes * balls * lanes + place % lanes];
-                for (std::size_t q = 0; q < balls; ++q)
-                    first[q * lanes] = share[found[c].share + q];
-            }
+        shares.reserve(sharesBegin.back());
+        for (const Candidate &c : found)
+            if (c.partial)
+                shares.insert(shares.end(), share.begin() + std::ptrdiff_t(c.share),
+                              share.begin() + std::ptrdiff_t(c.share + nearby[c.patch].size()));
     }
 
     void FindInBalls(std::size_t most, std::vector<Candidate> &found) {
@@ -416,7 +429,7 @@ class GraphMapping {
         const Index k = graph.Size();
         const Eigen::Matrix3Xf &x = graph.graph.position;
         const std::size_t grain = std::size_t(k) / 32 + 1;
-        std::vector<std::vector<std::pair<Index, Ball>>> small(k / grain + 1);
+        std::vector<std::vector<std::pair<Index, detail::Ball>>> small(k / grain + 1);
         ParallelFor(progress.Slice(0, 0.3), "Preparing the mapping", k, grain,
                     [&](std::size_t first, std::size_t last) {
                         Chains chains(*this);
@@ -432,8 +445,8 @@ class GraphMapping {
         for (const auto &part : small)
             for (const auto &each : part)
                 nearby[each.first].push_back(each.second);
-        for (std::vector<Ball> &balls : nearby)
-            if (balls.size() > Posed::mostNearby) // the middle of a star: all that is connected counts there
+        for (std::vector<detail::Ball> &balls : nearby)
+            if (balls.size() > mostNearby) // the middle of a star: all that is connected counts there
                 balls.clear();
 
         struct Part {
@@ -452,7 +465,7 @@ class GraphMapping {
                             continue;
                         float least = 1, greatest = 0;
                         const std::size_t begin = part.share.size();
-                        for (const Ball &near : nearby[patch]) {
+                        for (const detail::Ball &near : nearby[patch]) {
                             const float way = chains.Way(near.node);
                             // Where the ball of j ends, so does its weight: patches beyond do not matter.
                             const bool all = near.node == j || (std::isinf(way) && !Touches(j, reach[j], near.node));
@@ -632,14 +645,15 @@ class GraphMapping {
     const Patches &patches;
     const DeformationGraph &graph;
     ShapeConstants shape;
+    static constexpr std::size_t mostNearby = 64; ///< small balls near a patch
     std::vector<float> reach;
-    Csr candidates;                        ///< for each patch, the nodes that may influence it
-    std::vector<Ball> ball;                ///< of each candidate
-    std::vector<std::uint32_t> partial;    ///< for each patch, the first of its candidates that keep a share only
-    std::vector<std::vector<Ball>> nearby; ///< for each patch, the small balls that carry the shares to its vertices
-    std::vector<std::size_t> sharesBegin;  ///< k + 1 offsets into shares
-    /// For each patch and Posed::lanes of its partial candidates: their shares at the first ball nearby, the second ...
-    std::vector<float> shares;
+    Csr candidates;                     ///< for each patch, the nodes that may influence it
+    std::vector<detail::Ball> ball;     ///< of each candidate
+    std::vector<std::uint32_t> partial; ///< for each patch, the first of its candidates that keep a share only
+    std::vector<std::vector<detail::Ball>>
+        nearby;                           ///< for each patch, the small balls that carry the shares to its vertices
+    std::vector<std::size_t> sharesBegin; ///< k + 1 offsets into shares
+    std::vector<float> shares;            ///< of each partial candidate: at each ball nearby
     std::vector<Index> heldTag;           ///< the tags of the held regions that have a free neighbour, ascending
     std::vector<std::uint32_t> heldBegin; ///< n + 1 offsets into held
     std::vector<Held> held;

@@ -183,22 +183,25 @@ namespace tri {
 
 /// \param tag one per vertex slot \throw fcd::Error when there are fewer or more
 template <class MeshType>
-fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag) {
+fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned threads = 0) {
     if (tag.size() != m.vert.size())
         throw fcd::Error("There are " + std::to_string(tag.size()) + " tags for " + std::to_string(m.vert.size()) +
                          " vertices; give one tag per vertex.");
+    const std::size_t grain = 1 << 16;
+    std::vector<fcd::TagCount> counts((tag.size() + grain - 1) / grain);
+    fcd::ParallelFor(threads, tag.size(), grain, [&](std::size_t first, std::size_t last) {
+        fcd::TagCount here;
+        for (std::size_t i = first; i < last; ++i)
+            if (!m.vert[i].IsD())
+                ++(tag[i] < 0 ? here.outside : tag[i] == 0 ? here.fixed : tag[i] == 1 ? here.free : here.handle);
+        counts[first / grain] = here;
+    });
     fcd::TagCount count;
-    for (std::size_t i = 0; i < tag.size(); ++i) {
-        if (m.vert[i].IsD())
-            continue;
-        if (tag[i] < 0)
-            ++count.outside;
-        else if (tag[i] == 0)
-            ++count.fixed;
-        else if (tag[i] == 1)
-            ++count.free;
-        else
-            ++count.handle;
+    for (const fcd::TagCount &here : counts) {
+        count.fixed += here.fixed;
+        count.handle += here.handle;
+        count.free += here.free;
+        count.outside += here.outside;
     }
     return count;
 }

@@ -33,8 +33,11 @@ fcd::SurfaceGraph ReadFreeSurface(const MeshType &m, const std::vector<int> &tag
     std::vector<char> excluded(partOf.size());
     for (std::size_t i = 0; i < partOf.size(); ++i)
         excluded[i] = partOf[i] >= 0;
-    const Region region = FreeRegion(m, tag, excluded, metric, progress.Slice(0, 0.2));
-    return BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
+    Region region = FreeRegion(m, tag, excluded, metric, progress.Slice(0, 0.2));
+    fcd::SurfaceGraph surface = BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
+    surface.faces = std::move(region.faces);
+    surface.apart = std::move(region.apart);
+    return surface;
 }
 
 } // namespace tri

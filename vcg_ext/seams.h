@@ -28,7 +28,7 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     // In the order along a line that no mesh has borders across.
     const Eigen::Vector3f direction = Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f).normalized();
     struct Place {
-        float along, reach; // reach: a tenth of the mean edge
+        float along, reach; // reach: a tenth of the shortest edge
         Index node;
         bool operator<(const Place &o) const { return along != o.along ? along < o.along : node < o.node; }
     };
@@ -36,11 +36,10 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     for (Index u = 0; u < graph.Size(); ++u)
         if (open[u]) {
             const Eigen::Vector3f p = graph.position.col(u);
-            float sum = 0;
+            float shortest = std::numeric_limits<float>::infinity();
             for (Index v : graph.adjacency[u])
-                sum += (graph.position.col(v) - p).norm();
-            place.push_back(
-                {direction.dot(p), 0.1f * sum / float(std::max<std::size_t>(1, graph.adjacency[u].size())), u});
+                shortest = std::min(shortest, (graph.position.col(v) - p).norm());
+            place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u});
         }
     std::sort(place.begin(), place.end());
 

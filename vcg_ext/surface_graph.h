@@ -9,6 +9,7 @@
 #include "seams.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -81,9 +82,13 @@ struct SurfaceReport {
 /// The connectivity of a mesh, or of its free part and the held vertices beside that: a node per position, in Morton
 /// order, so that what is near on the surface is near in memory.
 struct SurfaceGraph {
-    Graph graph;                 ///< n nodes, positions in the frame
-    Frame frame;                 ///< from mesh units
-    std::vector<Index> nodeOf;   ///< node of each vertex slot, -1 for one that is deleted or not part of it
+    Graph graph;                      ///< n nodes, positions in the frame
+    Frame frame;                      ///< from mesh units
+    std::vector<Index> nodeOf;        ///< node of each vertex slot, -1 for one that is deleted or not part of it
+    std::vector<std::uint32_t> slots; ///< the slots that have a node (some may have lost it), in an order in which
+                                      ///< neighbours are close
+    std::vector<std::uint32_t> faces; ///< of the mesh: those with a free vertex; empty where no tags were given
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< slots at the ends of edges that join vertices held otherwise
     std::vector<Index> tag;      ///< n: 0 fixed or outside, 1 free, from 2 handles; empty where no tags were given
     std::vector<float> nodeArea; ///< n, of the surface around each node, frame units^2
     double area = 0;             ///< sum of nodeArea
@@ -371,6 +376,62 @@ Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t co
     return box.intersection(Eigen::AlignedBox3d(center - half, center + half));
 }
 
+/// body(number) for the cell of \p x in a grid of \p cells a unit, and for those nearer than \p hair, which is at most
+/// a cell's width. In the frame, no two cells have the same number.
+template <class Body>
+void ForCells(const Eigen::Vector3f &x, float cells, float hair, const Body &body) {
+    std::uint64_t low[3], high[3];
+    for (int d = 0; d < 3; ++d) {
+        const auto cellAt = [&](float at) {
+            const float most = 1e15f; // far outside of the frame
+            return std::uint64_t(std::int64_t(std::floor(std::min(most, std::max(-most, at * cells))))) &
+                   ((std::uint64_t(1) << 21) - 1);
+        };
+        low[d] = cellAt(x[d] - hair);
+        high[d] = cellAt(x[d] + hair);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        std::uint64_t number = 0;
+        bool isNew = true;
+        for (int d = 0; d < 3; ++d) {
+            isNew &= !(corner >> d & 1) || high[d] != low[d];
+            number = number << 21 | (corner >> d & 1 ? high[d] : low[d]);
+        }
+        if (isNew)
+            body(number);
+    }
+}
+
+/// A set of numbers: surely those that were put in, and a few others that share their bits.
+class CellSet {
+  public:
+    /// \param wanted numbers, about
+    explicit CellSet(std::size_t wanted) {
+        while (words < wanted)
+            words *= 2;
+        bits.reset(new std::atomic<std::uint32_t>[words]());
+    }
+    void Insert(std::uint64_t cell) {
+        const std::uint64_t h = Hash(cell);
+        bits[Word(h)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
+    }
+    bool Contains(std::uint64_t cell) const {
+        const std::uint64_t h = Hash(cell);
+        return bits[Word(h)].load(std::memory_order_relaxed) >> (h & 31) & 1;
+    }
+
+  private:
+    static std::uint64_t Hash(std::uint64_t cell) {
+        std::uint64_t h = cell * 0x9E3779B97F4A7C15u;
+        h = (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
+        return h >> 20;
+    }
+    std::size_t Word(std::uint64_t hash) const { return (hash >> 5) & (words - 1); }
+
+    std::size_t words = 1 << 10;
+    std::unique_ptr<std::atomic<std::uint32_t>[]> bits;
+};
+
 /// The tag of a place where vertices have two: held where one is, by the smaller one.
 inline Index TagOfBoth(Index a, Index b) { return a == 1 ? b : b == 1 ? a : std::min(a, b); }
 
@@ -443,8 +504,10 @@ Eigen::Vector3d PositionOf(const VertexType &v) {
 /// Which vertex slots of a mesh deform, and what holds them.
 struct Region {
     static constexpr unsigned char none = 0, part = 1, candidate = 2;
-    std::vector<unsigned char> flag; ///< part: free, or held and joined to a free one; candidate: held, and part of it
-                                     ///< where one that is part has the same position
+    std::vector<unsigned char> flag;  ///< part: free, or held and joined to a free one; candidate: held, and part of it
+                                      ///< where one that is part has the same position
+    std::vector<std::uint32_t> faces; ///< as of SurfaceGraph
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
 };
 
 /// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; \p excluded ones (flags, or
@@ -455,8 +518,10 @@ Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vec
     using fcd::ParallelFor;
     const char *stage = "Reading the mesh";
     const std::size_t slots = m.vert.size(), grain = 1 << 16;
-    // A byte a vertex: what it is, and whether a free neighbour or itself being one makes it part of the region.
-    constexpr unsigned char live = 1, free = 2, reached = 4;
+    // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
+    // that few tags have to be looked up, its tag.
+    constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
+    Region region;
     std::unique_ptr<std::atomic<unsigned char>[]> state(new std::atomic<unsigned char>[slots]);
     std::vector<std::size_t> bad((slots + grain - 1) / grain, slots);
     ParallelFor(progress.Slice(0, 0.1), stage, slots, grain, [&](std::size_t first, std::size_t last) {
@@ -464,13 +529,17 @@ Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vec
             const bool takesPart = !m.vert[i].IsD() && (excluded.empty() || !excluded[i]);
             if (takesPart && !PositionOf(m.vert[i]).allFinite())
                 bad[first / grain] = std::min(bad[first / grain], i);
-            state[i].store(takesPart ? tag[i] == 1 ? live | free : live : 0, std::memory_order_relaxed);
+            const int held = std::min(int(many), std::max(0, tag[i])) * few;
+            state[i].store((unsigned char)(held | (takesPart ? tag[i] == 1 ? live | free : live : 0)),
+                           std::memory_order_relaxed);
         }
     });
     for (std::size_t i : bad)
         if (i < slots)
             throw fcd::detail::NotFinite(i);
-    const auto is = [&](std::size_t i, unsigned char what) { return state[i].load(std::memory_order_relaxed) & what; };
+    const auto is = [&](std::size_t i, unsigned char what) {
+        return (unsigned char)(state[i].load(std::memory_order_relaxed) & what);
+    };
     const auto reach = [&](std::size_t i) {
         if (!is(i, reached))
             state[i].fetch_or(reached, std::memory_order_relaxed);
@@ -502,28 +571,62 @@ Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vec
                         });
         }
     } else {
-        const auto join = [&](const auto &element, int corners) {
-            std::size_t slot[3];
-            bool any = false, all = true;
+        const auto join = [&](const std::size_t *slot, const unsigned char *s, int corners) {
+            unsigned char any = 0, every = live;
             for (int j = 0; j < corners; ++j) {
-                slot[j] = std::size_t(element.cV(j) - &m.vert[0]);
-                any |= is(slot[j], free) != 0;
-                all &= is(slot[j], live) != 0;
+                any |= s[j] & free;
+                every &= s[j];
             }
-            if (any && all)
-                for (int j = 0; j < corners; ++j)
-                    reach(slot[j]);
+            if (!any || !every)
+                return false;
+            for (int j = 0; j < corners; ++j)
+                if (!(s[j] & reached))
+                    state[slot[j]].fetch_or(reached, std::memory_order_relaxed);
+            return true;
         };
+        struct Found {
+            std::vector<std::uint32_t> faces;
+            std::vector<std::array<std::uint32_t, 2>> apart;
+        };
+        std::vector<Found> found((m.face.size() + grain - 1) / grain);
         ParallelFor(progress.Slice(0.1, 0.9), stage, m.face.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t f = first; f < last; ++f)
-                if (!m.face[f].IsD())
-                    join(m.face[f], 3);
+            Found here;
+            for (std::size_t f = first; f < last; ++f) {
+                const auto &face = m.face[f];
+                if (face.IsD())
+                    continue;
+                std::size_t slot[3];
+                unsigned char s[3];
+                for (int j = 0; j < 3; ++j) {
+                    slot[j] = std::size_t(face.cV(j) - &m.vert[0]);
+                    s[j] = is(slot[j], all);
+                }
+                if (join(slot, s, 3))
+                    here.faces.push_back(std::uint32_t(f));
+                for (int j = 0, k = 1; j < 3; ++j, k = k == 2 ? 0 : k + 1) {
+                    const int one = s[j] / few, other = s[k] / few;
+                    if ((one == other && one != many) || one == 1 || other == 1)
+                        continue;
+                    const std::size_t a = std::min(slot[j], slot[k]), b = std::max(slot[j], slot[k]);
+                    if (std::max(0, tag[a]) != std::max(0, tag[b]))
+                        here.apart.push_back({std::uint32_t(a), std::uint32_t(b)});
+                }
+            }
+            found[first / grain] = std::move(here);
         });
+        for (const Found &here : found) {
+            region.faces.insert(region.faces.end(), here.faces.begin(), here.faces.end());
+            region.apart.insert(region.apart.end(), here.apart.begin(), here.apart.end());
+        }
+        std::sort(region.apart.begin(), region.apart.end());
+        region.apart.erase(std::unique(region.apart.begin(), region.apart.end()), region.apart.end());
         for (const auto &e : m.edge)
-            if (!e.IsD())
-                join(e, 2);
+            if (!e.IsD()) {
+                const std::size_t slot[2] = {std::size_t(e.cV(0) - &m.vert[0]), std::size_t(e.cV(1) - &m.vert[0])};
+                const unsigned char s[2] = {is(slot[0], all), is(slot[1], all)};
+                join(slot, s, 2);
+            }
     }
-    Region region;
     fcd::AssignLarge(region.flag, slots, Region::none);
     ParallelFor(progress.Slice(0.9, 1), stage, slots, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
@@ -619,57 +722,57 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
     // Held vertices at one that is part, or a hair from it: a bit for each cell of a grid with such a place, some of
     // them shared. The cells are wide enough for most hairs to lie in one, and narrow enough for few others.
     if (total.candidates) {
-        std::size_t words = 1 << 10;
-        while (words * 2 < total.live)
-            words *= 2;
-        std::unique_ptr<std::atomic<std::uint32_t>[]> bits(new std::atomic<std::uint32_t>[words]());
         const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f, cells = hair > 0 ? 0.05f / hair : 1e6f;
-        const auto cellOf = [&](const Eigen::Vector3f &x) {
-            return Eigen::Vector3f((x * cells).array().floor() + 0.f);
+        const auto forCells = [&](std::size_t i, bool ofPart, const auto &body) {
+            fcd::detail::ForCells(inFrame(i), cells, ofPart ? hair : 0, body);
         };
-        const auto place = [&](const Eigen::Vector3f &cell) {
-            std::uint32_t b[3];
-            std::memcpy(b, cell.data(), sizeof b);
-            std::uint64_t h = (std::uint64_t(b[0]) << 32 | b[1]) * 0x9E3779B97F4A7C15u + b[2];
-            h = (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
-            return h >> 20;
+        // Of the smaller side, parts or candidates, all cells; then those of the other that are in one of them, and the
+        // same back.
+        const bool partsFirst = total.live <= total.candidates;
+        const auto isOn = [&](std::size_t i, bool ofPart) {
+            return region->flag[i] == (ofPart ? Region::part : Region::candidate);
         };
-        ParallelFor(progress.Slice(0.05, 0.06), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                if (isPart(i)) {
-                    const Eigen::Vector3f x = inFrame(i), low = cellOf(x.array() - hair),
-                                          high = cellOf(x.array() + hair);
-                    for (int corner = 0; corner < 8; ++corner) {
-                        Eigen::Vector3f cell = low;
-                        bool isNew = true;
-                        for (int d = 0; d < 3; ++d)
-                            if (corner >> d & 1) {
-                                isNew &= high[d] != low[d];
-                                cell[d] = high[d];
-                            }
-                        if (!isNew)
-                            continue;
-                        const std::uint64_t h = place(cell);
-                        bits[(h >> 5) & (words - 1)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
-                    }
-                }
+        fcd::detail::CellSet first(std::min(total.live, total.candidates));
+        ParallelFor(progress.Slice(0.05, 0.055), stage, slotCount, grain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                if (isOn(i, partsFirst))
+                    forCells(i, partsFirst, [&](std::uint64_t cell) { first.Insert(cell); });
         });
+        const auto thoseIn = [&](const fcd::detail::CellSet &set, bool ofPart) {
+            return fcd::CollectInOrder<std::uint32_t>(
+                progress.Slice(0.055, 0.06), stage, Index(slotCount), [&](Index i, std::vector<std::uint32_t> &found) {
+                    bool isIn = false;
+                    if (isOn(std::size_t(i), ofPart))
+                        forCells(std::size_t(i), ofPart,
+                                 [&](std::uint64_t cell) { isIn = isIn || set.Contains(cell); });
+                    if (isIn)
+                        found.push_back(std::uint32_t(i));
+                });
+        };
+        std::vector<std::uint32_t> parts = thoseIn(first, !partsFirst), candidates;
+        fcd::detail::CellSet second(parts.size());
+        for (std::uint32_t i : parts)
+            forCells(i, !partsFirst, [&](std::uint64_t cell) { second.Insert(cell); });
+        candidates = thoseIn(second, partsFirst);
+        if (partsFirst)
+            parts.swap(candidates);
+        std::vector<std::uint64_t> cell;
+        for (std::uint32_t i : parts)
+            forCells(i, true, [&](std::uint64_t c) { cell.push_back(c); });
+        std::sort(cell.begin(), cell.end());
         beside.assign(slotCount, 0);
-        ParallelFor(progress.Slice(0.06, 0.07), stage, slotCount, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                if (region->flag[i] == Region::candidate) {
-                    const std::uint64_t h = place(cellOf(inFrame(i)));
-                    beside[i] = bits[(h >> 5) & (words - 1)].load(std::memory_order_relaxed) >> (h & 31) & 1;
-                    part[first / grain].live += beside[i];
-                }
-        });
-        const std::size_t parts = total.live;
+        for (std::uint32_t i : candidates)
+            forCells(i, false, [&](std::uint64_t c) {
+                beside[i] = std::binary_search(cell.begin(), cell.end(), c);
+                part[i / grain].live += beside[i];
+            });
+        const std::size_t onlyParts = total.live;
         total.live = 0;
         for (std::size_t c = 0; c < chunks; ++c) {
             begin[c] = total.live;
             total.live += part[c].live;
         }
-        if (total.live == parts) // none, as mostly
+        if (total.live == onlyParts) // none, as mostly
             beside = {};
     }
     const auto isBeside = [&](std::size_t i) { return !beside.empty() && beside[i]; };
@@ -703,7 +806,8 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         rangeBegin.push_back(i);
     const std::size_t ranges = rangeBegin.size();
     rangeBegin.push_back(total.live);
-    std::vector<Index> firstNode(ranges + 1, 0), kept(ranges, 0);
+    std::vector<Index> firstNode(ranges + 1, 0);
+    std::vector<std::size_t> firstSlot(ranges + 1, 0);
     Eigen::Matrix3Xf &x = s.graph.position;
     x.resize(3, total.live);
     fcd::PreferLargePages(x.data(), total.live * sizeof(Eigen::Vector3f));
@@ -720,7 +824,8 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
             bool SamePlace(const Item &o) const { return p[0] == o.p[0] && p[1] == o.p[1] && p[2] == o.p[2]; }
         };
         std::vector<Item> sameCode;
-        Index found = 0, keptHere = 0;
+        Index found = 0;
+        std::size_t keptHere = 0;
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i)
             x.col(i) = bySlot.col(slotAt(i));
         for (std::size_t i = rangeBegin[range], next; i < rangeBegin[range + 1]; i = next) {
@@ -747,25 +852,28 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                     order[i + j] = code << 32 | (isNode ? sameCode[j].slot : dropped);
                 }
                 found += isNode;
-                keptHere += isNode ? Index(b - a) : 0;
+                keptHere += isNode ? b - a : 0;
             }
         }
         firstNode[range + 1] = found;
-        kept[range] = keptHere;
+        firstSlot[range + 1] = keptHere;
     });
-    std::size_t keptTotal = 0;
     for (std::size_t range = 0; range < ranges; ++range) {
         firstNode[range + 1] += firstNode[range];
-        keptTotal += std::size_t(kept[range]);
+        firstSlot[range + 1] += firstSlot[range];
     }
     Index nodes = firstNode[ranges];
-    s.report.welded = Index(keptTotal) - nodes;
+    s.report.welded = Index(firstSlot[ranges]) - nodes;
+    fcd::AssignLarge(s.slots, firstSlot[ranges], std::uint32_t(0));
     const bool shifted = std::size_t(nodes) < total.live;
+    if (region)
+        fcd::AssignLarge(s.tag, nodes, Index(1));
     bySlot.resize(3, 0); // first: Eigen's resize frees the old memory twice where it gets no new one
     if (shifted)
         bySlot.resize(3, nodes);
     ParallelFor(progress.Slice(0.3, 0.4), stage, ranges, 1, [&](std::size_t range, std::size_t) {
         Index node = firstNode[range] - 1;
+        std::size_t at = firstSlot[range];
         for (std::size_t i = rangeBegin[range]; i < rangeBegin[range + 1]; ++i) {
             if (slotAt(i) == dropped)
                 continue;
@@ -775,21 +883,18 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
                     bySlot.col(node) = x.col(i);
             }
             s.nodeOf[slotAt(i)] = node;
+            s.slots[at++] = slotAt(i);
+            if (region && tag[slotAt(i)] != 1)
+                s.tag[node] = fcd::detail::TagOfBoth(s.tag[node], std::max(tag[slotAt(i)], 0));
         }
     });
     if (shifted)
         x.swap(bySlot);
     order.reset();
     bySlot.resize(3, 0);
-    if (region) {
-        fcd::AssignLarge(s.tag, nodes, Index(1));
-        for (std::size_t i = 0; i < slotCount; ++i)
-            if (const Index node = s.nodeOf[i]; node >= 0 && tag[i] != 1)
-                s.tag[node] = fcd::detail::TagOfBoth(s.tag[node], std::max(tag[i], 0));
-    }
 
     // Faces and edge elements as corners; those that do not count as three times the same.
-    const std::size_t faces = m.face.size();
+    const std::size_t faces = region ? region->faces.size() : m.face.size();
     std::unique_ptr<Index[]> corner = fcd::LargeArray<Index>(3 * (faces + m.edge.size()));
     std::size_t triangles = 0;
     struct Count {
@@ -810,7 +915,7 @@ fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, con
         Index *to = &corner[3 * first];
         Count count;
         for (std::size_t f = first; f < last; ++f)
-            if (!m.face[f].IsD() && add(m.face[f], 3, to)) {
+            if (const auto &face = m.face[region ? region->faces[f] : f]; !face.IsD() && add(face, 3, to)) {
                 count.degenerate += to[0] == to[1] || to[1] == to[2] || to[2] == to[0];
                 ++count.triangles;
                 to += 3;

@@ -37,7 +37,8 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
 
 /// CountFolded where all is one patch that \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
-    const SurfaceGraph surface = vcg::tri::BuildSurfaceGraph(mesh);
+    const std::vector<int> free(mesh.vert.size(), 1);
+    const SurfaceGraph surface = vcg::tri::ReadFreeSurface(mesh, free, {}, Eigen::Matrix3d::Identity(), {});
     const std::vector<Index> patchOf(surface.graph.Size(), 0);
     return vcg::fcd::detail::CountFolded(mesh, surface, patchOf, {linear}, position, {});
 }

@@ -300,11 +300,89 @@ TEST(GraphMapping, EndsWhereTheMiddleOfAStarHasVeryManyNeighbours) {
     }
 }
 
-TEST(GraphMapping, KernelFallsFromOneToZero) {
-    EXPECT_EQ(GraphMapping::Kernel(1), 1);
-    EXPECT_EQ(GraphMapping::Kernel(0), 0);
-    for (double u = 0; u < 1; u += 0.01)
-        EXPECT_LT(GraphMapping::Kernel(u), GraphMapping::Kernel(u + 0.01));
+// A blend of one candidate and of many, some of which keep a share of their weight only.
+struct BlendRig {
+    static constexpr std::size_t n = 9, whole = 4, m = 3;
+    std::vector<detail::Ball> ball, shareBall;
+    std::vector<float> share = std::vector<float>((n - whole) * m);
+    float term[n][detail::terms], weight[n][detail::lanes], shareWeight[m][detail::lanes];
+    detail::Blending blending;
+
+    BlendRig() {
+        std::mt19937 random(1);
+        std::uniform_real_distribution<float> number(0, 1);
+        const auto ballHere = [&] { return detail::Ball{{number(random), number(random), number(random)}, 1.5f, 0}; };
+        for (std::size_t c = 0; c < n; ++c) {
+            ball.push_back(ballHere());
+            for (float &t : term[c])
+                t = number(random) - 0.5f;
+            term[c][detail::terms - 1] = 1;
+        }
+        for (std::size_t q = 0; q < m; ++q)
+            shareBall.push_back(ballHere());
+        for (float &s : share)
+            s = number(random);
+        for (int l = 0; l < detail::lanes; ++l)
+            for (int d = 0; d < 3; ++d)
+                blending.x[d][l] = 1.5f * number(random);
+        blending.ball = ball.data();
+        blending.term = term;
+        blending.n = n;
+        blending.whole = whole;
+        blending.shareBall = shareBall.data();
+        blending.share = share.data();
+        blending.m = m;
+        blending.weight = weight;
+        blending.shareWeight = shareWeight;
+    }
+};
+
+TEST(GraphMapping, WeightsFallFromOneToZero) {
+    detail::Ball ball{{0, 0, 0}, 1, 0};
+    float x[3][detail::lanes] = {}, weight[1][detail::lanes];
+    for (int l = 0; l < detail::lanes; ++l)
+        x[1][l] = float(l) / (detail::lanes - 1);
+    detail::plain::WeighBalls(x, &ball, 1, weight);
+    EXPECT_EQ(weight[0][0], 1);
+    EXPECT_EQ(weight[0][detail::lanes - 1], 0);
+    for (int l = 1; l < detail::lanes; ++l)
+        EXPECT_LT(weight[0][l], weight[0][l - 1]);
+}
+
+TEST(GraphMapping, BlendsAsWrittenDown) {
+    BlendRig rig;
+    detail::Blend(rig.blending);
+    const auto weigh = [&](const detail::Ball &ball, int l) {
+        double square = 0;
+        for (int d = 0; d < 3; ++d)
+            square += std::pow(double(ball.center[d]) - rig.blending.x[d][l], 2);
+        return std::pow(std::max(0.0, 1 - square * ball.inverse), 3);
+    };
+    int shared = 0;
+    for (int l = 0; l < detail::lanes; ++l) {
+        double sum[detail::terms] = {};
+        for (std::size_t c = 0; c < rig.n; ++c) {
+            double w = weigh(rig.ball[c], l), kept = 0, total = 0;
+            for (std::size_t q = 0; q < rig.m && c >= rig.whole; ++q) {
+                total += weigh(rig.shareBall[q], l);
+                kept += weigh(rig.shareBall[q], l) * rig.share[(c - rig.whole) * rig.m + q];
+            }
+            w *= total > 0 ? kept / total : 1;
+            shared += total > 0;
+            for (int t = 0; t < detail::terms; ++t)
+                sum[t] += w * rig.term[c][t];
+        }
+        for (int t = 0; t < detail::terms; ++t)
+            EXPECT_NEAR(rig.blending.sum[t][l], sum[t], 1e-5);
+    }
+    EXPECT_GT(shared, 0);
+}
+
+TEST(GraphMapping, BlendsToTheSameBitsOnAnyProcessor) {
+    BlendRig rig, plain;
+    detail::Blend(rig.blending);
+    detail::plain::Blend(plain.blending);
+    EXPECT_EQ(std::memcmp(rig.blending.sum, plain.blending.sum, sizeof(plain.blending.sum)), 0);
 }
 
 TEST(GraphMapping, CanBeCancelledAnywhere) {
