@@ -4,12 +4,14 @@
 
 #include "fcd_layers.h"
 #include "fcd_points.h"
+#include "fcd_rest.h"
 
 #include <vcg/complex/allocate.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -39,22 +41,31 @@ template <class NumberOf>
 std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const NumberOf &of) {
     const CMeshO &mesh = layer.cm;
     std::vector<int> tag(mesh.vert.size(), 1);
-    for (std::size_t i = 0; i < tag.size(); ++i) {
-        if (mesh.vert[i].IsD())
-            continue;
-        const double number = of(i);
-        const double whole = std::round(number);
+    const auto wholeOf = [](double number, double &whole) {
+        whole = std::round(number);
         // The tolerance is for files that store numbers as text.
-        if (!(std::abs(number - whole) <= 1e-6) || whole < std::numeric_limits<int>::lowest() ||
-            whole > std::numeric_limits<int>::max()) {
+        return std::abs(number - whole) <= 1e-6 && whole >= std::numeric_limits<int>::lowest() &&
+               whole <= std::numeric_limits<int>::max();
+    };
+    std::atomic<bool> isGood{true};
+    vcg::fcd::ParallelFor(0, tag.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        double whole = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD()) {
+                if (!wholeOf(of(i), whole))
+                    isGood = false;
+                else
+                    tag[i] = int(whole);
+            }
+    });
+    for (std::size_t i = 0; i < tag.size() && !isGood; ++i)
+        if (double whole = 0; !mesh.vert[i].IsD() && !wholeOf(of(i), whole)) {
             std::ostringstream message;
-            message << "The " << what << " of vertex " << i << " is " << number
+            message << "The " << what << " of vertex " << i << " is " << of(i)
                     << ", but tags are whole numbers: " << tagMeaning
                     << ". Round them, or take the tags from another source.";
             throw Error(message.str());
         }
-        tag[i] = int(whole);
-    }
     return tag;
 }
 
@@ -220,6 +231,16 @@ Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer) {
     return matrix;
 }
 
+Eigen::Matrix3Xd positionsOf(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    Eigen::Matrix3Xd position(3, Eigen::Index(mesh.vert.size()));
+    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            position.col(Eigen::Index(i)) = vcg::tri::PositionOf(mesh.vert[i]);
+    });
+    return position;
+}
+
 std::size_t mostBytes(const MeshModel &layer, std::size_t each) { return 1000000 + each * std::size_t(layer.cm.vn); }
 
 std::vector<char> onSelectedFaces(const MeshModel &layer) {
@@ -246,27 +267,18 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
     throw Error("Unknown source of tags.");
 }
 
-Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark) {
-    const CMeshO &mesh = layer.cm;
+Handles readHandles(const MeshModel &layer, const HandleParam &param) {
     Handles handles;
     handles.tag = readTags(layer, param);
+    handles.world = invertibleMatrixOf(layer);
     if (!param.pointFile.isEmpty())
         handles.point = readPointHandles(layer, param.pointFile);
+    return handles;
+}
 
-    const Eigen::Affine3d layerMatrix = invertibleMatrixOf(layer);
-    handles.world = layerMatrix;
-    struct Sum {
-        Eigen::Vector3d position = Eigen::Vector3d::Zero();
-        std::size_t count = 0;
-    };
-    std::map<int, Sum> sums; // per handle
-    for (std::size_t i = 0; i < handles.tag.size(); ++i)
-        if (!mesh.vert[i].IsD() && handles.tag[i] >= 2) {
-            Sum &sum = sums[handles.tag[i]];
-            sum.position += vcg::tri::PositionOf(mesh.vert[i]);
-            ++sum.count;
-        }
-
+void readMotions(const MeshModel &layer, const HandleParam &param, const std::map<Index, Eigen::Vector3d> &centers,
+                 const Remark &remark, Handles &handles) {
+    const CMeshO &mesh = layer.cm;
     std::vector<Eigen::Matrix4d> listed;
     if (!param.transformFile.isEmpty())
         listed =
@@ -274,18 +286,18 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
 
     const std::map<int, std::vector<MotionStep>> told = vcg::fcd::ReadMotionText(text(param.transforms));
     for (const auto &clause : told)
-        if (!sums.count(clause.first)) {
+        if (!centers.count(clause.first)) {
             const std::string tag = std::to_string(clause.first);
             throw Error("transforms moves handle " + tag + ", but no vertex has tag " + tag + "; " +
-                        (sums.empty()       ? "there are no handles."
-                         : sums.size() == 1 ? "the only handle is " + listOfKeys(sums) + "."
-                                            : "the handles are " + listOfKeys(sums) + "."));
+                        (centers.empty()       ? "there are no handles."
+                         : centers.size() == 1 ? "the only handle is " + listOfKeys(centers) + "."
+                                               : "the handles are " + listOfKeys(centers) + "."));
         }
 
     bool moves = false, aboutPoint = false;
-    for (const auto &[tag, sum] : sums) {
+    for (const auto &[tag, center] : centers) {
         const std::size_t place = std::size_t(tag) - 2;
-        const Eigen::Vector3d barycenter = layerMatrix * (sum.position / double(sum.count));
+        const Eigen::Vector3d barycenter = handles.world * center;
         Motion world;
         if (const auto clause = told.find(tag); clause != told.end()) {
             try {
@@ -313,22 +325,21 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param, const Rema
     }
 
     for (std::size_t place = 0; place < listed.size(); ++place)
-        if (!sums.count(int(place) + 2))
+        if (!centers.count(int(place) + 2))
             remark("No vertex has tag " + std::to_string(place + 2) + ": its matrix in " + text(param.transformFile) +
                    " is not used.");
     if (const double error = aboutPoint ? singleError(param.rotationPoint) : 0;
-        error > 1e-5 * (layerMatrix.linear() * extentOf(mesh)).norm()) {
+        error > 0 && error > 1e-5 * (handles.world.linear() * extentOf(mesh)).norm()) {
         std::ostringstream line;
         line << "rotation_point reaches the filter in single precision, which far from the origin is coarse: " << error
-             << " units there. For an exact centre write the rotation as text in 'transforms': " << sums.begin()->first
-             << ": rotate ax ay az degrees about x y z.";
+             << " units there. For an exact centre write the rotation as text in 'transforms': "
+             << centers.begin()->first << ": rotate ax ay az degrees about x y z.";
         remark(line.str());
     }
     for (const vcg::fcd::PointHandle &point : handles.point)
         moves = moves || point.target != vcg::tri::PositionOf(mesh.vert[point.vertex]);
-    if (!moves && !(sums.empty() && handles.point.empty()))
+    if (!moves && !(centers.empty() && handles.point.empty()))
         remark("No handle moves: nothing that was given leads them away from where they are.");
-    return handles;
 }
 
 Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
@@ -426,8 +437,8 @@ void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
     const AttributeMakers makers;
     const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty())
-                continue; // scratch data of some algorithm
+            if (attribute._name.empty() || isOfRest(attribute._name))
+                continue; // scratch data of some algorithm, or what belongs to the layer alone
             const auto maker = makersOfKind.find(attribute._type);
             if (maker == makersOfKind.end())
                 remark(std::string("The ") + kind + " attribute '" + attribute._name +
@@ -590,7 +601,6 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
     vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(graph.position.cols()));
-    const auto toPoint = [](const auto &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); };
     for (Eigen::Index i = 0; i < graph.position.cols(); ++i) {
         CVertexO &vertex = mesh.vert[std::size_t(i)];
         vertex.P() = toPoint(graph.position.col(i));

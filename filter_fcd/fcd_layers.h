@@ -31,6 +31,9 @@ Eigen::Matrix3d metricOf(const MeshModel &layer);
 /// The same, for where the way back is needed. \throw vcg::fcd::Error also when it has no inverse
 Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer);
 
+/// The positions of the vertices of \p layer, 3 x slots.
+Eigen::Matrix3Xd positionsOf(const MeshModel &layer);
+
 /// How many bytes a file may have that holds at most \p each for a vertex of \p layer, and comments.
 std::size_t mostBytes(const MeshModel &layer, std::size_t each);
 
@@ -41,9 +44,15 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 /// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 
-/// Tags (per slot of the layer's vertex vector) and motions (in world coordinates) of the handles of \p
-/// layer. \throw vcg::fcd::Error when the tags or motions cannot be had: each message says what to do
-vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param, const Remark &remark);
+/// Tags (per slot of the layer's vertex vector) and point handles of \p layer, without motions.
+/// \throw vcg::fcd::Error when they cannot be had: each message says what to do
+vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param);
+
+/// Adds to \p handles of \p layer their motions, in world coordinates. \param centers of the handles, in the layer's
+/// \throw vcg::fcd::Error when the motions cannot be had: each message says what to do
+void readMotions(const MeshModel &layer, const HandleParam &param,
+                 const std::map<vcg::fcd::Index, Eigen::Vector3d> &centers, const Remark &remark,
+                 vcg::fcd::Handles &handles);
 
 /// The vertices of \p graph in the coordinates of \p layer, 3 x k.
 /// \throw vcg::fcd::Error when \p graph is null, is \p layer itself or has no vertex

@@ -11,8 +11,6 @@ using vcg::fcd::Error;
 
 namespace {
 
-Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
-
 Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
 
 Scalarm diagonal(const MeshDocument &document) {
@@ -72,46 +70,8 @@ vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
     return param;
 }
 
-} // namespace
-
-int enumValue(const RichParameterList &list, const char *name, int count) {
-    const int value = list.getEnum(name);
-    if (value < 0 || value >= count)
-        throw Error(std::string(name) + " is " + std::to_string(value) + "; it must be from 0 to " +
-                    std::to_string(count - 1) + ".");
-    return value;
-}
-
-RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
-    RichParameterList list;
-    addTargetRadius(list, param.graph.targetRadius, document);
-    addInitialPatches(list, param.graph.initialPatches);
-    addParameter<RichInt>(list, Shown::Advanced, "max_iterations", param.graph.maxIterations, "Maximum iterations",
-                          "The patches are improved until they hardly change, at most this often. <b>Raising it</b> "
-                          "matters only when the log "
-                          "says that they did not converge.");
-    addRandomSeed(list, param.graph.randomSeed);
-    addParameter<RichBool>(
-        list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
-        "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
-    return list;
-}
-
-BuildGraphParam buildGraphParam(const RichParameterList &list) {
-    BuildGraphParam param;
-    param.graph = graphParam(list);
-    param.graph.maxIterations = list.getInt("max_iterations");
-    param.patchesLayer = list.getBool("patches_layer");
-    param.graph.Validate();
-    return param;
-}
-
-RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document) {
-    const HandleParam &handles = param.handles;
-    const vcg::fcd::DeformationParam &deformation = param.deformation;
-    RichParameterList list;
-
-    // What moves.
+/// What moves, and how.
+void addHandles(RichParameterList &list, const HandleParam &handles) {
     addParameter<RichEnum>(list, Shown::Always, "handles", int(handles.source),
                            QStringList() << "Vertex quality"
                                          << "Selection"
@@ -207,22 +167,10 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         list, Shown::Advanced, "TransformMatrix", matrix, "Matrix",
         "A 4x4 affine matrix in world coordinates (last row 0 0 0 1) that moves the handles, "
         "applied before rotation and translation. May also scale or shear them.");
+}
 
-    // With which graph.
-    addParameter<RichBool>(
-        list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
-        "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
-        "drive several meshes, and nodes can be placed by hand.");
-    host::addLayerParameter(
-        list, Shown::Advanced, "graph_layer", param.graphLayer ? param.graphLayer : likelyGraph(document), document,
-        "Graph layer",
-        "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes "
-        "that are not on the surface are left out; when most of them are not, it is an error.");
-    addTargetRadius(list, deformation.graph.targetRadius, document);
-    addInitialPatches(list, deformation.graph.initialPatches);
-    addRandomSeed(list, deformation.graph.randomSeed);
-
-    // How it bends.
+/// How it bends. \param all also what a filter may lack where scripts may not
+void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
     addParameter<RichFloat>(list, Shown::Always, "smoothness", Scalarm(deformation.smoothness), "Smoothness",
                             "How strongly neighbouring parts must turn alike. <b>Raising it</b> spreads bends over "
                             "more of the surface and stiffens "
@@ -266,7 +214,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
                            "What becomes of parts that are not connected to any handle or fixed vertex: <i>Follow</i> "
                            "the nearest part that is "
                            "(a button follows the sleeve), or <i>Stay</i> where they are.");
-    if (host::scriptsMayLackParameters)
+    if (all)
         addParameter<RichFloat>(
             list, Shown::Advanced, "weld_distance", Scalarm(deformation.weldDistance), "Weld distance",
             "Vertices on open borders that are at most this far apart count as one, so that a seam does not tear; a "
@@ -276,12 +224,111 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         list, Shown::Always, "pose", Scalarm(deformation.pose), "Pose (percent)",
         "How much of the motion of the handles is carried out: 0 is the mesh as it is, 100 the full motion; "
         "it may exceed 100.");
-    if (host::scriptsMayLackParameters)
+    if (all)
         addParameter<RichInt>(
             list, Shown::Advanced, "pose_steps", deformation.steps, "Pose in steps",
             "The pose is reached over so many steps, each bent from the one before. <b>Raise it</b> (10, say) where a "
             "strong compression or twist makes the shape jump from one pose to the next: it then stays with the shape "
             "that grows out of the mesh as it is.");
+}
+
+HandleParam handleParam(const RichParameterList &list) {
+    HandleParam handles;
+    handles.source = HandleParam::Source(enumValue(list, "handles", 4));
+    handles.tagAttribute = list.getString("tag_attribute");
+    handles.tagFile = list.getOpenFileName("tag_file");
+    handles.transformFile = list.getOpenFileName("transform_file");
+    handles.transforms = list.getString("transforms");
+    handles.pointFile = list.getOpenFileName("point_handles_file");
+    handles.translation = toVector(list.getPoint3m("translation"));
+    handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
+    handles.rotationAngle = list.getFloat("rotation_angle");
+    handles.rotationCenter = HandleParam::Center(enumValue(list, "rotation_center", 3));
+    handles.rotationPoint = toVector(list.getPoint3m("rotation_point"));
+    const Matrix44m matrix = host::matrixParameter(list, "TransformMatrix");
+    matrix.ToEigenMatrix(handles.matrix);
+    handles.validate();
+    return handles;
+}
+
+/// All but nodes, and what is measured.
+vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all) {
+    vcg::fcd::DeformationParam deformation;
+    deformation.graph = graphParam(list);
+    deformation.smoothness = list.getFloat("smoothness");
+    deformation.maxIterations = list.getInt("max_iterations");
+    deformation.tolerance = list.getFloat("tolerance");
+    const int graphWeights = enumValue(list, "graph_weights", 3);
+    deformation.graphWeights = graphWeights == 0 ? vcg::fcd::GraphWeights::Border : vcg::fcd::GraphWeights::Uniform;
+    deformation.graph.measure = graphWeights == 2 ? vcg::fcd::PatchMeasure::Vertices : vcg::fcd::PatchMeasure::Area;
+    deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
+    deformation.influence = list.getFloat("influence");
+    deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
+    deformation.pose = list.getFloat("pose");
+    if (all) {
+        deformation.weldDistance = list.getFloat("weld_distance");
+        deformation.steps = list.getInt("pose_steps");
+    }
+    deformation.Validate();
+    return deformation;
+}
+
+} // namespace
+
+int enumValue(const RichParameterList &list, const char *name, int count) {
+    const int value = list.getEnum(name);
+    if (value < 0 || value >= count)
+        throw Error(std::string(name) + " is " + std::to_string(value) + "; it must be from 0 to " +
+                    std::to_string(count - 1) + ".");
+    return value;
+}
+
+RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    addTargetRadius(list, param.graph.targetRadius, document);
+    addInitialPatches(list, param.graph.initialPatches);
+    addParameter<RichInt>(list, Shown::Advanced, "max_iterations", param.graph.maxIterations, "Maximum iterations",
+                          "The patches are improved until they hardly change, at most this often. <b>Raising it</b> "
+                          "matters only when the log "
+                          "says that they did not converge.");
+    addRandomSeed(list, param.graph.randomSeed);
+    addParameter<RichBool>(
+        list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
+        "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
+    return list;
+}
+
+BuildGraphParam buildGraphParam(const RichParameterList &list) {
+    BuildGraphParam param;
+    param.graph = graphParam(list);
+    param.graph.maxIterations = list.getInt("max_iterations");
+    param.patchesLayer = list.getBool("patches_layer");
+    param.graph.Validate();
+    return param;
+}
+
+RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document) {
+    const HandleParam &handles = param.handles;
+    const vcg::fcd::DeformationParam &deformation = param.deformation;
+    RichParameterList list;
+
+    addHandles(list, handles);
+
+    // With which graph.
+    addParameter<RichBool>(
+        list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
+        "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
+        "drive several meshes, and nodes can be placed by hand.");
+    host::addLayerParameter(
+        list, Shown::Advanced, "graph_layer", param.graphLayer ? param.graphLayer : likelyGraph(document), document,
+        "Graph layer",
+        "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes "
+        "that are not on the surface are left out; when most of them are not, it is an error.");
+    addTargetRadius(list, deformation.graph.targetRadius, document);
+    addInitialPatches(list, deformation.graph.initialPatches);
+    addRandomSeed(list, deformation.graph.randomSeed);
+
+    addBending(list, deformation, host::scriptsMayLackParameters);
     addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
                            "Also adds the deformation graph at rest and deformed, as two layers; their attribute "
                            "<i>energy</i> says where the deformation costs most.");
@@ -298,49 +345,52 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     return list;
 }
 
+RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    addHandles(list, param.handles);
+    addTargetRadius(list, param.deformation.graph.targetRadius, document);
+    addInitialPatches(list, param.deformation.graph.initialPatches);
+    addRandomSeed(list, param.deformation.graph.randomSeed);
+    addBending(list, param.deformation, true);
+    addParameter<RichBool>(
+        list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
+        "Computes the normals of the vertices anew from the faces, as MeshLab does. Without it they are turned as the "
+        "surface turns, which is faster and looks the same.");
+    return list;
+}
+
+PoseParam poseParam(const RichParameterList &list) {
+    PoseParam param;
+    param.handles = handleParam(list);
+    param.deformation = deformationParam(list, true);
+    param.exactNormals = list.getBool("exact_normals");
+    return param;
+}
+
+RichParameterList toRichParameters(const ResetPoseParam &param) {
+    RichParameterList list;
+    addParameter<RichBool>(
+        list, Shown::Always, "keep_shape", param.keepShape, "Keep the present shape",
+        "Ticked, the layer stays as it is, and later poses begin from this shape. Otherwise it gets the shape back "
+        "that it had before its first pose.");
+    return list;
+}
+
+ResetPoseParam resetPoseParam(const RichParameterList &list) { return {list.getBool("keep_shape")}; }
+
 DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document) {
     DeformMeshParam param;
-    HandleParam &handles = param.handles;
-    handles.source = HandleParam::Source(enumValue(list, "handles", 4));
-    handles.tagAttribute = list.getString("tag_attribute");
-    handles.tagFile = list.getOpenFileName("tag_file");
-    handles.transformFile = list.getOpenFileName("transform_file");
-    handles.transforms = list.getString("transforms");
-    handles.pointFile = list.getOpenFileName("point_handles_file");
-    handles.translation = toVector(list.getPoint3m("translation"));
-    handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
-    handles.rotationAngle = list.getFloat("rotation_angle");
-    handles.rotationCenter = HandleParam::Center(enumValue(list, "rotation_center", 3));
-    handles.rotationPoint = toVector(list.getPoint3m("rotation_point"));
-    const Matrix44m matrix = host::matrixParameter(list, "TransformMatrix");
-    matrix.ToEigenMatrix(handles.matrix);
-    handles.validate();
+    param.handles = handleParam(list);
 
     param.useGraphLayer = list.getBool("use_graph_layer");
     if (param.useGraphLayer)
         param.graphLayer = host::layerParameter(list, "graph_layer", document);
 
-    vcg::fcd::DeformationParam &deformation = param.deformation;
-    deformation.graph = graphParam(list);
-    deformation.smoothness = list.getFloat("smoothness");
-    deformation.maxIterations = list.getInt("max_iterations");
-    deformation.tolerance = list.getFloat("tolerance");
-    const int graphWeights = enumValue(list, "graph_weights", 3);
-    deformation.graphWeights = graphWeights == 0 ? vcg::fcd::GraphWeights::Border : vcg::fcd::GraphWeights::Uniform;
-    deformation.graph.measure = graphWeights == 2 ? vcg::fcd::PatchMeasure::Vertices : vcg::fcd::PatchMeasure::Area;
-    deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
-    deformation.influence = list.getFloat("influence");
-    deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
-    deformation.pose = list.getFloat("pose");
-    if (host::scriptsMayLackParameters) {
-        deformation.weldDistance = list.getFloat("weld_distance");
-        deformation.steps = list.getInt("pose_steps");
-    }
-    deformation.Validate();
+    param.deformation = deformationParam(list, host::scriptsMayLackParameters);
 
     param.graphLayers = list.getBool("graph_layers");
     param.quality = DeformMeshParam::Quality(enumValue(list, "deformed_quality", 3));
-    deformation.measure = param.quality != DeformMeshParam::Input;
+    param.deformation.measure = param.quality != DeformMeshParam::Input;
     return param;
 }
 

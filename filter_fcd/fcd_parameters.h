@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
+
 /// What "FCD: Build Deformation Graph" is asked for.
 struct BuildGraphParam {
     vcg::fcd::GraphParam graph;
@@ -52,9 +54,23 @@ struct DeformMeshParam {
     Quality quality = Input; ///< of the deformed layer
 };
 
+/// What "FCD: Pose in Place" is asked for.
+struct PoseParam {
+    HandleParam handles;
+    vcg::fcd::DeformationParam deformation; ///< without nodes
+    bool exactNormals = false;              ///< computed from the faces instead of turned
+};
+
+/// What "FCD: Reset Pose" is asked for.
+struct ResetPoseParam {
+    bool keepShape = false; ///< make the present shape the rest shape
+};
+
 /// The parameters of the filters as the host shows them. Lengths are relative to the current layer, if there is one.
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const ResetPoseParam &param);
 
 /// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
 int enumValue(const RichParameterList &list, const char *name, int count);
@@ -62,5 +78,7 @@ int enumValue(const RichParameterList &list, const char *name, int count);
 /// The way back. \throw vcg::fcd::Error when a value makes no sense
 BuildGraphParam buildGraphParam(const RichParameterList &list);
 DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document);
+PoseParam poseParam(const RichParameterList &list);
+ResetPoseParam resetPoseParam(const RichParameterList &list);
 
 #endif

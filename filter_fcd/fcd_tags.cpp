@@ -301,7 +301,11 @@ TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Rema
     if (param.transformFile.isEmpty()) {
         tag = readTags(layer, param.handles);
     } else {
-        const vcg::fcd::Handles handles = readHandles(layer, param.handles, remark);
+        vcg::fcd::Handles handles = readHandles(layer, param.handles);
+        readMotions(
+            layer, param.handles,
+            vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); }),
+            remark, handles);
         if (handles.motion.empty())
             throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
                         "leave transform_file empty.");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_layers.h"
 #include "fcd_parameters.h"
+#include "fcd_pose.h"
 #include "fcd_tags.h"
 #include "filter_fcd.h"
 
@@ -8,6 +9,9 @@
 
 using vcg::fcd::Error;
 using vcg::fcd::Progress;
+
+using vcg::tri::PoseMesh;
+using vcg::tri::PrepareDeformer;
 
 namespace {
 
@@ -103,7 +107,9 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
 
 } // namespace
 
-FilterFcd::FilterFcd() { announce({BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags}); }
+FilterFcd::FilterFcd() {
+    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, TagSelection, TagsFromFiles, SaveTags});
+}
 
 QString FilterFcd::name() const { return "FilterFCD"; }
 
@@ -111,6 +117,8 @@ QString FilterFcd::filterName(int id) const {
     switch (id) {
     case BuildGraph: return "FCD: Build Deformation Graph";
     case DeformMesh: return "FCD: Deform Mesh";
+    case PoseInPlace: return "FCD: Pose in Place";
+    case ResetPose: return "FCD: Reset Pose";
     case TagSelection: return "FCD: Tag Selection";
     case TagsFromFiles: return "FCD: Tags from Files";
     case SaveTags: return "FCD: Save Tags";
@@ -122,6 +130,8 @@ QString FilterFcd::scriptName(int id) const {
     switch (id) {
     case BuildGraph: return "generate_fcd_deformation_graph";
     case DeformMesh: return "generate_fcd_deformed_mesh";
+    case PoseInPlace: return "apply_coord_fcd_deformation";
+    case ResetPose: return "apply_coord_fcd_reset";
     case TagSelection: return "compute_fcd_tags_from_selection";
     case TagsFromFiles: return "compute_fcd_tags_from_files";
     case SaveTags: return "save_fcd_tags";
@@ -163,6 +173,21 @@ QString FilterFcd::filterInfo(int id) const {
                    "layer is not changed: the result is a new layer with everything that the mesh carries (colours, "
                    "textures, attributes). All motions are in world coordinates.") +
                reference;
+    case PoseInPlace:
+        return QString(
+                   "Bends the current layer itself, as 'FCD: Deform Mesh' bends a copy of it: tick <i>Preview</i> and "
+                   "see "
+                   "the shape follow while you change a value. The first time the layer is prepared, which takes a "
+                   "moment; each further pose takes a fraction of that, also when you come back to the dialog.<br>"
+                   "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose: "
+                   "poses "
+                   "do not add up, and pose 0 is the rest shape. The layer keeps the rest shape as vertex attributes "
+                   "(fcd_rest, fcd_rest_normal); 'FCD: Reset Pose' brings it back. Changes positions and normals, "
+                   "nothing else. All motions are in world coordinates.") +
+               reference;
+    case ResetPose:
+        return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
+               "exactly; or keeps the shape that it has and lets later poses begin from that.";
     case TagSelection:
         return "Says what 'FCD: Deform Mesh' does with the selected part of the mesh: it stays <b>fixed</b>, is "
                "<b>free</b> to follow, is a <b>handle</b> that moves as told, or lies <b>outside</b> the region of "
@@ -186,14 +211,24 @@ QString FilterFcd::filterInfo(int id) const {
 HostFilterPlugin::FilterClass FilterFcd::menus(int) const { return Smoothing; }
 
 int FilterFcd::changes(int id) const {
-    const bool tags = id == TagSelection || id == TagsFromFiles;
-    return tags ? MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR : MeshModel::MM_NONE;
+    const int shape = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
+    switch (id) {
+    case PoseInPlace: return shape;
+    // A number of vertices that changes means no preview. A preview of this could not be taken back: the host does not
+    // restore attributes.
+    case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
+    case TagSelection:
+    case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
+    }
+    return MeshModel::MM_NONE;
 }
 
 RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) const {
     switch (id) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
+    case PoseInPlace: return toRichParameters(PoseParam(), document);
+    case ResetPose: return toRichParameters(ResetPoseParam());
     case TagSelection: return toRichParameters(TagSelectionParam());
     case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
@@ -206,6 +241,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
+    case PoseInPlace: return pose(parameters, document, callback);
+    case ResetPose: resetPose(input(document), resetPoseParam(parameters).keepShape); return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
     case SaveTags:
@@ -257,12 +294,22 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const MeshModel &layer = input(document);
     DeformMeshParam param = deformMeshParam(parameters, document);
     const Remark remark = [this](const std::string &line) { logLine(line); };
-    const vcg::fcd::Handles handles = readHandles(layer, param.handles, remark);
+    vcg::fcd::Handles handles = readHandles(layer, param.handles);
     if (param.useGraphLayer)
         param.deformation.nodes = readNodes(layer, param.graphLayer);
     param.deformation.linear = hasDirections(layer);
-    const vcg::fcd::DeformationResult result =
-        vcg::tri::DeformCentroidal(layer.cm, handles, param.deformation, Progress(callback, 0, 90));
+    vcg::fcd::DeformationResult result;
+
+    const std::shared_ptr<Prepared> prepared =
+        preparedLayers.get(document, layer, nullptr, handles, param.deformation, [&] {
+            return PrepareDeformer(layer.cm, handles, param.deformation, result.position, Progress(callback, 0, 70));
+        });
+    if (result.position.cols() == 0)
+        result.position = positionsOf(layer);
+    readMotions(layer, param.handles, prepared->deformer->center, remark, handles);
+    PoseMesh(layer.cm, handles, *prepared->deformer, param.deformation, Progress(callback, 70, 90), result);
+    result.secondsGraph = prepared->seconds;
+    result.tags = prepared->tags;
 
     const Progress progress(callback, 90, 100);
     progress(0, "Adding layers...");
@@ -313,6 +360,34 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                    {"seconds_graph", result.secondsGraph},
                    {"seconds_solve", result.secondsSolve},
                    {"seconds_map", result.secondsMap}});
+    return values;
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
+                                                 vcg::CallBackPos *callback) {
+    const PoseResult result = poseInPlace(
+        document, input(document), poseParam(parameters), preparedLayers,
+        [this](const std::string &line) { logLine(line); }, Progress(callback));
+    std::ostringstream line;
+    line << describe(result.tags) << "; " << result.nodes << " nodes, " << result.iterations << " iterations; "
+         << (result.prepared ? "prepared in " : "already prepared, found in ")
+         << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
+         << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
+    logLine(line.str());
+    if (!result.converged)
+        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
+                "a time.",
+                GLLogStream::WARNING);
+    ReturnedValues values = valuesOf(result.tags);
+    values.insert({{"nodes", result.nodes},
+                   {"iterations", result.iterations},
+                   {"converged", result.converged},
+                   {"prepared", result.prepared},
+                   {"seconds_find", result.secondsFind},
+                   {"seconds_prepare", result.secondsPrepare},
+                   {"seconds_solve", result.secondsSolve},
+                   {"seconds_map", result.secondsMap},
+                   {"seconds_normals", result.secondsNormals}});
     return values;
 }
 

@@ -2,10 +2,7 @@
 #ifndef FILTER_FCD_H
 #define FILTER_FCD_H
 
-// Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/handles.h>
-
-#include "meshlab_host.h"
+#include "fcd_prepared.h"
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
 class FilterFcd : public HostFilterPlugin {
@@ -13,7 +10,7 @@ class FilterFcd : public HostFilterPlugin {
     FCD_PLUGIN_METADATA
 
   public:
-    enum Filter { BuildGraph, DeformMesh, TagSelection, TagsFromFiles, SaveTags };
+    enum Filter { BuildGraph, DeformMesh, PoseInPlace, ResetPose, TagSelection, TagsFromFiles, SaveTags };
 
     FilterFcd();
 
@@ -34,7 +31,10 @@ class FilterFcd : public HostFilterPlugin {
   private:
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
+
+    PreparedLayers preparedLayers;
 };
 
 #endif

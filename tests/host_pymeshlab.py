@@ -12,6 +12,7 @@ from conftest import LARGE_SCANS, MESHES, QUALITY_TAGS, SAMPLES, about, rotation
 
 pymeshlab.load_plugin(os.environ["FCD_PLUGIN"])
 GRAPH, DEFORM = "generate_fcd_deformation_graph", "generate_fcd_deformed_mesh"
+POSE, RESET = "apply_coord_fcd_deformation", "apply_coord_fcd_reset"
 IS_2022 = not hasattr(pymeshlab, "PureValue")
 absolute = pymeshlab.AbsoluteValue if IS_2022 else pymeshlab.PureValue
 
@@ -22,6 +23,8 @@ DEFORM_DEFAULTS = {
     "transformmatrix": np.eye(4), "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 300,
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0}
+OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"}
+POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": False}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
@@ -86,7 +89,7 @@ def assert_unchanged(before, mesh):
 # --- interface ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name, defaults", [(GRAPH, GRAPH_DEFAULTS), (DEFORM, DEFORM_DEFAULTS)])
+@pytest.mark.parametrize("name, defaults", [(GRAPH, GRAPH_DEFAULTS), (DEFORM, DEFORM_DEFAULTS), (POSE, POSE_DEFAULTS), (RESET, {"keep_shape": False})])
 def test_parameters_names_order_and_defaults(name, defaults):
     assert name in pymeshlab.filter_list()
     values = open_sample("bone.ply").filter_parameter_values(name)
@@ -98,7 +101,7 @@ def test_parameters_names_order_and_defaults(name, defaults):
             assert np.allclose(values[key], value, rtol=1e-6, atol=0), key
 
 
-@pytest.mark.parametrize("name", [GRAPH, DEFORM])
+@pytest.mark.parametrize("name", [GRAPH, DEFORM, POSE, RESET])
 def test_a_document_without_layers_is_an_error_and_no_crash(name):
     ms = new_set()
     with pytest.raises(pymeshlab.PyMeshLabException):
@@ -1064,7 +1067,7 @@ ERRORS = {
     "motion as text has an unknown step": (dict(transforms="2: turn 0 0 1 90"), QUALITY_TAGS, "transforms, character 4: expected"),
     "motion as text ends early": (dict(transforms="2: translate 0 0"), QUALITY_TAGS, "found the end"),
     "motion as text is for nobody": (dict(transforms="3: scale 2"), QUALITY_TAGS, "no vertex has tag 3"),
-    "motion as text is for a handle that is not there": (dict(transforms="2: scale 2"), "(x < 0.5) ? 0 : 1", "there are no handles"),
+    "motion as text is for a handle that is not there": (dict(transforms="2: scale 2"), "(x < 0.5) ? 0 : 1", "there is no handle"),
     "motion as text mirrors": (dict(transforms="2: matrix 1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1"), QUALITY_TAGS, "transforms, handle 2: a transform mirrors"),
     "motion as text is not finite": (dict(transforms="2: translate 1e400 0 0"), QUALITY_TAGS, "'1e400'"),
     "axis is zero": (dict(rotation_angle=10.0, rotation_axis=np.zeros(3)), QUALITY_TAGS, "rotation_axis"),

@@ -41,7 +41,7 @@ flock 9
 # --- packages -----------------------------------------------------------------------------------------------------------
 
 packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-venv
-    qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev
+    qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev libxxhash-dev
     meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0
     ${FCD_PACKAGES:-}) # more, for the script that asks for them

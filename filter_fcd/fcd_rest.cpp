@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/progress.h> // before Qt
+
+#include "fcd_rest.h"
+
+#include <vcg/complex/allocate.h>
+#include <vcg/complex/algorithms/update/bounding.h>
+
+#include <algorithm>
+#include <numeric>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+using Allocator = vcg::tri::Allocator<CMeshO>;
+using vcg::fcd::ParallelFor;
+
+namespace {
+
+const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const posesName = "fcd_poses";
+// A preview begins each time with the shape that the layer had before, which is then the latest; a few are enough.
+const std::size_t mostPoses = 16;
+
+/// The values of a vertex attribute of points, null where there is none.
+Point3m *values(CMeshO &mesh, const char *name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
+        if (attribute._name == name && attribute._type == typeid(Point3m))
+            return mesh.vert.empty() ? nullptr : static_cast<Point3m *>(attribute._handle->DataBegin());
+    return nullptr;
+}
+
+/// The same, made where there is none.
+Point3m *madeValues(CMeshO &mesh, const char *name) {
+    if (!values(mesh, name)) {
+        if (vcg::tri::HasPerVertexAttribute(mesh, name)) // of another type
+            Allocator::DeletePerVertexAttribute(mesh, name);
+        Allocator::AddPerVertexAttribute<Point3m>(mesh, name);
+    }
+    return values(mesh, name);
+}
+
+Poses *posesOf(CMeshO &mesh) {
+    auto handle = Allocator::FindPerMeshAttribute<Poses>(mesh, posesName);
+    return Allocator::IsValidHandle(mesh, handle) ? &handle() : nullptr;
+}
+
+} // namespace
+
+bool isOfRest(const std::string &attribute) { return attribute == positionName || attribute == normalName; }
+
+bool RestShape::exists(const MeshModel &layer) {
+    CMeshO &mesh = const_cast<CMeshO &>(layer.cm); // its functions are not const, but only read
+    return values(mesh, positionName) && values(mesh, normalName) && posesOf(mesh);
+}
+
+void RestShape::keep(MeshModel &layer) {
+    CMeshO &mesh = layer.cm;
+    Point3m *position = madeValues(mesh, positionName), *normal = madeValues(mesh, normalName);
+    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            position[i] = mesh.vert[i].cP();
+            normal[i] = mesh.vert[i].cN();
+        }
+    });
+    const Poses only{shapeOf(mesh), mesh.vn, {}};
+    if (Poses *poses = posesOf(mesh))
+        *poses = only;
+    else
+        Allocator::AddPerMeshAttribute<Poses>(mesh, posesName)() = only;
+}
+
+RestShape::RestShape(MeshModel &layer)
+    : layer(layer), position(values(layer.cm, positionName)), normal(values(layer.cm, normalName)),
+      poses(posesOf(layer.cm)) {}
+
+bool RestShape::knows(std::uint64_t shape) {
+    std::vector<std::uint64_t> &latest = poses->latest;
+    const auto found = std::find(latest.begin(), latest.end(), shape);
+    if (found != latest.end())
+        std::rotate(latest.begin(), found, found + 1);
+    return found != latest.end() || shape == poses->rest;
+}
+
+void RestShape::add(std::uint64_t shape) {
+    if (knows(shape))
+        return;
+    poses->latest.insert(poses->latest.begin(), shape);
+    poses->latest.resize(std::min(poses->latest.size(), mostPoses));
+}
+
+void RestShape::restore() const {
+    CMeshO &mesh = layer.cm;
+    if (mesh.vn > poses->vertices)
+        throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
+                              "' got new vertices since its first pose, and the rest shape has no place for them. Keep "
+                              "the present shape, or delete them.");
+    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD()) {
+                mesh.vert[i].P() = position[i];
+                mesh.vert[i].N() = normal[i];
+            }
+    });
+    computeFaceNormals(mesh, {});
+    vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
+}
+
+std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
+    return XXH3_64bits_withSeed(&position[0], 3 * sizeof(Scalarm), slot);
+}
+
+std::uint64_t shapeOf(const CMeshO &mesh) {
+    const std::size_t grain = 1 << 16;
+    std::vector<std::uint64_t> sums((mesh.vert.size() + grain - 1) / grain, 0);
+    ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                sum += shapeTerm(i, mesh.vert[i].cP());
+        sums[first / grain] = sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
+}
+
+void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
+    ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f) {
+            CFaceO &face = mesh.face[f];
+            bool moves = moving.empty();
+            for (int k = 0; k < 3 && !moves; ++k)
+                moves = moving[std::size_t(face.cV(k) - &mesh.vert[0])] != 0;
+            if (moves && !face.IsD())
+                face.N() = vcg::TriangleNormal(face).Normalize();
+        }
+    });
+}

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Posing a layer in place inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import numpy as np
+import pymeshlab
+import pytest
+
+from conftest import QUALITY_TAGS
+from host_pymeshlab import DEFORM, POSE, RESET, absolute, assert_unchanged, clean_bone, same_points, set_quality, snapshot
+
+BEND = dict(translation=np.array([0, 0, 0.25]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40.0)
+LIFT = dict(translation=np.array([0, 0.1, 0.3]))
+
+
+def deformed(ms, **parameters):
+    """What FCD: Deform Mesh makes of the current layer: (points, vertex normals, face normals)."""
+    current = ms.current_mesh_id()
+    ms.apply_filter(DEFORM, graph_layers=False, **parameters)
+    mesh = ms.current_mesh()
+    result = mesh.vertex_matrix(), mesh.vertex_normal_matrix(), mesh.face_normal_matrix()
+    ms.set_current_mesh(current)
+    return result
+
+
+def unit(normals):
+    return normals / np.linalg.norm(normals, axis=1)[:, None]
+
+
+def test_a_pose_in_place_is_the_deformed_layer():
+    ms = clean_bone()
+    before = snapshot(ms.current_mesh())
+    expected, exact, faces = deformed(ms, **BEND)
+    result = ms.apply_filter(POSE, **BEND)
+    mesh = ms.current_mesh()
+    assert not result["prepared"], "the deformed layer was made with the same deformer"
+    assert result["converged"] and result["free_vertices"] == (before["quality"] == 1).sum()
+    assert same_points(mesh.vertex_matrix(), expected)
+    assert len(list(ms)) == 2 and ms.current_mesh_id() == 0
+    for key in ("faces", "quality", "colors", "matrix", "selected"):
+        assert same_points(before[key], snapshot(mesh)[key]), key
+    # Normals turn as the surface does; on this coarse mesh, that is not quite what the triangles have.
+    angle = np.degrees(np.arccos(np.clip((unit(mesh.vertex_normal_matrix()) * unit(exact)).sum(1), -1, 1)))
+    assert np.median(angle) < 2 and np.percentile(angle, 99) < 20
+    assert np.abs(mesh.face_normal_matrix() - faces).max() < 1e-12
+    assert np.allclose(mesh.bounding_box().min(), expected.min(0)) and np.allclose(mesh.bounding_box().max(), expected.max(0))
+    ms.apply_filter(POSE, exact_normals=True, **BEND)
+    assert same_points(ms.current_mesh().vertex_normal_matrix(), exact)
+
+
+def test_poses_do_not_add_up():
+    ms = clean_bone()
+    rest = snapshot(ms.current_mesh())
+    faces = ms.current_mesh().face_normal_matrix()
+    ms.apply_filter(POSE, **BEND)
+    bent = ms.current_mesh().vertex_matrix()
+    assert not ms.apply_filter(POSE, **LIFT)["prepared"]
+    assert not same_points(bent, ms.current_mesh().vertex_matrix())
+    ms.apply_filter(POSE, **BEND)
+    assert same_points(bent, ms.current_mesh().vertex_matrix())
+    ms.apply_filter(POSE, pose=0.0, **BEND)
+    assert_unchanged(rest, ms.current_mesh())
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter(RESET)
+    assert_unchanged(rest, ms.current_mesh())
+    assert same_points(faces, ms.current_mesh().face_normal_matrix())
+
+
+def test_other_tags_are_never_posed_as_those_before():
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    for tags in ("(x < 0.3) ? 0 : (x > 0.7) ? 3 : 1", "(x > 0.6) ? 0 : (x < 0.3) ? 2 : 1", QUALITY_TAGS):
+        # The expression reads positions: those at rest.
+        ms.apply_filter(RESET)
+        set_quality(ms, tags)
+        fresh = clean_bone()
+        set_quality(fresh, tags)
+        ms.apply_filter(POSE, **LIFT)
+        ms.apply_filter(POSE, **BEND)
+        assert same_points(ms.current_mesh().vertex_matrix(), deformed(fresh, **BEND)[0])
+
+
+def test_tags_may_change_while_the_layer_is_posed():
+    ms, fresh = clean_bone(), clean_bone()
+    rest = ms.current_mesh().vertex_matrix()
+    tags = np.where(rest[:, 0] < 0.5, 2.0, np.where(rest[:, 0] > 0.9, 0.0, 1.0))
+    ms.apply_filter(POSE, **BEND)
+    for each in (ms, fresh):
+        each.apply_filter("set_selection_none")
+        mesh = each.current_mesh()
+        name = "other_tags"
+        mesh.add_vertex_custom_scalar_attribute(tags, name)
+    ms.apply_filter(POSE, handles=2, tag_attribute="other_tags", **LIFT)
+    assert same_points(ms.current_mesh().vertex_matrix(), deformed(fresh, handles=2, tag_attribute="other_tags", **LIFT)[0])
+
+
+@pytest.mark.parametrize("parameters", [dict(initial_patches=100), dict(random_seed=7), dict(weights=1), dict(influence=3.0),
+                                        dict(graph_weights=1), dict(target_radius=absolute(0.05)), dict(smoothness=0.05)])
+def test_a_deformer_is_used_only_for_what_it_was_made_for(parameters):
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    bent = ms.current_mesh().vertex_matrix()
+    result = ms.apply_filter(POSE, **BEND, **parameters)
+    assert "smoothness" not in parameters or not result["prepared"]
+    assert not same_points(bent, ms.current_mesh().vertex_matrix())
+    assert same_points(ms.current_mesh().vertex_matrix(), deformed(clean_bone(), **BEND, **parameters)[0])
+
+
+def test_what_something_else_changed_is_not_undone():
+    ms = clean_bone()
+    rest = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1)
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match="changed since its last pose.*Reset Pose"):
+        ms.apply_filter(POSE, **BEND)
+    assert_unchanged(before, ms.current_mesh())
+    ms.apply_filter(RESET, keep_shape=True)
+    assert_unchanged(before, ms.current_mesh())
+    ms.apply_filter(POSE, **LIFT)
+    moved = ms.current_mesh().vertex_matrix()
+    assert not same_points(moved, before["points"])
+    ms.apply_filter(RESET)
+    assert same_points(ms.current_mesh().vertex_matrix(), before["points"]) and not same_points(before["points"], rest)
+
+
+def test_deleted_vertices_do_not_hinder_and_new_ones_are_not_lost():
+    ms = clean_bone()
+    rest = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter("set_selection_none")
+    ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="q == 2")
+    ms.apply_filter("meshing_remove_selected_vertices")
+    ms.apply_filter(RESET)
+    left = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    assert len(left) > 0 and left <= {tuple(p) for p in rest}
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match="got new vertices"):
+        ms.apply_filter(RESET)
+    assert_unchanged(before, ms.current_mesh())
+
+
+def test_errors_leave_the_layer_as_it_was():
+    ms = clean_bone()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="has not been posed"):
+        ms.apply_filter(RESET)
+    for _ in range(2):
+        before = snapshot(ms.current_mesh())
+        for parameters, word in ((dict(transforms="3: scale 2"), "no vertex has tag 3"), (dict(initial_patches=0), "patches"),
+                                 (dict(handles=1), "selected"), (dict(transforms="2: scale 1e300"), "too far"),
+                                 (dict(point_handles_file="/no/such.csv"), "no/such")):
+            with pytest.raises(pymeshlab.PyMeshLabException, match=word):
+                ms.apply_filter(POSE, **parameters)
+            assert_unchanged(before, ms.current_mesh())
+        ms.apply_filter(POSE, **BEND)
+
+
+def test_points_and_their_normals(tmp_path):
+    ms = clean_bone()
+    mesh = ms.current_mesh()
+    cloud = pymeshlab.Mesh(mesh.vertex_matrix(), v_normals_matrix=mesh.vertex_normal_matrix(), v_scalar_array=mesh.vertex_scalar_array())
+    ms.add_mesh(cloud, "cloud")
+    rest = snapshot(ms.current_mesh())
+    points, normals, _ = deformed(ms, **BEND)
+    ms.apply_filter(POSE, **BEND)
+    assert same_points(ms.current_mesh().vertex_matrix(), points)
+    assert np.abs(unit(ms.current_mesh().vertex_normal_matrix()) - normals).max() < 1e-5
+    # Point handles are vertices at rest, whatever the pose.
+    free = int(np.nonzero(rest["quality"] == 1)[0][7])
+    start = rest["points"][free]
+    path = tmp_path / "points.csv"
+    path.write_text(",".join(repr(float(v)) for v in [*start, *(start + [0, 0.02, 0])]))
+    ms.apply_filter(POSE, point_handles_file=str(path), **BEND)
+    assert np.abs(ms.current_mesh().vertex_matrix()[free] - start - [0, 0.02, 0]).max() < 1e-9
+    ms.apply_filter(RESET)
+    assert_unchanged(rest, ms.current_mesh())
+
+
+def test_a_new_layer_has_no_rest_shape_of_another():
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    posed = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(DEFORM, graph_layers=False, **LIFT)
+    assert same_points(ms.mesh(0).vertex_matrix(), posed)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="has not been posed"):
+        ms.apply_filter(RESET)
+    ms.apply_filter(POSE, **LIFT)
+    ms.set_current_mesh(0)
+    ms.apply_filter(POSE, **BEND)
+    assert same_points(ms.current_mesh().vertex_matrix(), posed)
+
+
+def test_a_layer_matrix_counts():
+    ms = clean_bone()
+    ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=1.0, rotationz=30.0, scalex=2.0, scaley=2.0, scalez=2.0, freeze=False)
+    expected, _, faces = deformed(ms, **BEND)
+    ms.apply_filter(POSE, **BEND)
+    assert same_points(ms.current_mesh().vertex_matrix(), expected)
+    assert np.abs(ms.current_mesh().face_normal_matrix() - faces).max() < 1e-12
+
+
+def test_many_layers_keep_their_own():
+    sets = [clean_bone() for _ in range(3)]
+    for k, ms in enumerate(sets):
+        ms.apply_filter(POSE, translation=np.array([0, 0, 0.1 * (k + 1)]))
+    assert len({ms.current_mesh().vertex_matrix().tobytes() for ms in sets}) == 3
