@@ -149,7 +149,7 @@ TEST(WorstCases, AFanOfAHundredThousandFaces) {
 }
 
 TEST(WorstCases, AFanOfTagsInTurn) {
-    const Shape fan = Fan(threadSanitized ? 1000 : many);
+    const Shape fan = Fan(sanitized ? 1000 : many);
     ExpectDeforms(fan, TagsInTurn(fan.position.size()));
 }
 
