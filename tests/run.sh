@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets the machine up, builds, and runs every test: as many suites at a time as there are cores, what each one says when it
-# ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as skipped, as failed where CI=true.
+# Sets the machine up, builds, and runs every test: as many suites at a time as there are cores, one of them what is left of
+# the set-up, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as skipped, as failed where CI=true.
 #
 #   bash tests/run.sh
 set -uo pipefail
@@ -14,7 +14,7 @@ rm -rf "$results"
 mkdir -p "$results"
 export FCD_MESSAGES=$results/messages.txt # what the tests are told, for tests/messages.py
 name=setup # of the suite; each is a process of its own
-suites=(setup)
+suites=()
 
 # add PASSED FAILED SKIPPED
 add() { echo "$*" >>"$results/$name.count"; }
@@ -49,7 +49,7 @@ start() {
 
 # finish: waits for the suites, and sums up.
 finish() {
-    local suite passed failed skipped
+    local passed failed skipped
     wait
     for name in "${suites[@]}"; do
         [ -s "$results/$name.count" ] || fail "$name ended early, see $results/$name.out"
@@ -145,9 +145,23 @@ check() {
         without "there is no $1"
     elif nice "$@" >"$log" 2>&1; then
         add 1 0 0
+        return
     else
         grep -m 20 -E '(error|warning|style|performance|portability):' "$log" || tail -n 20 "$log"
         fail "$(basename "$log" .log), see $log"
+    fi
+    return 1
+}
+# once CHECK...: a check of sources, which need not run again when it has passed on the same, listed in NAME.input.
+once() {
+    local input=$results/$name.input passed=$build/$name.passed
+    echo "$*" >>"$input"
+    if cmp -s "$input" "$passed"; then
+        echo "nothing has changed since it passed"
+        add 1 0 0
+    else
+        rm -f "$passed"
+        "$@" && cp "$input" "$passed"
     fi
 }
 
@@ -157,29 +171,49 @@ tidy() {
     mapfile -t arguments <"$build/cmake/pymeshlab-2025.7/arguments"
     if ! cmake -G Ninja -S . -B "$build/cmake/clang-tidy" "${arguments[@]:1}" -DCMAKE_UNITY_BUILD=OFF >"$results/$name-cmake.log"; then
         fail "configuring, see $results/$name-cmake.log"
-        return
+        return 1
     fi
     check clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/clang-tidy" -quiet -j 1 \
         '/filter_fcd/[a-z_]+\.cpp$'
 }
 
-if ! bash tests/setup.sh; then
+hosts() {
+    if FCD_JOBS=1 bash tests/setup.sh; then
+        add 0 0 0
+    else
+        fail "setup"
+    fi
+}
+
+if ! bash tests/setup.sh sources; then
     fail "setup"
     finish
 fi
-suites=()
 
 # What takes longest begins first.
-tools=$build/venv-tools/bin
+start hosts hosts
+hosts=$!
 start unit-sanitized sanitized
 start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
 start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
+start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
+wait "$hosts"
+name=setup
+
+# What the checks read. Ninja knows what the plugin includes.
+plugin=$build/cmake/pymeshlab-2025.7
+mapfile -t included < <(cd "$plugin" && ninja -t deps CMakeFiles/filter_fcd.dir/Unity/unity_0_cxx.cxx.o | sed -n 's/^    //p')
+[ ${#included[@]} -gt 0 ] || fail "ninja does not know what the plugin includes"
+(cd "$plugin" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,tests/run.sh} arguments "$build/venv-tools/requirements" \
+    "${included[@]}") >"$results/clang-tidy.input"
+(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/* filter_fcd/*) >"$results/cppcheck.input"
+
+tools=$build/venv-tools/bin
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
-start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 start meshlab-2020.09 meshlabserver
-start clang-tidy tidy
-start cppcheck check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
+start clang-tidy once tidy
+start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp
 wait
 start messages check messages python3 tests/messages.py "$FCD_MESSAGES"

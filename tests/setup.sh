@@ -2,7 +2,7 @@
 # Brings a Debian 12 machine (root, or a user with sudo) to where everything here builds and runs: packages, MeshLab sources,
 # Python environments, and the plugin for three hosts. Only does what is missing; a second run takes a second or two.
 #
-#   bash tests/setup.sh
+#   bash tests/setup.sh [sources]      with "sources", only what the unit tests need: packages, locale and MeshLab's sources
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/locale (for LOCPATH), build/meshlab-2020.09 (private copy of the distribution's MeshLab that loads our plugin),
@@ -132,6 +132,8 @@ for source in "${sources[@]}"; do
     mv "$work" "$tree"
 done
 
+[ "${1:-}" != sources ] || exit 0
+
 # --- Python -------------------------------------------------------------------------------------------------------------
 
 # environment DIRECTORY REQUIREMENT...
@@ -176,7 +178,7 @@ plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
 plugin meshlab-2020.09 2020.09 "$system/libmeshlab-common.so" float
 if [ ${#plugins[@]} -gt 0 ]; then
     begin "building the plugin for ${plugins[*]}"
-    printf '%s\n' "${plugins[@]}" | nice xargs -P "$(nproc)" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
+    printf '%s\n' "${plugins[@]}" | nice xargs -P "${FCD_JOBS:-$(nproc)}" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
 fi
 
 # --- MeshLab 2020.09 with the plugin ---------------------------------------------------------------------------------------

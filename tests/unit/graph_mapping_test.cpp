@@ -250,14 +250,22 @@ TEST(GraphMapping, ABallThatTouchesTooManyPatchesIsHalvedUntilItDoesNot) {
             for (Index x = std::max(0, i % n - full); x <= std::min(n - 1, i % n + full); ++x)
                 visit(y * n + x, double((x - i % n) * (x - i % n) + (y - i / n) * (y - i / n)));
     };
+    const auto touchedBy = [&](Index j, double within) { // nodes at less than that, row by row
+        int touched = 0;
+        for (Index y = std::max(0, j / n - full); y <= std::min(n - 1, j / n + full); ++y) {
+            const double squared = within * within - double((y - j / n) * (y - j / n));
+            const Index beside = squared > 0 ? Index(std::ceil(std::sqrt(squared))) - 1 : -1;
+            touched += std::max(0, std::min(n - 1, j % n + beside) - std::max(0, j % n - beside) + 1);
+        }
+        return touched;
+    };
     std::vector<double> reach(k, full);
     int halved = 0;
     for (Index j = 0; j < k; ++j) {
         int touched = 0;
         do {
             reach[j] /= touched ? 2 : 1;
-            touched = 0;
-            around(j, [&](Index, double squared) { touched += std::sqrt(squared) < reach[j] + radius; });
+            touched = touchedBy(j, reach[j] + radius);
         } while (touched > most);
         halved += reach[j] == full / 2;
         ASSERT_GE(reach[j], full / 2);

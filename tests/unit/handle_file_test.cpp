@@ -216,14 +216,14 @@ TEST_F(HandleFile, RefusesWhatIsCutOff) {
 }
 
 TEST_F(HandleFile, ReadsTenMillionTags) {
-    const std::size_t n = 10000000;
+    const std::size_t n = sanitized ? 1000000 : 10000000;
     std::string text;
     for (std::size_t i = 0; i < n; ++i)
         text += i % 3 ? "0\n" : "12 ";
     const std::vector<int> tag = Tags(text);
     ASSERT_EQ(tag.size(), n);
-    EXPECT_EQ(std::count(tag.begin(), tag.end(), 12), 3333334);
-    ExpectNames(TagError(text + "x"), 6666667, "'x'");
+    EXPECT_EQ(std::count(tag.begin(), tag.end(), 12), std::ptrdiff_t(n / 3 + 1));
+    ExpectNames(TagError(text + "x"), int(n - n / 3), "'x'");
 }
 
 TEST_F(HandleFile, ReadsNumbersOfThousandsOfDigits) {

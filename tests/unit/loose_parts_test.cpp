@@ -176,8 +176,9 @@ TEST(LooseParts, MoveAsTheNearestHeldPlace) {
             if (plates.loose.partOf[i] == part) {
                 const Vector3d &p = plates.c.shape.position[i];
                 EXPECT_LE((follow.col(i) - (tag == 2 ? bend * p : p)).norm(), 1e-12) << "part " << part;
-                if (tag == 0)
+                if (tag == 0) {
                     EXPECT_EQ(follow.col(i), p) << "to the bit";
+                }
                 EXPECT_EQ(stay.col(i), p);
             }
     }
@@ -192,9 +193,10 @@ TEST(LooseParts, MoveRigidlyThoughTheHandleScales) {
     plates.c.handles.motion[2] = Motion(large.matrix());
     const Matrix3Xd x = plates.Deformed(LooseParts::Follow);
     for (int i = 51; i < x.cols(); ++i)
-        if (plates.loose.partOf[i] == plates.loose.partOf[i - 1])
+        if (plates.loose.partOf[i] == plates.loose.partOf[i - 1]) {
             EXPECT_NEAR((x.col(i) - x.col(i - 1)).norm(),
                         (plates.c.shape.position[i] - plates.c.shape.position[i - 1]).norm(), 1e-12);
+        }
 }
 
 /// A tube that is held at both ends, and more, held by none.

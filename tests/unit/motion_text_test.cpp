@@ -267,8 +267,9 @@ TEST(MotionText, AnyBytesAreReadOrRefused) {
                                          " ",          "1",       "-1e308", "0",       "2:",     "nan", "1e999", "\n"};
     std::mt19937 random(1);
     auto pick = [&](std::size_t n) { return std::size_t(random() % n); };
+    const int texts = threadSanitized ? 3000 : 300000;
     int read = 0, refused = 0;
-    for (int i = 0; i < 300000; ++i) {
+    for (int i = 0; i < texts; ++i) {
         std::string text = seeds[pick(seeds.size())];
         for (std::size_t changes = pick(6); changes-- > 0;) {
             const std::size_t at = pick(text.size() + 1);
@@ -297,8 +298,8 @@ TEST(MotionText, AnyBytesAreReadOrRefused) {
             ++refused;
         }
     }
-    EXPECT_GT(read, 10000);
-    EXPECT_GT(refused, 10000);
+    EXPECT_GT(read, texts / 30);
+    EXPECT_GT(refused, texts / 30);
 }
 
 // --- turns ---

@@ -409,7 +409,7 @@ TEST(SurfaceGraph, DoesNotDependOnTheThreads) {
     for (const Shape &shape : {Jittered(Grid(200, 190), 0.3), Unwelded(Tube(70, 60)), PointCloud(5000)}) {
         const MeshD mesh(shape);
         const SurfaceGraph s = BuildSurfaceGraph(mesh, Threads(1));
-        for (unsigned threads : {2u, 7u})
+        for (unsigned threads : Rounds({7u, 2u}))
             ExpectSameBits(s, BuildSurfaceGraph(mesh, Threads(threads)));
     }
 }
@@ -767,7 +767,7 @@ TEST(SurfaceGraphOfARegion, DoesNotDependOnTheThreads) {
         for (Index t : RandomGroups(shape.Size(), 5, 3))
             tag.push_back(int(std::min(t, 2)));
         const SurfaceGraph s = RegionOf(mesh, tag, 1);
-        for (unsigned threads : {2u, 7u}) {
+        for (unsigned threads : Rounds({7u, 2u})) {
             const SurfaceGraph t = RegionOf(mesh, tag, threads);
             ExpectSameBits(s, t);
             EXPECT_EQ(s.tag, t.tag);

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using vcg::tri::BuildCentroidalGraph;
 using vcg::tri::DeformCentroidal;
 
-static const int many = sanitized ? 5000 : 100000;
+static const int many = threadSanitized ? 2000 : sanitized ? 5000 : 100000;
 
 /// \p n triangles, each by itself, in a box.
 static Shape LooseTriangles(int n) {
@@ -75,7 +75,8 @@ static DeformationParam CoarseParam(double targetRadius = 0) {
     return param;
 }
 
-/// Deforms, with the promises for what is held. Both ways to weigh the nodes.
+/// Deforms, with the promises for what is held. Both ways to weigh the nodes, which are about what follows the graph:
+/// it is at rest once.
 static void ExpectDeforms(const Shape &shape, const Handles &handles, DeformationParam param = CoarseParam()) {
     const MeshD mesh(shape);
     for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
@@ -84,6 +85,7 @@ static void ExpectDeforms(const Shape &shape, const Handles &handles, Deformatio
         ExpectHeldExact(mesh, handles, r.position);
         EXPECT_TRUE(r.rest.position.allFinite() && r.deformed.position.allFinite());
         EXPECT_TRUE(std::isfinite(r.energy));
+        param.maxIterations = std::min(param.maxIterations, 20);
     }
 }
 
@@ -147,16 +149,17 @@ TEST(WorstCases, AFanOfAHundredThousandFaces) {
 }
 
 TEST(WorstCases, AFanOfTagsInTurn) {
-    const Shape fan = Fan(many);
+    const Shape fan = Fan(sanitized ? 1000 : many);
     ExpectDeforms(fan, TagsInTurn(fan.position.size()));
 }
 
 TEST(WorstCases, AFanOfAPatchPerVertex) {
-    // The graph is a star: one node with ten thousand neighbours.
-    const Shape fan = Fan(10000);
+    // The graph is a star: one node with ten thousand neighbours; 2500 are too many for the bi-Laplacian already.
+    const int n = threadSanitized ? 1000 : sanitized ? 2500 : 10000;
+    const Shape fan = Fan(n);
     Handles few;
     few.tag.assign(fan.position.size(), 1);
-    for (int i = 2; i < 1000; ++i)
+    for (int i = 2; i < n / 10; ++i)
         few.tag[i] = i % 2 * 2;
     few.motion[2] = Motion(bend.matrix());
     ExpectDeforms(fan, few, CoarseParam(1e-5));
@@ -173,7 +176,8 @@ TEST(WorstCases, FacesWithoutArea) {
 
 TEST(WorstCases, AllVerticesAtOnePoint) {
     const Vector3d point(1, 2, 3);
-    for (const Shape &shape : {AtOnePoint(Grid(100, 100), point), Points(AtOnePoint(Grid(100, 100), point))}) {
+    const Shape grid = AtOnePoint(sanitized ? Grid(70, 70) : Grid(100, 100), point);
+    for (const Shape &shape : {grid, Points(grid)}) {
         ExpectGraph(shape);
         // One place is one node: what is fixed there holds all of it, and a handle carries the free.
         Handles handles = TagsInTurn(shape.position.size());
@@ -385,16 +389,17 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
 }
 
 TEST(WorstCases, TheThreadsMakeNoDifference) {
-    const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(many / 650, 160);
-    for (const Shape &shape : {LooseTriangles(many / 3), NoArea(sanitized ? 40 : 120), Fan(many / 20),
-                               Points(duplicates), Unwelded(Jittered(sheet, 0.2))}) {
+    constexpr int n = sanitized ? 5000 : 100000;
+    const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(n / 650, 160);
+    for (const Shape &shape : {LooseTriangles(n / 3), NoArea(sanitized ? 40 : 120), Fan(n / 20), Points(duplicates),
+                               Unwelded(Jittered(sheet, 0.2))}) {
         const MeshD mesh(shape);
         const Handles handles = TagsInTurn(shape.position.size());
         DeformationParam param;
         param.maxIterations = 20;
         const DeformationResult one = DeformCentroidal(mesh, handles, param, Threads(1));
         const CentroidalGraph graph = BuildCentroidalGraph(mesh, param.graph, Threads(1));
-        for (unsigned threads : {2u, 7u}) {
+        for (unsigned threads : Rounds({7u, 2u})) {
             const DeformationResult same = DeformCentroidal(mesh, handles, param, Threads(threads));
             EXPECT_TRUE(SameBits(same.position, one.position));
             EXPECT_EQ(same.energy, one.energy);
