@@ -342,6 +342,16 @@ void readMotions(const MeshModel &layer, const HandleParam &param, const std::ma
         remark("No handle moves: nothing that was given leads them away from where they are.");
 }
 
+bool isGraph(const MeshModel &layer) {
+    Scalarm least = 0, greatest = 0;
+    for (const CVertexO &vertex : layer.cm.vert)
+        if (!vertex.IsD()) {
+            least = std::min(least, Scalarm(vertex.cQ()));
+            greatest = std::max(greatest, Scalarm(vertex.cQ()));
+        }
+    return layer.cm.fn == 0 && least == 0 && greatest > 0;
+}
+
 Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
     if (!graph)
         throw Error(

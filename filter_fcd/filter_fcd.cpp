@@ -10,6 +10,7 @@
 using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
+using vcg::fcd::HasNodes;
 using vcg::tri::PoseMesh;
 using vcg::tri::PrepareDeformer;
 
@@ -295,15 +296,28 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     DeformMeshParam param = deformMeshParam(parameters, document);
     const Remark remark = [this](const std::string &line) { logLine(line); };
     vcg::fcd::Handles handles = readHandles(layer, param.handles);
-    if (param.useGraphLayer)
-        param.deformation.nodes = readNodes(layer, param.graphLayer);
     param.deformation.linear = hasDirections(layer);
     vcg::fcd::DeformationResult result;
 
-    const std::shared_ptr<Prepared> prepared =
-        preparedLayers.get(document, layer, nullptr, handles, param.deformation, [&] {
+    const auto prepare = [&] {
+        return preparedLayers.get(document, layer, nullptr, handles, param.deformation, [&] {
             return PrepareDeformer(layer.cm, handles, param.deformation, result.position, Progress(callback, 0, 70));
         });
+    };
+    std::shared_ptr<Prepared> prepared;
+    Eigen::Matrix3Xd given;
+    bool isOwnGraph = false; // that the parameters make, which has its patches, too
+    if (param.useGraphLayer) {
+        given = readNodes(layer, param.graphLayer);
+        if (isGraph(*param.graphLayer)) {
+            prepared = prepare();
+            isOwnGraph = HasNodes(*prepared->deformer, given);
+        }
+        if (!isOwnGraph)
+            param.deformation.nodes = given;
+    }
+    if (!prepared || !isOwnGraph)
+        prepared = prepare();
     if (result.position.cols() == 0)
         result.position = positionsOf(layer);
     readMotions(layer, param.handles, prepared->deformer->center, remark, handles);
@@ -338,10 +352,14 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " loose (no fixed or handle vertex): " +
                 (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
                                                                               : "staying in place."));
-    if (param.useGraphLayer)
-        logLine(std::to_string(result.placedNodes) + " of the " + std::to_string(param.deformation.nodes.cols()) +
-                " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
-                (result.placedNodes < param.deformation.nodes.cols() ? "; the others are left out." : "."));
+    if (isOwnGraph)
+        logLine("'" + param.graphLayer->label().toStdString() +
+                "' is the graph that these parameters make here: used with the patches that it was made with.");
+    else if (param.useGraphLayer)
+        logLine(std::to_string(result.placedNodes) + " of the " + std::to_string(given.cols()) + " nodes of '" +
+                param.graphLayer->label().toStdString() + "' lie on the surface" +
+                (result.placedNodes < given.cols() ? "; the others are left out." : ".") +
+                " Their patches are grown anew.");
     for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
     if (!result.converged)

@@ -651,6 +651,34 @@ def test_use_graph_layer():
     assert np.abs(ms.current_mesh().vertex_matrix() - first).max() < 1e-6
 
 
+def test_a_graph_that_was_kept_deforms_to_the_same_bits(tmp_path, capfd):
+    ms = clean_bone()
+    ms.set_verbosity(True)
+    motion = dict(translation=np.array([0, 0, 0.25]))
+    ms.apply_filter(DEFORM, **motion)
+    first = ms.current_mesh().vertex_matrix()
+    ms.set_current_mesh(1)
+    ms.save_current_mesh(str(tmp_path / "graph.ply"))
+    ms.set_current_mesh(0)
+    ms.save_current_mesh(str(tmp_path / "bone.ply"))
+    capfd.readouterr()
+    ms.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, **motion)
+    assert "is the graph that these parameters make here" in "".join(capfd.readouterr())
+    assert same_points(ms.current_mesh().vertex_matrix(), first)
+
+    again = new_set()
+    again.set_verbosity(True)
+    again.load_new_mesh(str(tmp_path / "bone.ply"))
+    again.load_new_mesh(str(tmp_path / "graph.ply"))
+    again.set_current_mesh(0)
+    again.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, **motion)
+    assert "is the graph that these parameters make here" in "".join(capfd.readouterr())
+    assert same_points(again.current_mesh().vertex_matrix(), first)
+    again.set_current_mesh(0)
+    again.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, random_seed=5, **motion)
+    assert "Their patches are grown anew" in "".join(capfd.readouterr())
+
+
 @pytest.mark.parametrize("case", ["far away", "graph of another mesh", "another mesh", "the default"])
 def test_nodes_that_are_not_on_the_surface_are_an_error(case):
     ms = open_sample("bunny10k_textured.obj")

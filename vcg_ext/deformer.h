@@ -460,6 +460,20 @@ class Deformer {
     std::unique_ptr<PartsDeformer> parts;
 };
 
+/// Whether the nodes of the deformer's graph are at \p nodes (3 x k, mesh units), but for what files round.
+inline bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {
+    const Frame &frame = deformer.surface.frame;
+    if (nodes.cols() != deformer.graph.Size())
+        return false;
+    for (Index j = 0; j < deformer.graph.Size(); ++j) {
+        const Eigen::Vector3d own = deformer.surface.graph.position.col(deformer.patches.center[j]).cast<double>();
+        const Eigen::Vector3d p = nodes.col(j);
+        if (!((frame.ToFrame(p) - own).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= defaultWeldDistance))
+            return false;
+    }
+    return true;
+}
+
 } // namespace fcd
 } // namespace vcg
 
