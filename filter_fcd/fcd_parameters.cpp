@@ -19,17 +19,27 @@ Scalarm diagonal(const MeshDocument &document) {
     return length > 0 && std::isfinite(length) ? length : 1;
 }
 
-/// The layer that is most likely meant as a deformation graph.
-const MeshModel *likelyGraph(const MeshDocument &document) {
-    const QRegularExpression graph(" graph( \\d+)?(\\(\\d+\\))?$"), deformed(" deformed graph[ 0-9()]*$");
+/// The last layer whose label fits, or else the current one.
+const MeshModel *lastLayer(const MeshDocument &document, const QRegularExpression &label,
+                           const QRegularExpression &butNot) {
     const MeshModel *found = document.mm();
     for (const MeshModel *layer : host::layers(document)) {
         if (!found)
             found = layer;
-        if (layer->label().contains(graph) && !layer->label().contains(deformed))
+        if (layer->label().contains(label) && !layer->label().contains(butNot))
             found = layer;
     }
     return found;
+}
+
+const QRegularExpression graphLabel(" graph( \\d+)?(\\(\\d+\\))?$"), deformedGraphLabel(" deformed graph[ 0-9()]*$");
+
+/// The layers that are most likely meant as deformation graph, and as the same graph deformed.
+const MeshModel *likelyGraph(const MeshDocument &document) {
+    return lastLayer(document, graphLabel, deformedGraphLabel);
+}
+const MeshModel *likelyDeformedGraph(const MeshDocument &document) {
+    return lastLayer(document, deformedGraphLabel, QRegularExpression("^$"));
 }
 
 // What both filters ask for the graph.
@@ -365,6 +375,27 @@ PoseParam poseParam(const RichParameterList &list) {
     param.deformation = deformationParam(list, true);
     param.exactNormals = list.getBool("exact_normals");
     return param;
+}
+
+RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    host::addLayerParameter(list, Shown::Always, "source_layer", param.source ? param.source : document.mm(), document,
+                            "Source layer", "The layer that 'FCD: Deform Mesh' has deformed, as it was before.");
+    host::addLayerParameter(list, Shown::Always, "rest_graph",
+                            param.restGraph ? param.restGraph : likelyGraph(document), document, "Graph at rest",
+                            "The layer with the deformation graph of the source.");
+    host::addLayerParameter(list, Shown::Always, "deformed_graph",
+                            param.deformedGraph ? param.deformedGraph : likelyDeformedGraph(document), document,
+                            "Deformed graph",
+                            "The layer with the same graph, deformed: it holds what was done to the source.");
+    addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
+                           "Deforms every visible layer but those above, instead of the current one.");
+    return list;
+}
+
+CopyParam copyParam(const RichParameterList &list, MeshDocument &document) {
+    return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
+            host::layerParameter(list, "deformed_graph", document), list.getBool("all_visible")};
 }
 
 RichParameterList toRichParameters(const ResetPoseParam &param) {

@@ -66,11 +66,18 @@ struct ResetPoseParam {
     bool keepShape = false; ///< make the present shape the rest shape
 };
 
+/// What "FCD: Apply Deformation to Layer" is asked for.
+struct CopyParam {
+    MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+    bool allVisible = false; ///< to all visible layers but these, instead of to the current one
+};
+
 /// The parameters of the filters as the host shows them. Lengths are relative to the current layer, if there is one.
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const ResetPoseParam &param);
+RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
 
 /// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
 int enumValue(const RichParameterList &list, const char *name, int count);
@@ -80,5 +87,6 @@ BuildGraphParam buildGraphParam(const RichParameterList &list);
 DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document);
 PoseParam poseParam(const RichParameterList &list);
 ResetPoseParam resetPoseParam(const RichParameterList &list);
+CopyParam copyParam(const RichParameterList &list, MeshDocument &document);
 
 #endif

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_layers.h"
+#include "fcd_copy.h"
 #include "fcd_parameters.h"
 #include "fcd_pose.h"
+#include "fcd_rest.h"
 #include "fcd_tags.h"
 #include "filter_fcd.h"
 
@@ -109,7 +111,7 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, TagSelection, TagsFromFiles, SaveTags});
+    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, TagSelection, TagsFromFiles, SaveTags});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -120,6 +122,7 @@ QString FilterFcd::filterName(int id) const {
     case DeformMesh: return "FCD: Deform Mesh";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
+    case CopyDeformation: return "FCD: Apply Deformation to Layer";
     case TagSelection: return "FCD: Tag Selection";
     case TagsFromFiles: return "FCD: Tags from Files";
     case SaveTags: return "FCD: Save Tags";
@@ -133,6 +136,7 @@ QString FilterFcd::scriptName(int id) const {
     case DeformMesh: return "generate_fcd_deformed_mesh";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
+    case CopyDeformation: return "generate_fcd_deformed_copy";
     case TagSelection: return "compute_fcd_tags_from_selection";
     case TagsFromFiles: return "compute_fcd_tags_from_files";
     case SaveTags: return "save_fcd_tags";
@@ -189,6 +193,15 @@ QString FilterFcd::filterInfo(int id) const {
     case ResetPose:
         return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
                "exactly; or keeps the shape that it has and lets later poses begin from that.";
+    case CopyDeformation:
+        return QString(
+                   "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "
+                   "decimated copy, then the full scan with it; or a point cloud, landmarks, a textured version. Each "
+                   "vertex follows the nearest place of the source's surface, and what is nearest to something fixed "
+                   "stays, to the bit.<br>"
+                   "The layers are left as they are: the result is a new layer with everything that the layer "
+                   "carries.") +
+               reference;
     case TagSelection:
         return "Says what 'FCD: Deform Mesh' does with the selected part of the mesh: it stays <b>fixed</b>, is "
                "<b>free</b> to follow, is a <b>handle</b> that moves as told, or lies <b>outside</b> the region of "
@@ -230,6 +243,7 @@ RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) co
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
+    case CopyDeformation: return toRichParameters(CopyParam(), document);
     case TagSelection: return toRichParameters(TagSelectionParam());
     case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
@@ -243,6 +257,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
     case PoseInPlace: return pose(parameters, document, callback);
+    case CopyDeformation: return copy(parameters, document, callback);
     case ResetPose: resetPose(input(document), resetPoseParam(parameters).keepShape); return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
@@ -330,7 +345,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     NewLayers layers(document, layer, remark);
     if (param.graphLayers) {
         layers.addGraph("graph", result.rest);
-        layers.addGraph("deformed graph", result.deformed);
+        MeshModel &deformedGraph = layers.addGraph("deformed graph", result.deformed);
+        keepDeformation(deformedGraph, std::make_shared<Deformation>(
+                                           Deformation{prepared, result.pose, shapeOf(layer.cm), layer.cm.fn}));
     }
     const std::vector<float> none;
     const MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear,
@@ -407,6 +424,28 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
                    {"seconds_map", result.secondsMap},
                    {"seconds_normals", result.secondsNormals}});
     return values;
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parameters, MeshDocument &document,
+                                                 vcg::CallBackPos *callback) {
+    MeshModel &current = input(document);
+    const CopyParam param = copyParam(parameters, document);
+    std::vector<MeshModel *> targets(1, &current);
+    if (param.allVisible) {
+        targets.clear();
+        for (const MeshModel *layer : host::layers(document))
+            if (layer->isVisible() && layer->cm.vn > 0 && layer != param.source && layer != param.restGraph &&
+                layer != param.deformedGraph)
+                targets.push_back(const_cast<MeshModel *>(layer));
+        if (targets.empty())
+            throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
+    }
+    const int vertices = copyDeformation(
+        document, param, targets, [this](const std::string &line) { logLine(line); }, Progress(callback));
+    const int layers = int(targets.size());
+    logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(vertices) +
+            " vertices deformed as '" + param.source->label().toStdString() + "'.");
+    return {{"layers", layers}, {"vertices", vertices}};
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {

@@ -10,7 +10,16 @@ class FilterFcd : public HostFilterPlugin {
     FCD_PLUGIN_METADATA
 
   public:
-    enum Filter { BuildGraph, DeformMesh, PoseInPlace, ResetPose, TagSelection, TagsFromFiles, SaveTags };
+    enum Filter {
+        BuildGraph,
+        DeformMesh,
+        PoseInPlace,
+        ResetPose,
+        CopyDeformation,
+        TagSelection,
+        TagsFromFiles,
+        SaveTags
+    };
 
     FilterFcd();
 
@@ -32,6 +41,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
 
     PreparedLayers preparedLayers;

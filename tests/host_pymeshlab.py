@@ -12,7 +12,7 @@ from conftest import LARGE_SCANS, MESHES, QUALITY_TAGS, SAMPLES, about, rotation
 
 pymeshlab.load_plugin(os.environ["FCD_PLUGIN"])
 GRAPH, DEFORM = "generate_fcd_deformation_graph", "generate_fcd_deformed_mesh"
-POSE, RESET = "apply_coord_fcd_deformation", "apply_coord_fcd_reset"
+POSE, RESET, COPY = "apply_coord_fcd_deformation", "apply_coord_fcd_reset", "generate_fcd_deformed_copy"
 IS_2022 = not hasattr(pymeshlab, "PureValue")
 absolute = pymeshlab.AbsoluteValue if IS_2022 else pymeshlab.PureValue
 
@@ -101,7 +101,7 @@ def test_parameters_names_order_and_defaults(name, defaults):
             assert np.allclose(values[key], value, rtol=1e-6, atol=0), key
 
 
-@pytest.mark.parametrize("name", [GRAPH, DEFORM, POSE, RESET])
+@pytest.mark.parametrize("name", [GRAPH, DEFORM, POSE, RESET, COPY])
 def test_a_document_without_layers_is_an_error_and_no_crash(name):
     ms = new_set()
     with pytest.raises(pymeshlab.PyMeshLabException):

@@ -57,6 +57,7 @@ struct DeformationResult {
     Index looseParts = 0;  ///< connected components without a fixed or handle vertex
     Index placedNodes = 0; ///< how many of the given nodes lie on the surface, and are used
     DeformationCheck check;
+    Deformer::Pose pose;
 };
 
 /// What a map of points does to normals, but for their length; the map may flatten.
@@ -312,7 +313,8 @@ void PoseMesh(const MeshType &m, const fcd::Handles &handles, fcd::Deformer &def
     result.placedNodes = deformer.placedNodes;
 
     fcd::Stopwatch watch;
-    const Deformer::Pose pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    result.pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    const Deformer::Pose &pose = result.pose;
     result.iterations = pose.iterations;
     result.converged = pose.graph.converged;
     result.energy = pose.graph.energy * surface.frame.scale * surface.frame.scale;

@@ -228,6 +228,54 @@ class Deformer {
         progress(1, stage);
     }
 
+    /// Where a pose takes points that are not the surface's own vertices: as a vertex of it moves.
+    class Carrier {
+      public:
+        Carrier(const Deformer &deformer, const Pose &pose)
+            : deformer(deformer), pose(pose), mapped(deformer.mapping->At(pose.graph, pose.motion)),
+              looseMotion(deformer.LooseMotions(pose, mapped)), moves(pose.given.Moves()) {}
+
+        /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
+        /// \param linear how the surface turns and stretches there, mesh units
+        Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
+            const Frame &frame = deformer.surface.frame;
+            const Index node = deformer.surface.nodeOf[slot];
+            linear.setIdentity();
+            if (!moves || deformer.slotTag[slot] == noVertex)
+                return p;
+            if (node >= 0 && deformer.held.tag[node] == 1) {
+                if (deformer.param.weights == MappingWeights::Surface &&
+                    pose.graph.rests[deformer.patches.patchOf[node]])
+                    return p;
+                const Eigen::Vector3d there = mapped(node, frame.ToFrame(p), &linear);
+                linear = (frame.inverseMetric * linear.cast<double>() * frame.metric).cast<float>();
+                return frame.FromFrame(there);
+            }
+            if (node >= 0 && deformer.held.IsFixed(deformer.held.tag[node]))
+                return p;
+            const auto point = pose.given.pointMotion.find(slot);
+            const auto &follows = deformer.following.vertex;
+            const auto follower =
+                std::lower_bound(follows.begin(), follows.end(), slot,
+                                 [](const LooseFollowing::Vertex &vertex, std::size_t s) { return vertex.slot < s; });
+            const Eigen::Matrix4d &matrix =
+                node >= 0 ? pose.given.motion.at(deformer.held.tag[node]) : deformer.MatrixAt(pose, looseMotion, slot);
+            linear = matrix.topLeftCorner<3, 3>().cast<float>();
+            if (point != pose.given.pointMotion.end())
+                return p + point->second.topRightCorner<3, 1>();
+            if (follower != follows.end() && follower->slot == slot)
+                return deformer.Followed(pose, mapped, *follower, p);
+            return matrix.isIdentity(0) ? p : Eigen::Vector3d((matrix * p.homogeneous()).head<3>());
+        }
+
+      private:
+        const Deformer &deformer;
+        const Pose &pose;
+        const GraphMapping::Posed mapped;
+        const std::vector<Eigen::Matrix4d> looseMotion;
+        const bool moves;
+    };
+
     /// body(slot) for each slot that may move in some pose, once.
     template <class Body>
     void ForMoving(const Body &body) const {

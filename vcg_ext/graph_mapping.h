@@ -67,7 +67,7 @@ class GraphMapping {
                 return held * p;
             }
             Eigen::Vector3d moved;
-            Scratch scratch;
+            thread_local Scratch scratch;
             Map(&node, &p, 1, &moved, linear, scratch);
             return moved;
         }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_COPY_H
+#define FCD_COPY_H
+
+#include "fcd_layers.h"
+#include "fcd_prepared.h"
+
+/// What FCD: Deform Mesh did to a layer. Its deformed graph keeps it, as long as the layer is there.
+struct Deformation {
+    std::shared_ptr<const Prepared> prepared;
+    vcg::fcd::Deformer::Pose pose;
+    std::uint64_t shape; ///< of the source at rest, as shapeOf tells it
+    int faces;           ///< of the source
+};
+
+void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation> deformation);
+
+/// Adds for each of \p targets a layer that is deformed as \p source was. \return how many vertices they have
+/// \throw vcg::fcd::Error when the layers are not those of one deformation \throw vcg::fcd::Cancelled
+int copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
+                    const Remark &remark, const vcg::fcd::Progress &progress);
+
+#endif

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nearest_place.h"
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Vector3d;
+
+static Vector3d PointAt(const SurfacePlace &place, const Eigen::Matrix3Xd &position) {
+    Vector3d p = Vector3d::Zero();
+    for (int k = 0; k < place.count; ++k)
+        p += place.weight[k] * position.col(place.slot[k]);
+    return p;
+}
+
+static double SumOfWeights(const SurfacePlace &place) {
+    return std::accumulate(place.weight.begin(), place.weight.begin() + place.count, 0.0);
+}
+
+/// Triangles without order, needles and points among them.
+static std::vector<std::array<Index, 3>> Soup(Eigen::Matrix3Xd &position) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> number(-1, 1);
+    position.resize(3, 600);
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+        position.col(i) << number(random), number(random), number(random);
+    std::vector<std::array<Index, 3>> triangle;
+    for (Index i = 0; i + 2 < 600; i += 3) {
+        for (int k = 1; k < 3; ++k) // small ones
+            position.col(i + k) = position.col(i) + 0.1 * position.col(i + k);
+        if (i % 30 == 0)
+            position.col(i + 2) = 0.5 * position.col(i) + 0.5 * position.col(i + 1);
+        if (i % 90 == 0)
+            position.col(i + 2) = position.col(i + 1) = Vector3d(position.col(i));
+        triangle.push_back({i, i + 1, i + 2});
+    }
+    return triangle;
+}
+
+TEST(NearestPlace, OnTrianglesIsNoFartherThanAnyPointOfThem) {
+    Eigen::Matrix3Xd position;
+    const auto triangle = Soup(position);
+    const NearestPlace nearest(position, triangle, {});
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> number(0, 1);
+    for (int i = 0; i < 300; ++i) {
+        const double far = i < 250 ? 2 : 1e6;
+        const Vector3d p = far * (Vector3d(number(random), number(random), number(random)).array() - 0.5);
+        const SurfacePlace place = nearest(p);
+        ASSERT_GE(place.count, 1);
+        ASSERT_NEAR(SumOfWeights(place), 1, 1e-12);
+        const double distance = (PointAt(place, position) - p).norm();
+        for (const auto &t : triangle) {
+            double a = number(random), b = number(random);
+            if (a + b > 1) {
+                a = 1 - a;
+                b = 1 - b;
+            }
+            const Vector3d other = (1 - a - b) * position.col(t[0]) + a * position.col(t[1]) + b * position.col(t[2]);
+            ASSERT_LE(distance, (other - p).norm() * (1 + 1e-12) + 1e-12);
+            for (Index corner : t)
+                ASSERT_LE(distance, (position.col(corner) - p).norm() * (1 + 1e-12));
+        }
+    }
+}
+
+TEST(NearestPlace, IsTheVertexAtAVertex) {
+    Eigen::Matrix3Xd position;
+    const auto triangle = Soup(position);
+    const NearestPlace onTriangles(position, triangle, {});
+    const NearestPlace amongVertices(position, {}, std::vector<char>(600, 1));
+    for (Eigen::Index i = 0; i < position.cols(); i += 7)
+        for (const NearestPlace *nearest : {&onTriangles, &amongVertices})
+            EXPECT_LE((PointAt((*nearest)(position.col(i)), position) - position.col(i)).norm(), 1e-9);
+}
+
+TEST(NearestPlace, AmongVerticesChangesContinuously) {
+    Eigen::Matrix3Xd position;
+    Soup(position);
+    std::vector<char> counts(600, 1);
+    for (int i = 0; i < 600; i += 3)
+        counts[i] = 0;
+    const NearestPlace nearest(position, {}, counts);
+    const Vector3d begin(-1, -0.3, 0.2), end(1, 0.4, -0.1);
+    double greatest = 0;
+    Vector3d last = PointAt(nearest(begin), position);
+    const int steps = 20000;
+    for (int i = 1; i <= steps; ++i) {
+        const SurfacePlace place = nearest(begin + (end - begin) * i / steps);
+        ASSERT_NEAR(SumOfWeights(place), 1, 1e-12);
+        for (int k = 0; k < place.count; ++k)
+            ASSERT_NE(place.slot[k] % 3, 0) << "does not count";
+        const Vector3d here = PointAt(place, position);
+        greatest = std::max(greatest, (here - last).norm());
+        last = here;
+    }
+    EXPECT_LE(greatest, 0.01); // a jump from one vertex to the next would be 0.1 or more
+}
+
+TEST(NearestPlace, FindsTheOnlyVertexAndTheOnlyTriangle) {
+    Eigen::Matrix3Xd position(3, 3);
+    position << 0, 1, 0, 0, 0, 1, 0, 0, 0;
+    const SurfacePlace vertex = NearestPlace(position, {}, {0, 1, 0})(Vector3d(5, 5, 5));
+    EXPECT_EQ(vertex.count, 1);
+    EXPECT_EQ(vertex.slot[0], 1);
+    const SurfacePlace onFace = NearestPlace(position, {{{0, 1, 2}}}, {})(Vector3d(0.25, 0.25, 9));
+    EXPECT_LE((PointAt(onFace, position) - Vector3d(0.25, 0.25, 0)).norm(), 1e-15);
+}

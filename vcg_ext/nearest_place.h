@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_NEAREST_PLACE_H
+#define VCG_FCD_NEAREST_PLACE_H
+
+#include "graph.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <memory>
+#include <unsupported/Eigen/BVH>
+#include <vector>
+#include <vcg/space/index/kdtree/kdtree.h>
+#include <vcg/space/point3.h>
+
+namespace vcg {
+namespace fcd {
+
+/// A place on a surface: vertices and their weights, of sum 1.
+struct SurfacePlace {
+    static constexpr int most = 8;
+    std::array<Index, most> slot;
+    std::array<double, most> weight;
+    int count = 0;
+};
+
+/// Finds the places of a surface that are nearest to points: on its triangles, or among its vertices where it has none.
+class NearestPlace {
+  public:
+    /// \param position 3 x slots \param triangle slots of the corners \param isVertex flags of slots, of those that
+    /// count where there are no triangles \pre a triangle, or a vertex that counts
+    NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
+                 const std::vector<char> &isVertex)
+        : position(position), triangle(std::move(triangle)) {
+        if (!this->triangle.empty()) {
+            std::vector<Index> object(this->triangle.size());
+            std::vector<Box> box(this->triangle.size());
+            for (std::size_t t = 0; t < object.size(); ++t) {
+                object[t] = Index(t);
+                for (Index i : this->triangle[t])
+                    box[t].extend(Eigen::Vector3d(position.col(i)));
+            }
+            triangles.init(object.begin(), object.end(), box.begin(), box.end());
+            return;
+        }
+        std::vector<vcg::Point3d> point;
+        for (std::size_t i = 0; i < isVertex.size(); ++i)
+            if (isVertex[i]) {
+                vertex.push_back(Index(i));
+                const auto p = position.col(Eigen::Index(i));
+                point.emplace_back(p[0], p[1], p[2]);
+            }
+        vertices =
+            std::make_unique<vcg::KdTree<double>>(vcg::ConstDataWrapper<vcg::Point3d>(point.data(), int(point.size())));
+    }
+    NearestPlace(const NearestPlace &) = delete;
+    NearestPlace &operator=(const NearestPlace &) = delete;
+
+    /// The place nearest to \p p, which changes continuously with it as far as the nearest one does.
+    SurfacePlace operator()(const Eigen::Vector3d &p) const {
+        SurfacePlace place;
+        if (vertices) {
+            Among(p, place);
+            return place;
+        }
+        Search search{*this, p, -1, {}, std::numeric_limits<double>::infinity()};
+        Eigen::BVMinimize(triangles, search);
+        for (int k = 0; k < 3 && search.best >= 0; ++k)
+            if (search.weight[k] > 0) {
+                place.slot[place.count] = triangle[search.best][k];
+                place.weight[place.count++] = search.weight[k];
+            }
+        return place;
+    }
+
+  private:
+    using Box = Eigen::AlignedBox3d;
+
+    struct Search {
+        using Scalar = double; // for BVMinimize
+        const NearestPlace &places;
+        Eigen::Vector3d p;
+        Index best;
+        Eigen::Vector3d weight;
+        double least;
+
+        double minimumOnVolume(const Box &box) const { return box.squaredExteriorDistance(p); }
+        double minimumOnObject(Index t) {
+            const auto corner = [&](int k) { return Eigen::Vector3d(places.position.col(places.triangle[t][k])); };
+            const Eigen::Vector3d here = WeightsOfNearest(corner(0), corner(1), corner(2), p);
+            const double square = (corner(0) * here[0] + corner(1) * here[1] + corner(2) * here[2] - p).squaredNorm();
+            if (square < least || (square == least && t < best)) {
+                least = square;
+                best = t;
+                weight = here;
+            }
+            return square;
+        }
+    };
+
+    /// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
+    /// Detection, 5.1.5).
+    static Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::Vector3d &b,
+                                            const Eigen::Vector3d &c, const Eigen::Vector3d &p) {
+        const Eigen::Vector3d ab = b - a, ac = c - a;
+        const double d1 = ab.dot(p - a), d2 = ac.dot(p - a), d3 = ab.dot(p - b), d4 = ac.dot(p - b), d5 = ab.dot(p - c),
+                     d6 = ac.dot(p - c);
+        if (d1 <= 0 && d2 <= 0)
+            return {1, 0, 0};
+        if (d3 >= 0 && d4 <= d3)
+            return {0, 1, 0};
+        if (d6 >= 0 && d5 <= d6)
+            return {0, 0, 1};
+        const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+        if (vc <= 0 && d1 >= 0 && d3 <= 0)
+            return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+        if (vb <= 0 && d2 >= 0 && d6 <= 0)
+            return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+        if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+            return {0, 1 - w, w};
+        }
+        const double sum = va + vb + vc;
+        return {va / sum, vb / sum, vc / sum};
+    }
+
+    /// The vertices nearest to p, by weights that fall to 0 at the next one, and are beyond all others at the vertex
+    /// itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data, 1980).
+    void Among(const Eigen::Vector3d &p, SurfacePlace &place) const {
+        vcg::KdTree<double>::PriorityQueue queue;
+        const int wanted = int(std::min<std::size_t>(SurfacePlace::most + 1, vertex.size()));
+        vertices->doQueryK(vcg::Point3d(p[0], p[1], p[2]), wanted, queue);
+        std::vector<std::pair<double, Index>> found;
+        found.reserve(SurfacePlace::most + 1);
+        for (int i = 0; i < queue.getNofElements(); ++i)
+            found.emplace_back(std::sqrt(queue.getWeight(i)), vertex[std::size_t(queue.getIndex(i))]);
+        std::sort(found.begin(), found.end());
+        const double last = found.back().first;
+        double sum = 0;
+        for (const auto &each : found) {
+            const double near = std::max(each.first / last, 1e-6), weight = last > 0 ? std::pow(1 / near - 1, 2) : 0;
+            if (!(weight > 0))
+                break;
+            place.slot[place.count] = each.second;
+            place.weight[place.count++] = weight;
+            sum += weight;
+        }
+        if (place.count == 0) { // one vertex, or all of them equally far
+            place.slot[place.count] = found[0].second;
+            sum = place.weight[place.count++] = 1;
+        }
+        for (int i = 0; i < place.count; ++i)
+            place.weight[i] /= sum;
+    }
+
+    const Eigen::Matrix3Xd &position;
+    std::vector<std::array<Index, 3>> triangle;
+    Eigen::KdBVH<double, 3, Index> triangles;
+    std::vector<Index> vertex;
+    std::unique_ptr<vcg::KdTree<double>> vertices;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
