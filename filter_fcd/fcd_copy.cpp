@@ -113,7 +113,7 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
     const vcg::fcd::Deformer::Carrier carrier(*deformation.prepared->deformer, deformation.pose);
 
     std::vector<std::unique_ptr<NewLayers>> added;
-    const MeshModel *last = nullptr;
+    const MeshModel *last = targets.back();
     int vertices = 0;
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const MeshModel &target = *targets[t];

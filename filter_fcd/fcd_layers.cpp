@@ -289,7 +289,7 @@ void readMotions(const MeshModel &layer, const HandleParam &param, const std::ma
         if (!centers.count(clause.first)) {
             const std::string tag = std::to_string(clause.first);
             throw Error("transforms moves handle " + tag + ", but no vertex has tag " + tag + "; " +
-                        (centers.empty()       ? "there are no handles."
+                        (centers.empty()       ? "the handles are points."
                          : centers.size() == 1 ? "the only handle is " + listOfKeys(centers) + "."
                                                : "the handles are " + listOfKeys(centers) + "."));
         }

@@ -65,9 +65,10 @@ PreparedLayers::Key PreparedLayers::keyOf(const MeshModel &layer, const Point3m 
     const auto addElements = [&](const auto &elements, auto corners) {
         constexpr std::size_t count = decltype(corners)::value;
         addHashes<count * sizeof(std::uint32_t)>(bytes, elements.size(), [&](std::size_t e, unsigned char *to) {
-            std::uint32_t slot[count];
+            std::uint32_t slot[count] = {};
             for (std::size_t k = 0; k < count; ++k)
-                slot[k] = elements[e].IsD() ? std::uint32_t(-1) : std::uint32_t(elements[e].cV(int(k)) - &mesh.vert[0]);
+                slot[k] =
+                    elements[e].IsD() ? std::uint32_t(-1) : std::uint32_t(elements[e].cV(int(k)) - mesh.vert.data());
             std::memcpy(to, slot, sizeof slot);
         });
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/progress.h> // before Qt
+#include <vcg_ext/graph.h> // before Qt
 
 #include "fcd_rest.h"
 
@@ -128,7 +128,7 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
             CFaceO &face = mesh.face[f];
             bool moves = moving.empty();
             for (int k = 0; k < 3 && !moves; ++k)
-                moves = moving[std::size_t(face.cV(k) - &mesh.vert[0])] != 0;
+                moves = moving[std::size_t(face.cV(k) - mesh.vert.data())] != 0;
             if (moves && !face.IsD())
                 face.N() = vcg::TriangleNormal(face).Normalize();
         }

@@ -302,13 +302,12 @@ TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Rema
         tag = readTags(layer, param.handles);
     } else {
         vcg::fcd::Handles handles = readHandles(layer, param.handles);
-        readMotions(
-            layer, param.handles,
-            vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); }),
-            remark, handles);
-        if (handles.motion.empty())
+        const auto centers =
+            vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); });
+        if (centers.empty())
             throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
                         "leave transform_file empty.");
+        readMotions(layer, param.handles, centers, remark, handles);
         const int last = handles.motion.rbegin()->first, most = 100000;
         if (last > most)
             throw Error("The largest handle number is " + std::to_string(last) +

@@ -75,6 +75,24 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             choice("deformed_quality", deformed_quality, 3) + "</filter>")
 
 
+def pose_filter(weld_distance=1e-6, pose_steps=1, exact_normals=False, **parameters):
+    text = deform_filter(**parameters).replace("FCD: Deform Mesh", "FCD: Pose in Place").replace("</filter>", "")
+    for name in ("use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"):
+        text = re.sub(f'<Param type="Rich[A-Za-z]*" name="{name}" [^>]*/>', "", text)
+    return (text + parameter("Float", "weld_distance", value=weld_distance) + parameter("Int", "pose_steps", value=pose_steps) +
+            boolean("exact_normals", exact_normals) + "</filter>")
+
+
+def reset_filter(keep_shape=False):
+    return '<filter name="FCD: Reset Pose">' + boolean("keep_shape", keep_shape) + "</filter>"
+
+
+def copy_filter(source_layer, rest_graph, deformed_graph, all_visible=False):
+    return ('<filter name="FCD: Apply Deformation to Layer">' + parameter("Mesh", "source_layer", value=source_layer) +
+            parameter("Mesh", "rest_graph", value=rest_graph) + parameter("Mesh", "deformed_graph", value=deformed_graph) +
+            boolean("all_visible", all_visible) + "</filter>")
+
+
 class Run:
     """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
@@ -150,6 +168,37 @@ def test_files_and_graph_layer(tmp_path):
     points = run.meshes["bonedeformed"].vertex_matrix()
     assert (points[tags == 0] == rest[tags == 0]).all()
     assert np.abs(points[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-6
+
+
+def test_posing_in_place_and_the_way_back(tmp_path):
+    bend = dict(translation=(0, 0, 0.25), rotation_axis=(0, 1, 0), rotation_angle=-45)
+    runs = {}
+    for name, filters in {"rest": [], "layer": [deform_filter(graph_layers=False, **bend)],
+                          "place": [pose_filter(translation=(0, 1, 0)), pose_filter(**bend)],
+                          "back": [pose_filter(**bend), reset_filter()],
+                          "kept": [pose_filter(**bend), reset_filter(True), reset_filter()]}.items():
+        (tmp_path / name).mkdir()
+        runs[name] = Run(tmp_path / name, BONE, quality_filter(BONE_TAGS), *filters)
+        assert runs[name].code == 0, runs[name].log
+    points = {name: run.meshes["bonedeformed" if name == "layer" else "bone"].vertex_matrix() for name, run in runs.items()}
+    assert "prepared = false" in runs["place"].log
+    assert set(runs["place"].meshes) == {"bone"}
+    assert np.abs(points["layer"] - points["rest"]).max() > 0.2
+    for name, expected in (("place", "layer"), ("kept", "layer"), ("back", "rest")):
+        assert points[name].tobytes() == points[expected].tobytes(), name
+
+
+def test_a_deformation_for_another_layer(tmp_path):
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(translation=(0, 0, 0.25)), copy_filter(0, 1, 2))
+    assert run.code == 0, run.log
+    assert "layers = 1" in run.log
+    # The current layer is the one that was made last: what was done to the source is done to it, too.
+    rest, tags = run.meshes["bone"].vertex_matrix(), run.meshes["bone"].vertex_scalar_array()
+    once, twice = run.meshes["bonedeformed"].vertex_matrix(), run.meshes["bonedeformed2"].vertex_matrix()
+    on_faces = np.isin(np.arange(len(rest)), run.meshes["bone"].face_matrix())  # the others are nearest to something else
+    fixed = (tags == 0) & on_faces
+    assert once[fixed].tobytes() == twice[fixed].tobytes() == rest[fixed].tobytes()
+    assert np.abs((twice - rest)[(tags == 2) & on_faces] - [0, 0, 0.5]).max() < 0.01
 
 
 def test_motions_as_text(tmp_path):

@@ -372,6 +372,28 @@ def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):
         assert said in log, log
 
 
+def test_a_graph_that_was_kept_deforms_to_the_same_bits(tmp_path, capfd):
+    ms = clean_bone()
+    motion = dict(translation=np.array([0, 0, 0.25]))
+    ms.apply_filter(DEFORM, **motion)
+    first = ms.current_mesh().vertex_matrix()
+    for layer, name in ((1, "graph.ply"), (0, "bone.ply")):
+        ms.set_current_mesh(layer)
+        ms.save_current_mesh(str(tmp_path / name))
+    again = new_set()
+    again.load_new_mesh(str(tmp_path / "bone.ply"))
+    again.load_new_mesh(str(tmp_path / "graph.ply"))
+    graph = dict(use_graph_layer=True, graph_layer=1)
+    for each in (ms, again):
+        each.set_current_mesh(0)
+        _, log = deform_logged(each, capfd, **graph, **motion)
+        assert "is the graph that these parameters make here" in log
+        assert same_points(each.current_mesh().vertex_matrix(), first)
+    again.set_current_mesh(0)
+    _, log = deform_logged(again, capfd, random_seed=5, **graph, **motion)
+    assert "Their patches are grown anew" in log
+
+
 def two_sheets(gap):
     """Two sheets of 21 x 21 vertices side by side, a gap (over the diagonal) between them, held at their far ends."""
     x, y = np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij")
@@ -649,34 +671,6 @@ def test_use_graph_layer():
     ms.set_current_mesh(0)
     ms.apply_filter(DEFORM, **motion)
     assert np.abs(ms.current_mesh().vertex_matrix() - first).max() < 1e-6
-
-
-def test_a_graph_that_was_kept_deforms_to_the_same_bits(tmp_path, capfd):
-    ms = clean_bone()
-    ms.set_verbosity(True)
-    motion = dict(translation=np.array([0, 0, 0.25]))
-    ms.apply_filter(DEFORM, **motion)
-    first = ms.current_mesh().vertex_matrix()
-    ms.set_current_mesh(1)
-    ms.save_current_mesh(str(tmp_path / "graph.ply"))
-    ms.set_current_mesh(0)
-    ms.save_current_mesh(str(tmp_path / "bone.ply"))
-    capfd.readouterr()
-    ms.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, **motion)
-    assert "is the graph that these parameters make here" in "".join(capfd.readouterr())
-    assert same_points(ms.current_mesh().vertex_matrix(), first)
-
-    again = new_set()
-    again.set_verbosity(True)
-    again.load_new_mesh(str(tmp_path / "bone.ply"))
-    again.load_new_mesh(str(tmp_path / "graph.ply"))
-    again.set_current_mesh(0)
-    again.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, **motion)
-    assert "is the graph that these parameters make here" in "".join(capfd.readouterr())
-    assert same_points(again.current_mesh().vertex_matrix(), first)
-    again.set_current_mesh(0)
-    again.apply_filter(DEFORM, use_graph_layer=True, graph_layer=1, random_seed=5, **motion)
-    assert "Their patches are grown anew" in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize("case", ["far away", "graph of another mesh", "another mesh", "the default"])
@@ -1077,6 +1071,14 @@ def test_no_vertex_is_near_a_point_where_none_is_finite(tmp_path):
     with pytest.raises(pymeshlab.PyMeshLabException, match="not finite numbers, so no vertex is nearest"):
         ms.apply_filter(DEFORM, point_handles_file=str(path))
     assert len(list(ms)) == 1
+
+
+def test_a_text_moves_no_points(tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text("0, 1, 1, 1\n")
+    ms = open_sample("bone.ply")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="no vertex has tag 2; the handles are points"):
+        ms.apply_filter(DEFORM, point_handles_file=str(path), transforms="2: scale 2")
 
 
 # --- errors -------------------------------------------------------------------------------------------------------------

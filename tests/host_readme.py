@@ -38,7 +38,7 @@ def run(folder, *command):
 
 
 def test_python_in_one_session(folder):
-    assert len(blocks("python")) == 4
+    assert len(blocks("python")) == 6
     printed = run(folder, sys.executable, "-c", "\n".join(blocks("python")))
     assert "'nodes': " in printed and "'converged': True" in printed
     assert (folder / "bar_deformed.ply").stat().st_size > 10000

@@ -96,9 +96,9 @@ Index CountFolded(const MeshType &m, const SurfaceGraph &surface, const std::vec
             if (!(normal.norm() > 1e-3 * std::max(a.squaredNorm(), b.squaredNorm())))
                 continue;
             Vector3d turned = Vector3d::Zero();
-            for (int k = 0; k < 3; ++k)
-                if (patch[k] >= 0)
-                    turned += turn[patch[k]] * normal;
+            for (Index each : patch)
+                if (each >= 0)
+                    turned += turn[each] * normal;
             if (toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0)
                 ++folded;
         }

@@ -253,7 +253,7 @@ class Deformer {
             }
             if (node >= 0 && deformer.held.IsFixed(deformer.held.tag[node]))
                 return p;
-            const auto point = pose.given.pointMotion.find(slot);
+            const auto told = pose.given.pointMotion.find(slot);
             const auto &follows = deformer.following.vertex;
             const auto follower =
                 std::lower_bound(follows.begin(), follows.end(), slot,
@@ -261,8 +261,8 @@ class Deformer {
             const Eigen::Matrix4d &matrix =
                 node >= 0 ? pose.given.motion.at(deformer.held.tag[node]) : deformer.MatrixAt(pose, looseMotion, slot);
             linear = matrix.topLeftCorner<3, 3>().cast<float>();
-            if (point != pose.given.pointMotion.end())
-                return p + point->second.topRightCorner<3, 1>();
+            if (told != pose.given.pointMotion.end())
+                return p + told->second.topRightCorner<3, 1>();
             if (follower != follows.end() && follower->slot == slot)
                 return deformer.Followed(pose, mapped, *follower, p);
             return matrix.isIdentity(0) ? p : Eigen::Vector3d((matrix * p.homogeneous()).head<3>());
@@ -404,6 +404,7 @@ class Deformer {
         const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
         const Frame &frame = surface.frame;
         const bool isSame = frame.metric.isIdentity(0);
+        const std::size_t lanes = detail::lanes;
         ParallelFor(progress, "Mapping to the mesh", bent.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
             auto &&take = taker();
             GraphMapping::Posed::Scratch scratch;
@@ -413,7 +414,7 @@ class Deformer {
             for (std::size_t i = first; i < last;) {
                 const Index patch = patches.patchOf[bent[i].node];
                 int count = 0;
-                for (std::size_t next = i + 2 * detail::lanes; next < std::min(last, i + 3 * detail::lanes); ++next)
+                for (std::size_t next = i + 2 * lanes; next < std::min(last, i + 3 * lanes); ++next)
                     ahead(bent[next].slot);
                 for (; count < detail::lanes && i + count < last; ++count) {
                     node[count] = bent[i + count].node;

@@ -192,9 +192,9 @@ class GraphMapping {
                     const Eigen::Vector3d way = rest(j) - rest(patch);
                     const Eigen::Vector3d shift = pose.position.col(j) - pose.position.col(patch) -
                                                   0.5 * (pose.linear[j] + pose.linear[patch]) * way;
-                    Eigen::Map<Terms>(term.data() + std::size_t(c) * detail::terms) << linear.col(0).cast<float>(),
-                        linear.col(1).cast<float>(), linear.col(2).cast<float>(), shift.cast<float>(),
-                        way.cast<float>(), 1.f;
+                    Eigen::Map<Terms> terms(term.data() + std::size_t(c) * detail::terms);
+                    terms << linear.col(0).cast<float>(), linear.col(1).cast<float>(), linear.col(2).cast<float>(),
+                        shift.cast<float>(), way.cast<float>(), 1.f;
                 }
         }
 

@@ -24,14 +24,14 @@ FCD_TARGET inline void WeighBalls(const float (*x)[lanes], const Ball *ball, std
 
 FCD_TARGET inline void SumTerms(const float (*weight)[lanes], const float (*term)[terms], std::size_t n,
                                 float (*sum)[lanes]) {
-    constexpr int two = 2 * each <= lanes ? each : 0; // from one group to the other of a pair
-    for (int first = 0; first < terms; first += 4)    // as many as there are registers for
-        for (int g = 0; g < lanes; g += each + two) {
+    static_assert(lanes % (2 * each) == 0, "pairs of groups");
+    for (int first = 0; first < terms; first += 4) // as many as there are registers for
+        for (int g = 0; g < lanes; g += 2 * each) {
             Numbers s0 = {}, s1 = {}, s2 = {}, s3 = {}, t0 = {}, t1 = {}, t2 = {}, t3 = {}, v, w;
             for (std::size_t c = 0; c < n; ++c) {
                 const float *factor = term[c] + first;
                 std::memcpy(&v, weight[c] + g, sizeof(Numbers));
-                std::memcpy(&w, weight[c] + g + two, sizeof(Numbers));
+                std::memcpy(&w, weight[c] + g + each, sizeof(Numbers));
                 s0 += factor[0] * v;
                 t0 += factor[0] * w;
                 s1 += factor[1] * v;
@@ -44,7 +44,7 @@ FCD_TARGET inline void SumTerms(const float (*weight)[lanes], const float (*term
             const Numbers one[4] = {s0, s1, s2, s3}, other[4] = {t0, t1, t2, t3};
             for (int t = 0; t < 4; ++t) {
                 std::memcpy(sum[first + t] + g, &one[t], sizeof(Numbers));
-                std::memcpy(sum[first + t] + g + two, &other[t], sizeof(Numbers));
+                std::memcpy(sum[first + t] + g + each, &other[t], sizeof(Numbers));
             }
         }
 }

@@ -64,10 +64,11 @@ class NearestPlace {
             Among(p, place);
             return place;
         }
-        Search search{*this, p, -1, {}, std::numeric_limits<double>::infinity()};
+        Search search{*this, p, -1, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
         Eigen::BVMinimize(triangles, search);
+        const double rounding = 1e-9; // at a vertex there is no other
         for (int k = 0; k < 3 && search.best >= 0; ++k)
-            if (search.weight[k] > 0) {
+            if (search.weight[k] > rounding) {
                 place.slot[place.count] = triangle[search.best][k];
                 place.weight[place.count++] = search.weight[k];
             }
@@ -136,6 +137,8 @@ class NearestPlace {
         for (int i = 0; i < queue.getNofElements(); ++i)
             found.emplace_back(std::sqrt(queue.getWeight(i)), vertex[std::size_t(queue.getIndex(i))]);
         std::sort(found.begin(), found.end());
+        if (found.empty())
+            return;
         const double last = found.back().first;
         double sum = 0;
         for (const auto &each : found) {

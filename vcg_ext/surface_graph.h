@@ -409,7 +409,7 @@ class CellSet {
     explicit CellSet(std::size_t wanted) {
         while (words < wanted)
             words *= 2;
-        bits.reset(new std::atomic<std::uint32_t>[words]());
+        bits = std::make_unique<std::atomic<std::uint32_t>[]>(words);
     }
     void Insert(std::uint64_t cell) {
         const std::uint64_t h = Hash(cell);

@@ -27,10 +27,10 @@ struct DeformerRig {
     }
 };
 
-static Affine3d Bend() { return Eigen::Translation3d(0.5, 0, 0) * Eigen::AngleAxisd(0.9, Vector3d::UnitY()); }
+static Affine3d BentEnd() { return Eigen::Translation3d(0.5, 0, 0) * Eigen::AngleAxisd(0.9, Vector3d::UnitY()); }
 
 TEST(Deformer, EachPoseIsThatOfADeformationAnew) {
-    DeformerRig rig(Bend());
+    DeformerRig rig(BentEnd());
     for (double pose : {30.0, 100.0, -50.0, 30.0, 0.0}) {
         rig.param.pose = pose;
         Matrix3Xd position = rig.rest;
@@ -40,7 +40,7 @@ TEST(Deformer, EachPoseIsThatOfADeformationAnew) {
 }
 
 TEST(Deformer, GivesWhatMayMoveOnceAndNothingElse) {
-    DeformerRig rig(Bend());
+    DeformerRig rig(BentEnd());
     const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
     for (unsigned threads : {1u, 3u}) {
         Progress progress;
@@ -68,7 +68,7 @@ TEST(Deformer, GivesWhatMayMoveOnceAndNothingElse) {
 }
 
 TEST(Deformer, CarriesItsOwnVerticesWhereTheyGo) {
-    DeformerRig rig(Bend());
+    DeformerRig rig(BentEnd());
     const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
     Matrix3Xd position = rig.rest;
     std::vector<Eigen::Matrix3f> linear;
@@ -100,7 +100,7 @@ TEST(Deformer, CarriesPointsBesideItRigidlyWhereAllMovesSo) {
 }
 
 TEST(Deformer, KnowsItsNodes) {
-    DeformerRig rig(Bend());
+    DeformerRig rig(BentEnd());
     const auto nodes = vcg::tri::DeformCentroidal(rig.mesh, rig.bend.handles, rig.param).rest.position;
     EXPECT_TRUE(HasNodes(*rig.deformer, nodes));
     EXPECT_TRUE(HasNodes(*rig.deformer, nodes.cast<float>().cast<double>()));
