@@ -355,7 +355,9 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     return list;
 }
 
-RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
+namespace {
+
+RichParameterList allParameters(const PoseParam &param, const MeshDocument &document) {
     RichParameterList list;
     addHandles(list, param.handles);
     addTargetRadius(list, param.deformation.graph.targetRadius, document);
@@ -369,7 +371,26 @@ RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &d
     return list;
 }
 
-PoseParam poseParam(const RichParameterList &list) {
+} // namespace
+
+RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
+    RichParameterList all = allParameters(param, document);
+    if (host::dialogsScroll)
+        return all;
+    RichParameterList list;
+    for (const char *name : {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",
+                             "rotation_center", "rotation_point", "initial_patches", "smoothness", "pose"})
+        list.addParam(all.getParameterByName(name));
+    return list;
+}
+
+PoseParam poseParam(const RichParameterList &given, const MeshDocument &document) {
+    // What is not given has its default; what the host gives besides is its own.
+    const RichParameterList all = allParameters(PoseParam(), document);
+    RichParameterList list = all;
+    for (const RichParameter &parameter : all)
+        if (given.hasParameter(parameter.name()))
+            list.setValue(parameter.name(), given.getParameterByName(parameter.name()).value());
     PoseParam param;
     param.handles = handleParam(list);
     param.deformation = deformationParam(list, true);

@@ -401,7 +401,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
                                                  vcg::CallBackPos *callback) {
     const PoseResult result = poseInPlace(
-        document, input(document), poseParam(parameters), preparedLayers,
+        document, input(document), poseParam(parameters, document), preparedLayers,
         [this](const std::string &line) { logLine(line); }, Progress(callback));
     std::ostringstream line;
     line << describe(result.tags) << "; " << result.nodes << " nodes, " << result.iterations << " iterations; "

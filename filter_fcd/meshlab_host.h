@@ -107,6 +107,14 @@ constexpr bool scriptsMayLackParameters = false;
 constexpr bool scriptsMayLackParameters = true;
 #endif
 
+/// Whether a dialog that is taller than the screen scrolls, and folds advanced parameters. Where it does not, a long
+/// one has its buttons below the screen.
+#ifdef FCD_MESHLAB_2020
+constexpr bool dialogsScroll = false;
+#else
+constexpr bool dialogsScroll = true;
+#endif
+
 // --- layers ---
 
 /// All layers, in the document's order.

@@ -75,12 +75,15 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             choice("deformed_quality", deformed_quality, 3) + "</filter>")
 
 
-def pose_filter(weld_distance=1e-6, pose_steps=1, exact_normals=False, **parameters):
-    text = deform_filter(**parameters).replace("FCD: Deform Mesh", "FCD: Pose in Place").replace("</filter>", "")
-    for name in ("use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"):
-        text = re.sub(f'<Param type="Rich[A-Za-z]*" name="{name}" [^>]*/>', "", text)
-    return (text + parameter("Float", "weld_distance", value=weld_distance) + parameter("Int", "pose_steps", value=pose_steps) +
-            boolean("exact_normals", exact_normals) + "</filter>")
+def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0,
+                rotation_center=0, rotation_point=(0, 0, 0), initial_patches=300, smoothness=0.0058, pose=100):
+    """This host's dialogs do not scroll: the others have their defaults."""
+    return ('<filter name="FCD: Pose in Place">' + choice("handles", handles, 4) + parameter("String", "tag_attribute", value=tag_attribute) +
+            parameter("String", "transforms", value=transforms) + point("translation", translation) +
+            point("rotation_axis", rotation_axis) + parameter("Float", "rotation_angle", value=rotation_angle) +
+            choice("rotation_center", rotation_center, 3) + point("rotation_point", rotation_point) +
+            parameter("Int", "initial_patches", value=initial_patches) + parameter("Float", "smoothness", value=smoothness) +
+            parameter("Float", "pose", value=pose) + "</filter>")
 
 
 def reset_filter(keep_shape=False):
