@@ -32,14 +32,14 @@ const MeshModel *lastLayer(const MeshDocument &document, const QRegularExpressio
     return found;
 }
 
-const QRegularExpression graphLabel(" graph( \\d+)?(\\(\\d+\\))?$"), deformedGraphLabel(" deformed graph[ 0-9()]*$");
+QRegularExpression deformedGraphLabel() { return QRegularExpression(" deformed graph[ 0-9()]*$"); }
 
 /// The layers that are most likely meant as deformation graph, and as the same graph deformed.
 const MeshModel *likelyGraph(const MeshDocument &document) {
-    return lastLayer(document, graphLabel, deformedGraphLabel);
+    return lastLayer(document, QRegularExpression(" graph( \\d+)?(\\(\\d+\\))?$"), deformedGraphLabel());
 }
 const MeshModel *likelyDeformedGraph(const MeshDocument &document) {
-    return lastLayer(document, deformedGraphLabel, QRegularExpression("^$"));
+    return lastLayer(document, deformedGraphLabel(), QRegularExpression("^$"));
 }
 
 // What both filters ask for the graph.

@@ -121,6 +121,16 @@ def test_all_visible_layers():
         assert np.abs(ms.mesh(k).vertex_matrix() - ms.mesh(3).vertex_matrix()).max() < 1e-6
 
 
+def test_no_other_layer_is_visible():
+    ms = bent_bone()
+    ms.set_current_mesh(3)
+    ms.set_current_mesh_visibility(False)
+    ms.set_current_mesh(0)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="No layer but the source and its graphs is visible. Show those"):
+        ms.apply_filter(COPY, all_visible=True, **LAYERS)
+    assert len(list(ms)) == 4
+
+
 def test_a_source_that_is_posed_counts_at_rest():
     ms = bent_bone()
     before = ms.current_mesh().vertex_matrix()
