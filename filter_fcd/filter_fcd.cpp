@@ -331,7 +331,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         if (!isOwnGraph)
             param.deformation.nodes = given;
     }
-    if (!prepared || !isOwnGraph)
+    if (!isOwnGraph)
         prepared = prepare();
     if (result.position.cols() == 0)
         result.position = positionsOf(layer);
@@ -379,10 +379,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " Their patches are grown anew.");
     for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
-    if (!result.converged)
-        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
-                "a time.",
-                GLLogStream::WARNING);
+    warnUnlessAtRest(result.converged);
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.tags));
     values.insert({{"loose_parts", result.looseParts},
@@ -409,10 +406,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
          << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
          << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
     logLine(line.str());
-    if (!result.converged)
-        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
-                "a time.",
-                GLLogStream::WARNING);
+    warnUnlessAtRest(result.converged);
     ReturnedValues values = valuesOf(result.tags);
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},
@@ -446,6 +440,13 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(vertices) +
             " vertices deformed as '" + param.source->label().toStdString() + "'.");
     return {{"layers", layers}, {"vertices", vertices}};
+}
+
+void FilterFcd::warnUnlessAtRest(bool converged) const {
+    if (!converged)
+        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
+                "a time.",
+                GLLogStream::WARNING);
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {

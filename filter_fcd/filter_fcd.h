@@ -43,6 +43,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
+    void warnUnlessAtRest(bool converged) const;
 
     PreparedLayers preparedLayers;
 };

@@ -191,38 +191,17 @@ class Deformer {
     template <class Rest, class Taker, class Ahead>
     void Apply(const Pose &pose, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
                const Ahead &ahead) const {
-        const GraphMapping::Posed mapped = mapping->At(pose.graph, pose.motion);
-        const bool moves = pose.given.Moves();
-        const std::vector<Eigen::Matrix4d> looseMotion = LooseMotions(pose, mapped);
+        const Carrier carrier(*this, pose);
         const char *stage = "Mapping to the mesh";
         const std::size_t all = bent.size() + carried.size();
         const double share = all > 0 ? double(bent.size()) / double(all) : 1;
-        ApplyToBent(pose, mapped, moves, rest, taker, maps, progress.Slice(0, share), ahead);
-        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        ApplyToBent(carrier, rest, taker, maps, progress.Slice(0, share), ahead);
+        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
             auto &&take = taker();
+            Eigen::Matrix3f map;
             for (std::size_t c = first; c < last; ++c) {
-                const std::size_t i = carried[c];
-                const Index node = surface.nodeOf[i];
-                const Eigen::Matrix4d &matrix = !moves      ? still
-                                                : node >= 0 ? pose.given.motion.at(held.tag[node])
-                                                            : MatrixAt(pose, looseMotion, i);
-                Eigen::Vector3d p = rest(i);
-                if (!matrix.isIdentity(0))
-                    p = (matrix * p.homogeneous()).template head<3>();
-                const auto point = pose.given.pointMotion.find(i);
-                if (point != pose.given.pointMotion.end())
-                    p += point->second.template topRightCorner<3, 1>();
-                take(i, p, matrix.topLeftCorner<3, 3>().cast<float>());
-            }
-        });
-        ParallelFor(progress.threads, following.vertex.size(), 1 << 10, [&](std::size_t first, std::size_t last) {
-            auto &&take = taker();
-            for (std::size_t v = first; v < last; ++v) {
-                const std::size_t i = following.vertex[v].slot;
-                const Eigen::Vector3d p = rest(i);
-                const Eigen::Matrix4d &matrix = moves ? MatrixAt(pose, looseMotion, i) : still;
-                take(i, moves ? Followed(pose, mapped, following.vertex[v], p) : p,
-                     matrix.topLeftCorner<3, 3>().cast<float>());
+                const Eigen::Vector3d p = carrier(carried[c], rest(carried[c]), map);
+                take(carried[c], p, map);
             }
         });
         progress(1, stage);
@@ -269,6 +248,7 @@ class Deformer {
         }
 
       private:
+        friend class Deformer;
         const Deformer &deformer;
         const Pose &pose;
         const GraphMapping::Posed mapped;
@@ -283,8 +263,6 @@ class Deformer {
             body(std::size_t(vertex.slot));
         for (std::uint32_t i : carried)
             body(std::size_t(i));
-        for (const LooseFollowing::Vertex &vertex : following.vertex)
-            body(vertex.slot);
     }
 
     /// The motion of each loose part, mesh units.
@@ -374,11 +352,7 @@ class Deformer {
                 bent[next[each.first]++] = each.second;
         });
 
-        std::vector<char> follows, isPoint; // one per slot, where there is any
-        for (const LooseFollowing::Vertex &vertex : following.vertex) {
-            follows.resize(slotTag.size(), 0);
-            follows[vertex.slot] = 1;
-        }
+        std::vector<char> isPoint; // one per slot, where there is any
         for (std::size_t i : point) {
             isPoint.resize(slotTag.size(), 0);
             isPoint[i] = 1;
@@ -393,14 +367,14 @@ class Deformer {
         };
         carried = CollectInOrder<std::uint32_t>(progress, stage, Index(slotTag.size()),
                                                 [&](Index i, std::vector<std::uint32_t> &found) {
-                                                    if (isCarried(std::size_t(i)) && (follows.empty() || !follows[i]))
+                                                    if (isCarried(std::size_t(i)))
                                                         found.push_back(std::uint32_t(i));
                                                 });
     }
 
     template <class Rest, class Taker, class Ahead>
-    void ApplyToBent(const Pose &pose, const GraphMapping::Posed &mapped, bool moves, const Rest &rest,
-                     const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
+    void ApplyToBent(const Carrier &carrier, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
+                     const Ahead &ahead) const {
         const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
         const Frame &frame = surface.frame;
         const bool isSame = frame.metric.isIdentity(0);
@@ -422,13 +396,13 @@ class Deformer {
                         break;
                     p[count] = rest(bent[i + count].slot);
                 }
-                if (!moves || (isSurface && pose.graph.rests[patch])) {
+                if (!carrier.moves || (isSurface && carrier.pose.graph.rests[patch])) {
                     for (int l = 0; l < count; ++l)
                         take(bent[i + l].slot, p[l], Eigen::Matrix3f::Identity());
                 } else {
                     for (int l = 0; l < count; ++l)
                         p[l] = frame.ToFrame(p[l]);
-                    mapped.Map(node, p, count, there, maps ? map : nullptr, scratch);
+                    carrier.mapped.Map(node, p, count, there, maps ? map : nullptr, scratch);
                     for (int l = 0; l < count; ++l)
                         take(bent[i + l].slot, frame.FromFrame(there[l]),
                              maps && !isSame
@@ -503,9 +477,8 @@ class Deformer {
     LooseFollowing following;
     std::vector<Eigen::Vector3d> leaderRest; // of each loose part, mesh units
     std::vector<Bent> bent;                  // the free vertices of the surface
-    std::vector<std::uint32_t> carried;      // slots of handles, and of loose parts that move as one
-    const Eigen::Matrix4d still = Eigen::Matrix4d::Identity();
-    std::vector<bool> turns; // those that parts is made for
+    std::vector<std::uint32_t> carried;      // slots of handles, and of loose parts
+    std::vector<bool> turns;                 // those that parts is made for
     std::unique_ptr<PartsDeformer> parts;
 };
 

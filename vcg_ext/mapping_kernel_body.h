@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Part of mapping_kernel.h, which includes it for each kind of processor.
 
-constexpr int each = sizeof(Numbers) / sizeof(float), groups = lanes / each;
+constexpr int each = sizeof(Numbers) / sizeof(float);
 
 FCD_TARGET inline void WeighBalls(const float (*x)[lanes], const Ball *ball, std::size_t n, float (*weight)[lanes]) {
     for (int g = 0; g < lanes; g += each) {
