@@ -22,14 +22,13 @@ std::string quoted(const MeshModel &layer) { return "'" + layer.label().toStdStr
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
     if (!source || !restGraph || !deformedGraph)
         throw Error("source_layer, rest_graph and deformed_graph must be layers of this document.");
-    using Allocator = vcg::tri::Allocator<CMeshO>;
-    auto kept = Allocator::FindPerMeshAttribute<Kept>(deformedGraph->cm, deformationName);
-    if (!Allocator::IsValidHandle(deformedGraph->cm, kept))
+    const Kept *kept = host::meshAttribute<Kept>(deformedGraph->cm, deformationName);
+    if (!kept)
         throw Error("The layer " + quoted(*deformedGraph) +
                     " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
                     "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': files do not "
                     "keep all of a deformation. Deform the source again.");
-    const Deformation &deformation = *kept();
+    const Deformation &deformation = **kept;
     const CMeshO &mesh = source->cm;
     const bool isPosed = RestShape::exists(*source);
     if ((isPosed ? RestShape(*source).shape() : shapeOf(mesh)) != deformation.shape || mesh.fn != deformation.faces)
@@ -101,8 +100,7 @@ void carry(const MeshModel &target, const Source &source, const vcg::fcd::Deform
 } // namespace
 
 void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation> deformation) {
-    vcg::tri::Allocator<CMeshO>::AddPerMeshAttribute<Kept>(deformedGraph.cm, deformationName)() =
-        std::move(deformation);
+    host::madeMeshAttribute<Kept>(deformedGraph.cm, deformationName) = std::move(deformation);
 }
 
 int copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,

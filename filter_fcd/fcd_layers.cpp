@@ -2,6 +2,7 @@
 #include <vcg_ext/handle_file.h> // before Qt
 #include <vcg_ext/motion_text.h>
 
+#include "fcd_aside.h"
 #include "fcd_layers.h"
 #include "fcd_points.h"
 #include "fcd_rest.h"
@@ -173,6 +174,31 @@ double singleError(const Eigen::Vector3d &point) {
     return point.cwiseAbs().maxCoeff() * std::numeric_limits<float>::epsilon() / 2;
 }
 
+/// \p steps with each "layer 'NAME'" written as the matrix that leads from \p layer to the layer of that name.
+QString withLayers(const QString &steps, const MeshDocument &document, const MeshModel &layer) {
+    static const char *const pattern = "\\blayer\\s*(?:'([^']*)'|\"([^\"]*)\")";
+    const QRegularExpression step(pattern, QRegularExpression::CaseInsensitiveOption);
+    QString result;
+    int end = 0;
+    for (QRegularExpressionMatchIterator i = step.globalMatch(steps); i.hasNext();) {
+        const QRegularExpressionMatch match = i.next();
+        const QString name = match.captured(1) + match.captured(2);
+        const MeshModel *found = nullptr;
+        for (const MeshModel *other : host::layers(document))
+            if (other->label() == name)
+                found = other;
+        if (!found)
+            throw Error("transforms names the layer '" + text(name) +
+                        "', but no layer has that name. Write the name as the list of layers shows it.");
+        const Eigen::Matrix4d matrix = (matrixOf(*found) * invertibleMatrixOf(layer).inverse()).matrix();
+        result += steps.mid(end, match.capturedStart() - end) + "matrix";
+        for (int k = 0; k < 16; ++k)
+            result += " " + QString::number(k < 12 ? matrix(k / 4, k % 4) : k == 15, 'g', 17);
+        end = match.capturedEnd();
+    }
+    return result + steps.mid(end);
+}
+
 Eigen::Vector3d extentOf(const CMeshO &mesh) {
     Eigen::AlignedBox3d box;
     for (const CVertexO &vertex : mesh.vert)
@@ -276,15 +302,16 @@ Handles readHandles(const MeshModel &layer, const HandleParam &param) {
     return handles;
 }
 
-void readMotions(const MeshModel &layer, const HandleParam &param, const std::map<Index, Eigen::Vector3d> &centers,
-                 const Remark &remark, Handles &handles) {
+bool readMotions(const MeshDocument &document, const MeshModel &layer, const HandleParam &param,
+                 const std::map<Index, Eigen::Vector3d> &centers, const Remark &remark, Handles &handles) {
     const CMeshO &mesh = layer.cm;
     std::vector<Eigen::Matrix4d> listed;
     if (!param.transformFile.isEmpty())
         listed =
             vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString(), mostBytes(layer, 1000));
 
-    const std::map<int, std::vector<MotionStep>> told = vcg::fcd::ReadMotionText(text(param.transforms));
+    const std::map<int, std::vector<MotionStep>> told =
+        vcg::fcd::ReadMotionText(text(withLayers(param.transforms, document, layer)));
     for (const auto &clause : told)
         if (!centers.count(clause.first)) {
             const std::string tag = std::to_string(clause.first);
@@ -340,6 +367,7 @@ void readMotions(const MeshModel &layer, const HandleParam &param, const std::ma
         moves = moves || point.target != vcg::tri::PositionOf(mesh.vert[point.vertex]);
     if (!moves && !(centers.empty() && handles.point.empty()))
         remark("No handle moves: nothing that was given leads them away from where they are.");
+    return moves;
 }
 
 bool isGraph(const MeshModel &layer) {
@@ -400,14 +428,15 @@ QString labelOf(const MeshModel &base, const QString &what) {
     return QString("%1 %2 %3").arg(result.captured(1), what).arg(times + 1);
 }
 
-/// \p label, or "LABEL(n)" where it is taken. MeshLab does so too, but takes a dot for the beginning of an extension.
-QString unusedLabel(const MeshDocument &document, const QString &label) {
+/// \p label, or "LABEL(n)" where a layer that is not among \p but has it. MeshLab does so too, but takes a dot for the
+/// beginning of an extension.
+QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but) {
     const std::vector<const MeshModel *> layers = host::layers(document);
     for (int n = 0;; ++n) {
         const QString tried = n ? QString("%1(%2)").arg(label).arg(n) : label;
         bool taken = false;
         for (const MeshModel *layer : layers)
-            taken = taken || layer->label() == tried;
+            taken = taken || (layer->label() == tried && std::find(but.begin(), but.end(), layer) == but.end());
         if (!taken)
             return tried;
     }
@@ -447,7 +476,7 @@ void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
     const AttributeMakers makers;
     const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty() || isOfRest(attribute._name))
+            if (attribute._name.empty() || isOfRest(attribute._name) || isAside(attribute._name))
                 continue; // scratch data of some algorithm, or what belongs to the layer alone
             const auto maker = makersOfKind.find(attribute._type);
             if (maker == makersOfKind.end())
@@ -463,8 +492,9 @@ void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
 
 } // namespace
 
-NewLayers::NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark)
-    : document(document), base(base), remark(remark) {}
+NewLayers::NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark,
+                     std::vector<MeshModel *> replaced)
+    : document(document), base(base), remark(remark), replaced(std::move(replaced)) {}
 
 NewLayers::~NewLayers() {
     if (kept)
@@ -478,10 +508,15 @@ NewLayers::~NewLayers() {
 void NewLayers::keep(const MeshModel &current) {
     document.setCurrentMesh(current.id());
     kept = true;
+    for (MeshModel *layer : replaced)
+        host::removeLayer(document, layer);
+    for (std::size_t i = 0; i < added.size(); ++i) // the host has changed those that were taken
+        added[i]->setLabel(labels[i]);
 }
 
 MeshModel &NewLayers::add(const QString &what) {
-    const QString label = unusedLabel(document, labelOf(base, what));
+    const QString label = unusedLabel(document, labelOf(base, what), replaced);
+    labels.push_back(label);
     added.reserve(added.size() + 1); // nothing can fail between adding and remembering
     MeshModel *layer = document.addNewMesh("", label, false);
     added.push_back(layer);
@@ -505,6 +540,7 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
     to.shot = from.shot;
     to.imark = from.imark;
     to.bbox = from.bbox;
+    bringBackTo(layer, base);
     if (withoutElements & MeshModel::MM_WEDGTEXCOORD) {
         to.textures.clear();
     } else {
@@ -594,7 +630,8 @@ bool hasOwnNormals(const MeshModel &layer) {
 MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,
                                  const std::vector<vcg::Color4b> &color) {
     MeshModel &layer = addCopy(what, MeshModel::MM_WEDGTEXCOORD | MeshModel::MM_VERTTEXCOORD | MeshModel::MM_FACECOLOR);
-    layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY |
+                         (base.cm.fn > 0 ? MeshModel::MM_FACECOLOR : MeshModel::MM_NONE));
     auto vertex = layer.cm.vert.begin();
     for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
         if (!base.cm.vert[i].IsD()) {
@@ -603,6 +640,64 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
             vertex->C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
             ++vertex;
         }
+    // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
+    // patch.
+    for (CFaceO &face : layer.cm.face)
+        face.C() = face.cV(1)->cQ() == face.cV(2)->cQ() ? face.cV(1)->cC() : face.cV(0)->cC();
+    return layer;
+}
+
+MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::GraphGeometry &graph) {
+    // Thick enough to stand out of the surface, thin enough not to cover the patches.
+    const double ball = 0.2, tube = 0.07; // of the mean radius of the patches
+    const double radius = graph.radius.size() > 0 ? graph.radius.mean() : 0;
+    const int around = 8, along = 6; // corners of a ring; rings of a ball from pole to pole
+    const std::size_t nodes = std::size_t(graph.position.cols()), edges = graph.edge.size();
+
+    MeshModel &layer = add(what);
+    CMeshO &mesh = layer.cm;
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(mesh, around * (2 * edges + (along + 1) * nodes));
+    auto face = vcg::tri::Allocator<CMeshO>::AddFaces(mesh, around * 2 * (edges + along * nodes));
+    // Rings about the line through centre along axis, at heights and with radii as given, joined to the next one.
+    const auto addRings = [&](const Eigen::Vector3d &center, const Eigen::Vector3d &axis, int rings, const auto &at,
+                              const vcg::Color4b &color) {
+        const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
+        for (int r = 0; r < rings; ++r)
+            for (int k = 0; k < around; ++k) {
+                const double angle = 2 * double(EIGEN_PI) * k / around;
+                const auto [height, width] = at(r);
+                vertex->P() = toPoint(center + height * axis + width * (std::cos(angle) * u + std::sin(angle) * v));
+                vertex->C() = color;
+                if (r + 1 < rings) {
+                    const int next = (k + 1) % around - k;
+                    CVertexO *low = &*vertex, *right = low + next;
+                    CVertexO *const corners[2][3] = {{low, right, right + around}, {low, right + around, low + around}};
+                    for (const auto &corner : corners) {
+                        for (int c = 0; c < 3; ++c)
+                            face->V(c) = corner[c];
+                        ++face;
+                    }
+                }
+                ++vertex;
+            }
+    };
+    for (const auto &ends : graph.edge) {
+        const Eigen::Vector3d from = graph.position.col(ends[0]), way = graph.position.col(ends[1]) - from;
+        const double length = way.norm();
+        addRings(
+            from, length > 0 ? Eigen::Vector3d(way / length) : Eigen::Vector3d::UnitZ(), 2,
+            [&](int r) { return std::pair<double, double>(r * length, tube * radius); }, vcg::Color4b(60, 60, 60, 255));
+    }
+    for (std::size_t i = 0; i < nodes; ++i)
+        addRings(
+            graph.position.col(Eigen::Index(i)), Eigen::Vector3d::UnitZ(), along + 1,
+            [&](int r) {
+                const double angle = double(EIGEN_PI) * r / along;
+                return std::pair<double, double>(-ball * radius * std::cos(angle), ball * radius * std::sin(angle));
+            },
+            graph.color[i]);
+    host::updateBoxAndNormals(layer);
     return layer;
 }
 

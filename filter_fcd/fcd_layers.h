@@ -49,8 +49,9 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param);
 
 /// Adds to \p handles of \p layer their motions, in world coordinates. \param centers of the handles, in the layer's
+/// \return whether any handle moves
 /// \throw vcg::fcd::Error when the motions cannot be had: each message says what to do
-void readMotions(const MeshModel &layer, const HandleParam &param,
+bool readMotions(const MeshDocument &document, const MeshModel &layer, const HandleParam &param,
                  const std::map<vcg::fcd::Index, Eigen::Vector3d> &centers, const Remark &remark,
                  vcg::fcd::Handles &handles);
 
@@ -68,8 +69,9 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph);
 class NewLayers {
   public:
     /// \p base names the layers ("NAME what"; "NAME what 2" where it is itself "NAME deformed", and so on) and gives
-    /// them its matrix.
-    NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark);
+    /// them its matrix. \p replaced go when the new ones are kept, which may have their names.
+    NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark,
+              std::vector<MeshModel *> replaced = {});
     NewLayers(const NewLayers &) = delete;
     NewLayers &operator=(const NewLayers &) = delete;
     ~NewLayers();
@@ -78,8 +80,11 @@ class NewLayers {
     /// "energy" if there is any) and its edges.
     MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
 
-    /// "NAME what": the base coloured by patch, quality = patch number. \p patchOf per slot of the base's vertices, \p
-    /// color per patch. Textures and face colours, which would hide the colours, are left out.
+    /// "NAME what": \p graph as a surface, which every format keeps: a ball for each node, a tube for each edge.
+    MeshModel &addGraphSurface(const QString &what, const vcg::fcd::GraphGeometry &graph);
+
+    /// "NAME what": the base coloured by patch, vertices and faces, quality = patch number. \p patchOf per slot of the
+    /// base's vertices, \p color per patch. Textures, which would hide the colours, are left out.
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
                           const std::vector<vcg::Color4b> &color);
 
@@ -99,7 +104,8 @@ class NewLayers {
     MeshDocument &document;
     const MeshModel &base;
     Remark remark;
-    std::vector<MeshModel *> added;
+    std::vector<MeshModel *> added, replaced;
+    std::vector<QString> labels; ///< of those that are added
     bool kept = false;
 };
 

@@ -124,7 +124,10 @@ void addHandles(RichParameterList &list, const HandleParam &handles) {
         "<li><i>rotate ax ay az degrees</i>: about the axis (ax, ay, az), counterclockwise when it points at you; any "
         "angle</li>"
         "<li><i>scale s</i>, or <i>scale sx sy sz</i>: positive factors</li>"
-        "<li><i>matrix m11 m12 ... m44</i>: 16 numbers, row by row, the last row 0 0 0 1</li></ul>"
+        "<li><i>matrix m11 m12 ... m44</i>: 16 numbers, row by row, the last row 0 0 0 1</li>"
+        "<li><i>layer 'NAME'</i>: as the layer of that name lies to this one, for example a copy of the handle that "
+        "was "
+        "put in place with MeshLab's manipulators</li></ul>"
         "<i>rotate</i> and <i>scale</i> may be followed by <i>about x y z</i>, the point that stays in place; without "
         "it, that is the mean of the handle's own vertices, where the steps before have put it. Upper and lower case, "
         "line breaks and commas between numbers make no difference. May be given whatever the handles come from. "
@@ -181,12 +184,11 @@ void addHandles(RichParameterList &list, const HandleParam &handles) {
 
 /// How it bends. \param all also what a filter may lack where scripts may not
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
-    addParameter<RichFloat>(list, Shown::Always, "smoothness", Scalarm(deformation.smoothness), "Smoothness",
-                            "How strongly neighbouring parts must turn alike. <b>Raising it</b> spreads bends over "
-                            "more of the surface and stiffens "
-                            "it; <b>lowering it</b> keeps lengths better but lets bends become sharp near the handles. "
-                            "Useful values are 0.001 "
-                            "to 0.1.");
+    addParameter<RichFloat>(list, Shown::Always, "smoothness", Scalarm(deformation.smoothness),
+                            "Smoothness (0.001 loose, 0.1 stiff)",
+                            "How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff. <b>Raising "
+                            "it</b> spreads bends over more of the surface and stiffens it; <b>lowering it</b> keeps "
+                            "lengths better but lets bends become sharp near the handles.");
     addParameter<RichInt>(
         list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
         "The shape is improved until it comes to rest, at most this often. <b>Raise it</b> when the log "
@@ -305,6 +307,10 @@ RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocum
     addParameter<RichBool>(
         list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
         "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
+    if (host::scriptsMayLackParameters)
+        addParameter<RichBool>(
+            list, Shown::Always, "surface_layer", param.surfaceLayer, "Layer with the graph as a surface",
+            "Also adds the graph as balls and tubes, which any viewer shows and every format keeps.");
     return list;
 }
 
@@ -313,6 +319,7 @@ BuildGraphParam buildGraphParam(const RichParameterList &list) {
     param.graph = graphParam(list);
     param.graph.maxIterations = list.getInt("max_iterations");
     param.patchesLayer = list.getBool("patches_layer");
+    param.surfaceLayer = host::scriptsMayLackParameters ? list.getBool("surface_layer") : host::inWindow();
     param.graph.Validate();
     return param;
 }
@@ -352,7 +359,17 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
         "Quality'), selected by or saved: that of the input, the <b>stretch</b> (length of the edges "
         "over that at rest: 1 is not stretched, 1.1 is 10 percent longer), or the <b>angle</b> by "
         "which the surface turned, in degrees.");
-    return list;
+    if (host::dialogsFold)
+        return list;
+    // Where nothing is folded, what one needs comes first.
+    RichParameterList ordered;
+    for (const char *name : {"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center",
+                             "rotation_point", "smoothness", "pose", "graph_layers", "transforms"})
+        ordered.addParam(list.getParameterByName(name));
+    for (const RichParameter &parameter : list)
+        if (!ordered.hasParameter(parameter.name()))
+            ordered.addParam(parameter);
+    return ordered;
 }
 
 namespace {
@@ -375,7 +392,7 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
 
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
     RichParameterList all = allParameters(param, document);
-    if (host::dialogsScroll)
+    if (host::dialogsFold)
         return all;
     RichParameterList list;
     for (const char *name : {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",

@@ -14,7 +14,8 @@ inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]),
 /// What "FCD: Build Deformation Graph" is asked for.
 struct BuildGraphParam {
     vcg::fcd::GraphParam graph;
-    bool patchesLayer = true; ///< also a copy of the mesh coloured by patch
+    bool patchesLayer = true;  ///< also a copy of the mesh coloured by patch
+    bool surfaceLayer = false; ///< also the graph as a surface
 };
 
 /// Where tags and motions of the handles come from. Motions are in world coordinates: as seen on the screen, that is

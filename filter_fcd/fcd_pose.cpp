@@ -155,7 +155,7 @@ PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam
         result.secondsFind = watch.Seconds();
 
     watch = {};
-    readMotions(layer, param.handles, prepared->deformer->center, remark, handles);
+    readMotions(document, layer, param.handles, prepared->deformer->center, remark, handles);
     const vcg::fcd::Deformer::Pose pose = prepared->deformer->Solve(handles, param.deformation, progress.Slice(0.9, 1));
     atRest.reset();
     if (isFirst)

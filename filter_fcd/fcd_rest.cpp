@@ -12,7 +12,6 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-using Allocator = vcg::tri::Allocator<CMeshO>;
 using vcg::fcd::ParallelFor;
 
 namespace {
@@ -21,52 +20,30 @@ const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_norma
 // A preview begins each time with the shape that the layer had before, which is then the latest; a few are enough.
 const std::size_t mostPoses = 16;
 
-/// The values of a vertex attribute of points, null where there is none.
-Point3m *values(CMeshO &mesh, const char *name) {
-    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
-        if (attribute._name == name && attribute._type == typeid(Point3m))
-            return mesh.vert.empty() ? nullptr : static_cast<Point3m *>(attribute._handle->DataBegin());
-    return nullptr;
-}
+Point3m *values(const CMeshO &mesh, const char *name) { return host::vertexAttribute<Point3m>(mesh, name); }
 
-/// The same, made where there is none.
-Point3m *madeValues(CMeshO &mesh, const char *name) {
-    if (!values(mesh, name)) {
-        if (vcg::tri::HasPerVertexAttribute(mesh, name)) // of another type
-            Allocator::DeletePerVertexAttribute(mesh, name);
-        Allocator::AddPerVertexAttribute<Point3m>(mesh, name);
-    }
-    return values(mesh, name);
-}
-
-Poses *posesOf(CMeshO &mesh) {
-    auto handle = Allocator::FindPerMeshAttribute<Poses>(mesh, posesName);
-    return Allocator::IsValidHandle(mesh, handle) ? &handle() : nullptr;
-}
+Poses *posesOf(const CMeshO &mesh) { return host::meshAttribute<Poses>(mesh, posesName); }
 
 } // namespace
 
 bool isOfRest(const std::string &attribute) { return attribute == positionName || attribute == normalName; }
 
 bool RestShape::exists(const MeshModel &layer) {
-    CMeshO &mesh = const_cast<CMeshO &>(layer.cm); // its functions are not const, but only read
+    const CMeshO &mesh = layer.cm;
     return values(mesh, positionName) && values(mesh, normalName) && posesOf(mesh);
 }
 
 void RestShape::keep(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
-    Point3m *position = madeValues(mesh, positionName), *normal = madeValues(mesh, normalName);
+    Point3m *position = host::madeVertexAttribute<Point3m>(mesh, positionName),
+            *normal = host::madeVertexAttribute<Point3m>(mesh, normalName);
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             position[i] = mesh.vert[i].cP();
             normal[i] = mesh.vert[i].cN();
         }
     });
-    const Poses only{shapeOf(mesh), mesh.vn, {}};
-    if (Poses *poses = posesOf(mesh))
-        *poses = only;
-    else
-        Allocator::AddPerMeshAttribute<Poses>(mesh, posesName)() = only;
+    host::madeMeshAttribute<Poses>(mesh, posesName) = {shapeOf(mesh), mesh.vn, {}};
 }
 
 RestShape::RestShape(MeshModel &layer)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/handle_file.h> // before Qt
 
+#include "fcd_aside.h"
 #include "fcd_save_files.h"
 #include "fcd_tags.h"
 
@@ -34,7 +35,9 @@ void addTarget(RichParameterList &list, const TagTarget &target) {
         "<b>Empty</b> (the default): the tags are the vertex quality.");
     addParameter<RichBool>(list, Shown::Always, "colorize", target.colorize, "Colour by tag",
                            "Colours the vertices by their tags: fixed blue, free yellow, handles red (each number "
-                           "another shade), outside grey. Replaces the vertex colours.");
+                           "another shade), outside grey. The layer keeps its own colours aside: deformed layers have "
+                           "them, and 'FCD: Clear "
+                           "Tags' brings them back.");
 }
 
 TagTarget target(const RichParameterList &list) {
@@ -121,6 +124,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
             throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
                         " is too large to be kept in single precision. Use smaller numbers.");
     const TagCount count = vcg::tri::CountTags(mesh, tag);
+    keepAside(layer, target.colorize, target.attribute.isEmpty());
 
     const auto write = [&](const auto &number) {
         for (std::size_t i = 0; i < tag.size(); ++i)
@@ -146,6 +150,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
         for (std::size_t i = 0; i < tag.size(); ++i)
             if (!mesh.vert[i].IsD())
                 mesh.vert[i].C() = colorOf(tag[i]);
+        tagged(layer);
     }
     return count;
 }
@@ -295,7 +300,8 @@ void SaveTagsParam::validate() const {
         throw Error("tag_file and transform_file are the same file. Give two different files.");
 }
 
-TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Remark &remark) {
+TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
+                  const Remark &remark) {
     std::vector<int> tag;
     std::vector<Eigen::Matrix4d> matrix;
     if (param.transformFile.isEmpty()) {
@@ -307,7 +313,7 @@ TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Rema
         if (centers.empty())
             throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
                         "leave transform_file empty.");
-        readMotions(layer, param.handles, centers, remark, handles);
+        readMotions(document, layer, param.handles, centers, remark, handles);
         const int last = handles.motion.rbegin()->first, most = 100000;
         if (last > most)
             throw Error("The largest handle number is " + std::to_string(last) +

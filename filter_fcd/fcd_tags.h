@@ -64,6 +64,7 @@ vcg::fcd::TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &para
 
 /// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; the files are then as
 /// they were
-vcg::fcd::TagCount saveTags(const MeshModel &layer, const SaveTagsParam &param, const Remark &remark);
+vcg::fcd::TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
+                            const Remark &remark);
 
 #endif

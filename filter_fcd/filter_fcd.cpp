@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_layers.h"
+#include "fcd_aside.h"
 #include "fcd_copy.h"
 #include "fcd_parameters.h"
 #include "fcd_pose.h"
@@ -18,10 +19,9 @@ using vcg::tri::PrepareDeformer;
 
 namespace {
 
-const char *const reference =
-    "<br>See: <br><i>A. Morsucci, M. Centin, A. Signoroni</i><br><b>\"Fast centroidal deformation for large mesh "
-    "models\"</b><br>STAG: Smart Tools and Applications in Graphics, 2018, "
-    "<a href='https://doi.org/10.2312/stag.20181302'>DOI 10.2312/stag.20181302</a>";
+const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni, <i>Fast centroidal deformation for "
+                              "large mesh models</i>, STAG 2018 "
+                              "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
 
 /// The current layer. \throw Error when there is none or it is empty
 MeshModel &input(MeshDocument &document) {
@@ -111,7 +111,8 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, TagSelection, TagsFromFiles, SaveTags});
+    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, TagSelection, TagsFromFiles, ClearTags,
+              SaveTags});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -125,6 +126,7 @@ QString FilterFcd::filterName(int id) const {
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
     case TagSelection: return "FCD: Tag Selection";
     case TagsFromFiles: return "FCD: Tags from Files";
+    case ClearTags: return "FCD: Clear Tags";
     case SaveTags: return "FCD: Save Tags";
     }
     return QString();
@@ -139,6 +141,7 @@ QString FilterFcd::scriptName(int id) const {
     case CopyDeformation: return "generate_fcd_deformed_copy";
     case TagSelection: return "compute_fcd_tags_from_selection";
     case TagsFromFiles: return "compute_fcd_tags_from_files";
+    case ClearTags: return "clear_fcd_tags";
     case SaveTags: return "save_fcd_tags";
     }
     return QString();
@@ -161,22 +164,15 @@ QString FilterFcd::filterInfo(int id) const {
                    "between neighbours) and, if wanted, the mesh coloured by patch.") +
                reference;
     case DeformMesh:
-        return QString(
-                   "Bends a mesh of any size smoothly, with all its detail. Mark a region that <b>stays</b> and one or "
+        return shown() +
+               QString(
+                   "Bends a mesh of any size smoothly, with all its detail. Mark what <b>stays</b> fixed and one or "
                    "more "
-                   "<b>handles</b>, say how the handles move, and the rest of the surface follows. Fixed regions stay "
-                   "and "
-                   "handles go exactly where they are told.<br>"
-                   "How it works: the surface is divided into a few hundred round patches, whose centres form a "
-                   "<b>deformation graph</b>. Only this small graph is bent, so that each part of it turns as rigidly "
-                   "and as "
-                   "much like its neighbours as the handles allow; then every vertex of the mesh follows a smooth "
-                   "blend of "
-                   "the nodes near it.<br>"
-                   "Works on scans as they are (unwelded, non-manifold, in many pieces) and on point clouds. The "
-                   "current "
-                   "layer is not changed: the result is a new layer with everything that the mesh carries (colours, "
-                   "textures, attributes). All motions are in world coordinates.") +
+                   "<b>handles</b> (with 'FCD: Tag Selection', or select vertices of the handle and faces that stay), "
+                   "say how the handles move, and the rest follows; fixed vertices stay to the bit. Works on scans as "
+                   "they are (unwelded, non-manifold, in pieces) and on point clouds; the result is a new layer with "
+                   "all that the mesh carries. Motions are in world coordinates. Pose, warp or bend a mesh; as rigid "
+                   "as possible (ARAP).") +
                reference;
     case PoseInPlace:
         return QString(
@@ -188,7 +184,7 @@ QString FilterFcd::filterInfo(int id) const {
                    "poses "
                    "do not add up, and pose 0 is the rest shape. The layer keeps the rest shape as vertex attributes "
                    "(fcd_rest, fcd_rest_normal); 'FCD: Reset Pose' brings it back. Changes positions and normals, "
-                   "nothing else. All motions are in world coordinates.") +
+                   "nothing else. All motions are in world coordinates. Warp, bend, deform with preview; ARAP.") +
                reference;
     case ResetPose:
         return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
@@ -214,6 +210,9 @@ QString FilterFcd::filterInfo(int id) const {
         return "Gives the vertices of the current layer the tags of a .sel file, to look at them, to change them with "
                "'FCD: Tag Selection', or for 'FCD: Deform Mesh'.<br>"
                "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
+    case ClearTags:
+        return "Gives the current layer back the colours and the quality that it had before it was tagged by 'FCD: Tag "
+               "Selection' or 'FCD: Tags from Files'. Where it had none, none is left.";
     case SaveTags:
         return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
                "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "
@@ -222,7 +221,10 @@ QString FilterFcd::filterInfo(int id) const {
     return QString();
 }
 
-HostFilterPlugin::FilterClass FilterFcd::menus(int) const { return Smoothing; }
+HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
+    // After a filter of textures the host shows those of the current layer, which is new.
+    return FilterClass(id == DeformMesh || id == CopyDeformation ? int(Smoothing) | int(Texture) : int(Smoothing));
+}
 
 int FilterFcd::changes(int id) const {
     const int shape = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
@@ -231,6 +233,7 @@ int FilterFcd::changes(int id) const {
     // A number of vertices that changes means no preview. A preview of this could not be taken back: the host does not
     // restore attributes.
     case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
+    case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case TagSelection:
     case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
     }
@@ -238,6 +241,27 @@ int FilterFcd::changes(int id) const {
 }
 
 RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) const {
+    RichParameterList list = defaults(id, document);
+    if (!host::inWindow())
+        return list;
+    lastValues.recall(id, list);
+    shownLayer.clear();
+    if (MeshModel *layer = const_cast<MeshDocument &>(document).mm()) { // the document itself is not changed
+        const MeshModel &meant = id == DeformMesh ? sourceOf(const_cast<MeshDocument &>(document), *layer) : *layer;
+        shownLayer = meant.label();
+        if (id == DeformMesh || id == PoseInPlace)
+            host::setEnum(list, "handles", likelySource(meant, list.getEnum("handles")));
+    }
+    if (!list.isEmpty())
+        letDialogScroll(filterName(id));
+    return list;
+}
+
+QString FilterFcd::shown() const {
+    return shownLayer.isEmpty() ? QString() : "<b>Deforms '" + shownLayer.toHtmlEscaped() + "'.</b> ";
+}
+
+RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) const {
     switch (id) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
@@ -248,11 +272,13 @@ RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) co
     case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
     }
-    return RichParameterList();
+    return RichParameterList(); // Clear Tags has none
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
                                                 vcg::CallBackPos *callback) {
+    if (host::inWindow())
+        lastValues.keep(id, parameters);
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
@@ -261,8 +287,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case ResetPose: resetPose(input(document), resetPoseParam(parameters).keepShape); return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
+    case ClearTags: bringBack(input(document)); return {};
     case SaveTags:
-        return report(saveTags(input(document), saveTagsParam(parameters, document),
+        return report(saveTags(document, input(document), saveTagsParam(parameters, document),
                                [this](const std::string &line) { logLine(line); }));
     }
     throw Error("Unknown filter.");
@@ -270,7 +297,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
 
 HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
                                                        vcg::CallBackPos *callback) {
-    const MeshModel &layer = input(document);
+    MeshModel &layer = input(document);
     const BuildGraphParam param = buildGraphParam(parameters);
     const vcg::fcd::CentroidalGraph graph =
         vcg::tri::BuildCentroidalGraph(layer.cm, param.graph, Progress(callback, 0, 90), metricOf(layer));
@@ -279,11 +306,21 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
     progress(0, "Adding layers...");
     const Remark remark = [this](const std::string &line) { logLine(line); };
     NewLayers layers(document, layer, remark);
-    layers.addGraph("graph", graph.geometry);
-    if (param.patchesLayer)
-        layers.addPatches("patches", graph.patchOf, graph.geometry.color);
+    MeshModel &nodes = layers.addGraph("graph", graph.geometry);
+    if (param.surfaceLayer)
+        layers.addGraphSurface("graph surface", graph.geometry);
+    if (param.patchesLayer) {
+        MeshModel &patches = layers.addPatches("patches", graph.patchOf, graph.geometry.color);
+        if (host::inWindow() && layer.cm.fn > 0)
+            patches.clearDataMask(MeshModel::MM_VERTCOLOR); // which it would show, with borders that are blurred
+    }
     progress(1, "Done");
     layers.keep(layer);
+    if (host::inWindow()) { // one sees what one asked for
+        host::setVisible(layer, !param.patchesLayer);
+        host::setVisible(nodes, !param.surfaceLayer);
+        host::showChanges(document);
+    }
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
     logLine(describe(graph.surface));
@@ -307,7 +344,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
 
 HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &parameters, MeshDocument &document,
                                                        vcg::CallBackPos *callback) {
-    const MeshModel &layer = input(document);
+    const bool inWindow = host::inWindow();
+    MeshModel &layer = inWindow ? sourceOf(document, input(document)) : input(document);
     DeformMeshParam param = deformMeshParam(parameters, document);
     const Remark remark = [this](const std::string &line) { logLine(line); };
     vcg::fcd::Handles handles = readHandles(layer, param.handles);
@@ -335,27 +373,52 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         prepared = prepare();
     if (result.position.cols() == 0)
         result.position = positionsOf(layer);
-    readMotions(layer, param.handles, prepared->deformer->center, remark, handles);
+    const bool moves = readMotions(document, layer, param.handles, prepared->deformer->center, remark, handles);
+    if (inWindow && (!moves || param.deformation.pose == 0))
+        throw Error(
+            "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix or a motion as "
+            "text, and a pose that is not 0.");
     PoseMesh(layer.cm, handles, *prepared->deformer, param.deformation, Progress(callback, 70, 90), result);
     result.secondsGraph = prepared->seconds;
     result.tags = prepared->tags;
 
     const Progress progress(callback, 90, 100);
     progress(0, "Adding layers...");
-    NewLayers layers(document, layer, remark);
+    std::vector<MeshModel *> earlier;
+    if (inWindow)
+        earlier = earlierResults(document, layer);
+    earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
+    NewLayers layers(document, layer, remark, earlier);
+    std::vector<MeshModel *> graphs;
     if (param.graphLayers) {
-        layers.addGraph("graph", result.rest);
+        graphs.push_back(&layers.addGraph("graph", result.rest));
         MeshModel &deformedGraph = layers.addGraph("deformed graph", result.deformed);
+        graphs.push_back(&deformedGraph);
         keepDeformation(deformedGraph, std::make_shared<Deformation>(
                                            Deformation{prepared, result.pose, shapeOf(layer.cm), layer.cm.fn}));
     }
     const std::vector<float> none;
-    const MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear,
-                                                   param.quality == DeformMeshParam::Stretch    ? result.stretch
-                                                   : param.quality == DeformMeshParam::Rotation ? result.rotation
-                                                                                                : none);
+    MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear,
+                                             param.quality == DeformMeshParam::Stretch    ? result.stretch
+                                             : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                                                                          : none);
     progress(1, "Done");
     layers.keep(deformed);
+    if (inWindow) { // one sees what one asked for, and the next try takes its place
+        for (MeshModel *graph : graphs) {
+            markResult(*graph, layer);
+            host::setVisible(*graph, false);
+        }
+        markResult(deformed, layer);
+        host::setVisible(layer, false);
+        host::setVisible(deformed, true);
+        host::showChanges(document);
+        logLine((earlier.empty() ? std::string()
+                                 : std::to_string(earlier.size()) + " layers of the last try are replaced. ") +
+                "'" + deformed.label().toStdString() + "' is shown, '" + layer.label().toStdString() +
+                "' and the graphs are hidden. Another try deforms '" + layer.label().toStdString() +
+                "' again and replaces this result: rename a result to keep it.");
+    }
 
     const int nodes = int(result.rest.position.cols());
     logLine(describe(result.surface));

@@ -3,6 +3,7 @@
 #define FILTER_FCD_H
 
 #include "fcd_prepared.h"
+#include "fcd_window.h"
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
 class FilterFcd : public HostFilterPlugin {
@@ -18,6 +19,7 @@ class FilterFcd : public HostFilterPlugin {
         CopyDeformation,
         TagSelection,
         TagsFromFiles,
+        ClearTags,
         SaveTags
     };
 
@@ -38,14 +40,18 @@ class FilterFcd : public HostFilterPlugin {
     using HostFilterPlugin::filterName;
 
   private:
+    RichParameterList defaults(int id, const MeshDocument &document) const;
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
+    QString shown() const;
 
     PreparedLayers preparedLayers;
+    LastValues lastValues;
+    mutable QString shownLayer; ///< what the dialog that the host shows next is about
 };
 
 #endif

@@ -18,6 +18,7 @@
 
 #include <vcg/complex/append.h>
 
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <initializer_list>
@@ -27,10 +28,20 @@
 #include <string>
 #include <vector>
 
+#include <QApplication>
 #include <QObject>
+#include <QRegularExpression>
 #include <QVariant>
+#include <QWidget>
 
 namespace host {
+
+/// Whether a person sits at MeshLab's window. Otherwise a script runs, which wants the same whatever was done before.
+inline bool inWindow() {
+    const QWidgetList windows = QApplication::topLevelWidgets();
+    return std::any_of(windows.begin(), windows.end(),
+                       [](const QWidget *window) { return window->inherits("MainWindow"); });
+}
 
 // --- parameters ---
 
@@ -80,11 +91,25 @@ inline void addLayerParameter(RichParameterList &list, Shown shown, const QStrin
 #endif
 }
 
+/// Sets an enum parameter.
+inline void setEnum(RichParameterList &list, const QString &name, int value) {
+#ifdef FCD_MESHLAB_2020
+    list.setValue(name, EnumValue(value));
+#else
+    list.setValue(name, IntValue(value));
+#endif
+}
+
+/// Whether a parameter names a layer.
+inline bool isLayerParameter(const RichParameter &parameter) {
+    return dynamic_cast<const RichMesh *>(&parameter) != nullptr;
+}
+
 /// The layer that a layer parameter names, null when there is none.
 inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, MeshDocument &document) {
 #ifdef FCD_MESHLAB_2020
-    (void)document;
-    return list.getMesh(name);
+    MeshModel *layer = list.getMesh(name); // maybe deleted since the dialog was opened
+    return document.meshList.contains(layer) ? layer : nullptr;
 #else
     return document.getMesh(list.getMeshId(name));
 #endif
@@ -110,12 +135,51 @@ constexpr bool scriptsMayLackParameters = true;
 /// Whether a dialog that is taller than the screen scrolls, and folds advanced parameters. Where it does not, a long
 /// one has its buttons below the screen.
 #ifdef FCD_MESHLAB_2020
-constexpr bool dialogsScroll = false;
+constexpr bool dialogsFold = false;
 #else
-constexpr bool dialogsScroll = true;
+constexpr bool dialogsFold = true;
 #endif
 
 // --- layers ---
+
+/// The values of the vertex attribute of a name and a type, one per slot, null where there is none.
+template <class T>
+T *vertexAttribute(const CMeshO &mesh, const char *name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
+        if (attribute._name == name && attribute._type == typeid(T))
+            return mesh.vert.empty() ? nullptr : static_cast<T *>(attribute._handle->DataBegin());
+    return nullptr;
+}
+
+/// The same, made where there is none. One of that name and another type goes.
+template <class T>
+T *madeVertexAttribute(CMeshO &mesh, const char *name) {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    if (!vertexAttribute<T>(mesh, name)) {
+        if (vcg::tri::HasPerVertexAttribute(mesh, name))
+            Allocator::DeletePerVertexAttribute(mesh, name);
+        Allocator::AddPerVertexAttribute<T>(mesh, name);
+    }
+    return vertexAttribute<T>(mesh, name);
+}
+
+/// The mesh attribute of a name and a type, null where there is none. vcg's own functions read a counter that 2020.09
+/// does not initialise, and know types by their size only.
+template <class T>
+T *meshAttribute(const CMeshO &mesh, const char *name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.mesh_attr)
+        if (attribute._name == name && attribute._type == typeid(T))
+            return static_cast<T *>(attribute._handle->DataBegin());
+    return nullptr;
+}
+
+/// The same, made where there is none.
+template <class T>
+T &madeMeshAttribute(CMeshO &mesh, const char *name) {
+    if (!meshAttribute<T>(mesh, name))
+        vcg::tri::Allocator<CMeshO>::AddPerMeshAttribute<T>(mesh, name);
+    return *meshAttribute<T>(mesh, name);
+}
 
 /// All layers, in the document's order.
 inline std::vector<const MeshModel *> layers(const MeshDocument &document) {
@@ -129,6 +193,18 @@ inline std::vector<const MeshModel *> layers(const MeshDocument &document) {
 #endif
     return all;
 }
+
+/// Shows a layer in the window, or hides it, once showChanges() is called.
+inline void setVisible(MeshModel &layer, bool visible) {
+#ifdef FCD_MESHLAB_2020
+    layer.visible = visible;
+#else
+    layer.setVisible(visible);
+#endif
+}
+
+/// Lets the window know which layers are visible: it asks when layers come and go.
+inline void showChanges(MeshDocument &document) { emit document.meshSetChanged(); }
 
 /// Deletes a layer. The current layer may change.
 inline void removeLayer(MeshDocument &document, MeshModel *layer) {
@@ -230,7 +306,7 @@ class HostFilterPlugin : public QObject,
         }
     }
 
-    /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it.
+    /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it as such.
     void logLine(std::string line, GLLogStream::Levels level = GLLogStream::FILTER) const {
         for (char &c : line)
             c = c == '<' ? '[' : c == '>' ? ']' : c;
@@ -260,6 +336,31 @@ class HostFilterPlugin : public QObject,
         return error.isEmpty() ? QString("Unknown error.") : error;
     }
 
+    /// A message as the window shows it, which is HTML: parameters by the names that they have there, scripts' names
+    /// left out.
+    static QString forWindow(const QString &message, const RichParameterList &list) {
+        QString text = message.toHtmlEscaped();
+        text.remove(QRegularExpression(" \\((generate|compute|apply|save|clear)_[a-z_]+\\)"));
+        bool isFileNamed = false;
+        for (const RichParameter &parameter : list) {
+            // Other names are words that a sentence may hold.
+            if (!parameter.name().contains('_') && parameter.name() != "transforms" &&
+                parameter.name() != "TransformMatrix")
+                continue;
+            const QString before = text;
+            text.replace(QRegularExpression("('|&#39;)?\\b" + parameter.name() + "\\b('|&#39;)?"),
+                         "<i>" + parameter.fieldDescription() + "</i>");
+            isFileNamed = isFileNamed || (text != before && dynamic_cast<const host::RichFileParam *>(&parameter));
+        }
+#ifdef FCD_MESHLAB_2020
+        if (isFileNamed)
+            text += "<br>Choose files with the ... button: this MeshLab does not take a path that is typed.";
+#else
+        (void)isFileNamed;
+#endif
+        return text;
+    }
+
   public: // what the host calls
 #ifdef FCD_MESHLAB_2020
     QString pluginName() const override { return name(); }
@@ -276,6 +377,10 @@ class HostFilterPlugin : public QObject,
                      vcg::CallBackPos *callback) override {
         ReturnedValues values;
         errorMessage = errorOf([&] { values = run(ID(action), list, document, callback); });
+        if (host::inWindow()) {
+            errorMessage = forWindow(errorMessage, parameters(ID(action), document));
+            return errorMessage.isEmpty();
+        }
         // This host does not return values, and meshlabserver does not print error messages: tell both.
         for (const auto &value : values)
             logLine(value.first + " = " + value.second.toString().toStdString());
@@ -304,7 +409,7 @@ class HostFilterPlugin : public QObject,
         ReturnedValues values;
         const QString error = errorOf([&] { values = run(ID(action), list, document, callback); });
         if (!error.isEmpty())
-            throw MLException(error);
+            throw MLException(host::inWindow() ? forWindow(error, parameters(ID(action), document)) : error);
         return values;
     }
 #endif

@@ -16,7 +16,7 @@ POSE, RESET, COPY = "apply_coord_fcd_deformation", "apply_coord_fcd_reset", "gen
 IS_2022 = not hasattr(pymeshlab, "PureValue")
 absolute = pymeshlab.AbsoluteValue if IS_2022 else pymeshlab.PureValue
 
-GRAPH_DEFAULTS = {"target_radius": 0, "initial_patches": 300, "max_iterations": 100, "random_seed": 1, "patches_layer": True}
+GRAPH_DEFAULTS = {"target_radius": 0, "initial_patches": 300, "max_iterations": 100, "random_seed": 1, "patches_layer": True, "surface_layer": False}
 DEFORM_DEFAULTS = {
     "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],

@@ -103,11 +103,14 @@ sanitized() {
     tail -n 1 "$results/coverage.log"
 }
 
-# host PYTHON FILE...: host tests with the Python of a pymeshlab.
+# host COMMAND... tests/FILE...: host tests with a command that is the Python of a pymeshlab.
 host() {
-    local python=$1
-    shift
-    "$python" -m pytest -q -ra -p no:cacheprovider --junitxml="$results/$name.xml" "$@" 2>&1 | tee "$results/$name.log"
+    local python=()
+    while [[ $1 != tests/* ]]; do
+        python+=("$1")
+        shift
+    done
+    "${python[@]}" -m pytest -q -ra -p no:cacheprovider --junitxml="$results/$name.xml" "$@" 2>&1 | tee "$results/$name.log"
     count
 }
 # faults HOST: builds the host in which things go wrong.
@@ -123,7 +126,7 @@ pymeshlab() {
         without "$(tail -n 1 "$results/$name.log")"
     else
         faults "pymeshlab-$1"
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_process.py
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_process.py
     fi
 }
 meshlabserver() {
@@ -135,6 +138,16 @@ meshlabserver() {
     else
         faults meshlab-2020.09
         host "$build/venv/bin/python" tests/host_meshlabserver.py tests/host_readme.py
+    fi
+}
+window() {
+    export FCD_MESHLAB=$build/meshlab-2020.09/meshlab FCD_PLUGIN=$build/plugins/pymeshlab-2025.7/libfilter_fcd.so
+    if [ ! -x "$FCD_MESHLAB" ] || [ ! -e "$build/plugins/meshlab-2020.09/libfilter_fcd.so" ]; then
+        without "there is no MeshLab 2020.09 or no plugin for it"
+    elif ! xvfb-run -a true 2>"$results/xvfb.log"; then
+        without "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
+    else
+        host xvfb-run -a -s "-screen 0 1366x768x24" "$build/venv/bin/python" tests/host_window.py
     fi
 }
 # check LOG PROGRAM ARGUMENT...: passes when the program, which prints what it finds, does.
@@ -212,6 +225,7 @@ tools=$build/venv-tools/bin
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
+start window-2020.09 window
 start clang-tidy once tidy
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp

@@ -42,7 +42,7 @@ flock 9
 
 packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev libxxhash-dev
-    meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
+    meshlab xvfb xauth xdotool openbox locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0
     ${FCD_PACKAGES:-}) # more, for the script that asks for them
 
@@ -155,13 +155,14 @@ environment "$build/venv-tools" clang-tidy==23.1.4
 # --- plugins ------------------------------------------------------------------------------------------------------------
 
 plugins=() # to build
-# plugin HOST SOURCE LIBRARY SCALAR: its sources compiled as one, since most of their time goes to what they include.
+# plugin HOST SOURCE LIBRARY SCALAR: without LIBRARY, for a MeshLab that is not here. Its sources compiled as one, since most of
+# their time goes to what they include.
 plugin() {
     local directory=$build/cmake/$1
     step="configuring the plugin for $1"
     local arguments=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
         -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0
-        -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" -DFCD_MESHLAB_LIBRARY="$3"
+        -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" ${3:+"-DFCD_MESHLAB_LIBRARY=$3"}
         -DFCD_MESHLAB_SCALAR="$4" -DFCD_MESHLAB_VERSION="$2" -DFCD_OUTPUT_DIR="$build/plugins/$1")
     if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$(printf '%s\n' "$root" "${arguments[@]}")" ]; then
         begin "configuring the plugin for $1"
@@ -176,6 +177,8 @@ system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
 plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
 plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
 plugin meshlab-2020.09 2020.09 "$system/libmeshlab-common.so" float
+plugin meshlab-2022.02 2022.02 "" float
+plugin meshlab-2025.07 2025.07 "" float
 if [ ${#plugins[@]} -gt 0 ]; then
     begin "building the plugin for ${plugins[*]}"
     printf '%s\n' "${plugins[@]}" | nice xargs -P "${FCD_JOBS:-$(nproc)}" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_WINDOW_H
+#define FCD_WINDOW_H
+
+#include "meshlab_host.h"
+
+#include <map>
+#include <vector>
+
+/// \file
+/// What is done for a person at MeshLab's window, and not for a script (see host::inWindow).
+
+/// What the dialogs held when their filters ran, while the program runs.
+class LastValues {
+  public:
+    void keep(int filter, const RichParameterList &used) { lists[filter] = used; }
+    /// Gives \p list, of a filter, the values that it was last used with. Layers are not among them.
+    void recall(int filter, RichParameterList &list) const;
+
+  private:
+    std::map<int, RichParameterList> lists;
+};
+
+/// Where the parameter "handles" of \p layer most likely comes from: its tags, or else its selection. \p last is what
+/// was chosen last.
+int likelySource(const MeshModel &layer, int last);
+
+/// Lets the dialog of the filter with \p title scroll, where the host's does not, so that its buttons stay on the
+/// screen; once the host has built it.
+void letDialogScroll(const QString &title);
+
+// --- results ---
+
+/// Remembers that \p result was made from \p source, so that another try replaces it.
+void markResult(MeshModel &result, const MeshModel &source);
+
+/// The layer that \p layer was made from, if it was and that is still there, or else \p layer itself.
+MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
+
+/// What was made from \p source before and is as it was made: not moved, not renamed.
+std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
+
+#endif

@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The filters as a person meets them: MeshLab's own window on a screen of 1366 x 768, with a mouse and a keyboard that this
+drives. DISPLAY is that screen, without a window manager; FCD_MESHLAB is the program. Prints clicks and seconds of a try; FCD_PICTURES names a folder for pictures of the way."""
+import os
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+from PIL import ImageGrab
+
+from conftest import record
+
+WIDTH, HEIGHT = 1366, 768
+FILTERS = ["FCD: Build Deformation Graph", "FCD: Deform Mesh", "FCD: Pose in Place", "FCD: Reset Pose",
+           "FCD: Apply Deformation to Layer", "FCD: Tag Selection", "FCD: Tags from Files", "FCD: Save Tags"]
+
+
+class Screen:
+    """A screen with a window manager."""
+
+    def __init__(self, folder):
+        (folder / "run").mkdir(mode=0o700)
+        own = {key: value for key, value in os.environ.items() if not key.startswith(("QT_", "LD_"))}  # pymeshlab sets some
+        self.environment = dict(own, HOME=str(folder), XDG_RUNTIME_DIR=str(folder / "run"))
+        self.manager = subprocess.Popen(["openbox"], env=self.environment, stderr=subprocess.DEVNULL)
+
+    def close(self):
+        self.manager.terminate()
+        self.manager.wait()
+
+
+class Window:
+    """MeshLab with a mesh."""
+
+    def __init__(self, screen, mesh, log):
+        self.screen, self.clicks, self.log = screen, 0, log
+        with open(log, "w", encoding="utf-8") as out:
+            self.program = subprocess.Popen([os.environ["FCD_MESHLAB"], str(mesh)], env=screen.environment, stdout=out,
+                                            stderr=subprocess.STDOUT)
+        self.main = self.wait("MeshLab 2020.09")
+        self.wait_for_log("All files opened")
+
+    def close(self):
+        self.program.kill()
+        self.program.wait()
+
+    def x(self, *arguments):
+        result = subprocess.run(["xdotool", *map(str, arguments)], env=self.screen.environment, capture_output=True, text=True,
+                                timeout=60, check=False)
+        return result.stdout.strip()
+
+    def find(self, title):
+        return self.x("search", "--onlyvisible", "--name", "^" + re.escape(title)).split()
+
+    def until(self, what, that):
+        """Waits for something; far longer than it takes."""
+        for _ in range(1200):
+            assert self.program.poll() is None, f"MeshLab ended: {self.lines()[-3:]}"
+            found = that()
+            if found:
+                return found
+            time.sleep(0.05)
+        self.picture("never")
+        raise AssertionError(f"no {what}")
+
+    def wait(self, title):
+        return self.until(title, lambda: self.find(title))[-1]
+
+    def lines(self):
+        return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+
+    def wait_for_log(self, text, times=1):
+        self.until(text, lambda: sum(text in line for line in self.lines()) >= times)
+        time.sleep(0.3)  # until it is drawn
+
+    def place(self, window):
+        found = dict(re.findall(r"(X|Y|WIDTH|HEIGHT)=(-?\d+)", self.x("getwindowgeometry", "--shell", window)))
+        return tuple(int(found[key]) for key in ("X", "Y", "WIDTH", "HEIGHT"))
+
+    def click(self, window, x, y, times=1):
+        """Negative numbers count from the far edge."""
+        left, top, width, height = self.place(window)
+        self.clicks += 1
+        self.x("mousemove", left + x + (width if x < 0 else 0), top + y + (height if y < 0 else 0), "click", "--repeat", times,
+               "--delay", 60, 1)
+        time.sleep(0.15)
+
+    def keys(self, *keys):
+        self.x("key", "--delay", 40, *keys)
+        time.sleep(0.15)
+
+    def type(self, text):
+        self.x("type", "--delay", 15, text)
+        time.sleep(0.15)
+
+    def dialog(self, title, search=None):
+        """Opens a filter by MeshLab's search."""
+        self.x("windowactivate", "--sync", self.main)
+        self.keys("ctrl+f")
+        time.sleep(0.4)
+        self.type(search or title)
+        time.sleep(0.4)
+        self.keys("Down", "Return")
+        self.clicks += 1
+        window = self.wait(title)
+        self.until("dialog in place", lambda: self.place(window) == (time.sleep(0.2), self.place(window))[1])
+        self.x("windowactivate", "--sync", window)
+        return window
+
+    def apply(self, window):
+        self.click(window, -100, -20)
+
+    def finish(self, window):
+        self.click(window, 100, -20)  # Close
+        self.until("end of the dialog", lambda: self.find(self.x("getwindowname", window)) == [])
+
+    def enter(self, window, x, y, text):
+        self.click(window, x, y, times=3)
+        self.keys("ctrl+a")
+        self.type(text)
+
+    def choose(self, window, x, y, *keys):
+        self.click(window, x, y)
+        self.keys(*keys, "Return")
+
+    def picture(self, name):
+        if "FCD_PICTURES" in os.environ:
+            folder = Path(os.environ["FCD_PICTURES"])
+            folder.mkdir(parents=True, exist_ok=True)
+            ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).save(folder / f"{name}.png")
+
+    def message(self):
+        """The text of the box that a filter that failed shows, which is closed."""
+        box = self.wait("Filter Failure")
+        self.picture("message")
+        self.x("windowactivate", "--sync", box)
+        self.keys("Return")
+        self.wait_for_log("Filter failed")
+        text = [line for line in self.lines() if "Filter failed" in line][-1]
+        record(text)
+        return text
+
+    def select(self, condition):
+        count = sum("selected" in line for line in self.lines())
+        window = self.dialog("Conditional Vertex Selection")
+        left, top, width, height = self.place(window)
+        self.enter(window, width - 60, height - 122, condition)
+        self.apply(window)
+        self.wait_for_log("selected", count + 1)
+        self.finish(window)
+
+    def tag(self, *keys):
+        count = sum("outside vertices" in line for line in self.lines())
+        window = self.dialog("FCD: Tag Selection")
+        self.choose(window, -60, -212, *keys)
+        self.picture(f"tag {keys[0]}")
+        self.apply(window)
+        self.wait_for_log("outside vertices", count + 1)
+        self.finish(window)
+
+    def export(self, path):
+        self.x("windowactivate", "--sync", self.main)
+        self.keys("ctrl+shift+e")
+        self.x("windowactivate", "--sync", self.wait("Save \""))
+        self.keys("ctrl+a")
+        self.type(str(path))
+        self.keys("Return")
+        options = self.wait("Choose Saving Options")
+        self.x("windowactivate", "--sync", options)
+        self.keys("Return")
+        self.wait_for_log(f"Saved Mesh {path}")
+
+
+# Where the fields of the dialog are, from its left and upper edge.
+MOVE_X, AXIS_Y, AXIS_Z, ANGLE = (272, 210), (318, 241), (364, 241), (400, 272)
+
+
+def cylinder():
+    """A coloured cylinder: (points, faces, colours)."""
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(Path(__file__).resolve().parents[1] / "meshes" / "cylinder.ply"))
+    points, faces = ms.current_mesh().vertex_matrix(), ms.current_mesh().face_matrix()
+    colors = np.ones((len(points), 4))
+    colors[:, 0], colors[:, 1], colors[:, 2] = np.round(points[:, 2] * 20) / 255, 0.6, 0.2
+    return points, faces, colors
+
+
+@pytest.fixture(scope="module")
+def screen(tmp_path_factory):
+    if "FCD_MESHLAB" not in os.environ:
+        pytest.skip("FCD_MESHLAB names no MeshLab")
+    screen = Screen(tmp_path_factory.mktemp("home"))
+    yield screen
+    screen.close()
+
+
+@pytest.fixture
+def open_mesh(screen, tmp_path):
+    windows = []
+
+    def open_mesh(mesh, name="mesh.ply"):
+        ms = pymeshlab.MeshSet()
+        ms.add_mesh(mesh, "mesh")
+        ms.save_current_mesh(str(tmp_path / name), save_vertex_quality=False)
+        windows.append(Window(screen, tmp_path / name, tmp_path / "log"))
+        return windows[-1]
+
+    yield open_mesh
+    for window in windows:
+        window.close()
+
+
+def test_every_dialog_fits_the_screen(open_mesh):
+    points, faces, colors = cylinder()
+    window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
+    for title in FILTERS:
+        dialog = window.dialog(title)
+        left, top, width, height = window.place(dialog)
+        assert height <= 640 and left >= 0 and top >= 0 and left + width <= WIDTH and top + height <= HEIGHT, title
+        window.picture(title)
+        window.click(dialog, -100, -51)  # Help
+        time.sleep(0.5)
+        left, top, width, height = window.place(dialog)
+        assert top + height <= HEIGHT, f"{title} with help: {height}"
+        window.picture(f"{title}, help")
+        window.finish(dialog)
+    for word in ("warp", "ARAP"):
+        window.finish(window.dialog("FCD: Deform Mesh", search=f"{word} deform mesh"))
+
+
+def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
+    points, faces, colors = cylinder()
+    window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
+    window.select("z < 0.5")
+    window.tag("Home")
+    window.select("z > 11.5")
+    window.tag("End", "Up")
+
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.apply(dialog)
+    assert "Nothing would move" in window.message()
+    window.enter(dialog, *MOVE_X, "2")
+    window.enter(dialog, *AXIS_Y, "1")
+    window.enter(dialog, *AXIS_Z, "0")
+    window.enter(dialog, *ANGLE, "30")
+    window.apply(dialog)
+    window.wait_for_log("is shown")
+    window.picture("first try")
+
+    # Another try: a value and Apply. It begins from the mesh again, and takes the place of the first.
+    clicks = window.clicks
+    window.enter(dialog, *ANGLE, "70")
+    window.apply(dialog)
+    window.wait_for_log("3 layers of the last try are replaced")
+    assert window.clicks - clicks <= 2
+    window.finish(dialog)
+    window.picture("second try")
+
+    # The dialog remembers.
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.picture("remembered")
+    window.apply(dialog)
+    window.wait_for_log("3 layers of the last try are replaced", 2)
+    window.finish(dialog)
+
+    window.export(tmp_path / "result.ply")
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(tmp_path / "result.ply"))
+    result = ms.current_mesh()
+    assert np.array_equal(np.round(255 * result.vertex_color_matrix()), np.round(255 * colors)), "the mesh's own colours"
+    tags = np.where(points[:, 2] < 0.5, 0.0, np.where(points[:, 2] > 11.5, 2.0, 1.0))
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags))
+    if "FCD_PLUGIN" in os.environ:
+        pymeshlab.load_plugin(os.environ["FCD_PLUGIN"])
+        ms.apply_filter("generate_fcd_deformed_mesh", translation=np.array([2.0, 0, 0]), rotation_axis=np.array([0, 1.0, 0]),
+                        rotation_angle=70.0)
+        distance = np.linalg.norm(ms.current_mesh().vertex_matrix() - result.vertex_matrix(), axis=1)
+        assert distance.max() < 0.01, "as in a script with double precision"
+    assert np.abs(result.vertex_matrix() - points)[tags == 0].max() < 1e-6
+    assert np.linalg.norm(result.vertex_matrix() - points, axis=1)[tags == 2].min() > 1
+
+
+@pytest.mark.parametrize("name", ["scans/armadillo_43k.ply", "scans/igea_134k.ply.xz"])
+def test_what_a_try_takes(open_mesh, shared, tmp_path, name):
+    from conftest import unpacked
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(unpacked(shared / "meshes" / name, tmp_path)))
+    points, faces = ms.current_mesh().vertex_matrix(), ms.current_mesh().face_matrix()
+    low, high = points.min(0), points.max(0)
+    axis = int(np.argmax(high - low))
+    points = np.roll((points - low) / (high - low).max(), 2 - axis, axis=1)  # along z from 0 to 1
+    window = open_mesh(pymeshlab.Mesh(points, faces))
+    window.select("z < 0.1")
+    window.tag("Home")
+    window.select("z > 0.9")
+    window.tag("End", "Up")
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.enter(dialog, *AXIS_Y, "1")
+    window.enter(dialog, *AXIS_Z, "0")
+    for count, angle in enumerate((20, 30, 40)):
+        clicks, start = window.clicks, time.perf_counter()
+        window.enter(dialog, *ANGLE, str(angle))
+        window.apply(dialog)
+        window.wait_for_log("is shown", count + 1)
+        print(f"{name}: {len(points)} vertices, {window.clicks - clicks} clicks, {time.perf_counter() - start:.2f} s")
+        assert window.clicks - clicks <= 2
+    window.picture(Path(name).stem)
