@@ -506,10 +506,10 @@ NewLayers::~NewLayers() {
 }
 
 void NewLayers::keep(const MeshModel &current) {
-    document.setCurrentMesh(current.id());
     kept = true;
     for (MeshModel *layer : replaced)
         host::removeLayer(document, layer);
+    document.setCurrentMesh(current.id()); // last: removing a layer may make another one the current
     for (std::size_t i = 0; i < added.size(); ++i) // the host has changed those that were taken
         added[i]->setLabel(labels[i]);
 }

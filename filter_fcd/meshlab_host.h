@@ -343,13 +343,14 @@ class HostFilterPlugin : public QObject,
         text.remove(QRegularExpression(" \\((generate|compute|apply|save|clear)_[a-z_]+\\)"));
         bool isFileNamed = false;
         for (const RichParameter &parameter : list) {
+            const QString label = "<i>" + parameter.fieldDescription() + "</i>";
+            text.replace("'" + parameter.name() + "'", label);
             // Other names are words that a sentence may hold.
             if (!parameter.name().contains('_') && parameter.name() != "transforms" &&
                 parameter.name() != "TransformMatrix")
                 continue;
             const QString before = text;
-            text.replace(QRegularExpression("('|&#39;)?\\b" + parameter.name() + "\\b('|&#39;)?"),
-                         "<i>" + parameter.fieldDescription() + "</i>");
+            text.replace(QRegularExpression("\\b" + parameter.name() + "\\b"), label);
             isFileNamed = isFileNamed || (text != before && dynamic_cast<const host::RichFileParam *>(&parameter));
         }
 #ifdef FCD_MESHLAB_2020
