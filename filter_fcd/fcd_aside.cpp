@@ -83,7 +83,7 @@ void keepAside(MeshModel &layer, bool color, bool quality) {
     }
 }
 
-void tagged(MeshModel &layer) {
+void coloredByTags(const MeshModel &layer) {
     if (Aside *aside = asideOf(layer.cm))
         aside->tagColors = sumOfColors(layer.cm);
 }

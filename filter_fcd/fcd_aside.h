@@ -15,7 +15,7 @@
 void keepAside(MeshModel &layer, bool color, bool quality);
 
 /// Remembers the colours and the quality of \p layer as those of tags; after each keepAside().
-void tagged(MeshModel &layer);
+void coloredByTags(const MeshModel &layer);
 
 /// Gives \p layer back what is kept aside, and forgets it. Where there was none, none is left.
 /// \throw vcg::fcd::Error when nothing is kept

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/handle_file.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/handle_file.h>
 #include <vcg_ext/motion_text.h>
 
 #include "fcd_aside.h"
@@ -509,7 +510,7 @@ void NewLayers::keep(const MeshModel &current) {
     kept = true;
     for (MeshModel *layer : replaced)
         host::removeLayer(document, layer);
-    document.setCurrentMesh(current.id()); // last: removing a layer may make another one the current
+    document.setCurrentMesh(current.id());         // last: removing a layer may make another one the current
     for (std::size_t i = 0; i < added.size(); ++i) // the host has changed those that were taken
         added[i]->setLabel(labels[i]);
 }
@@ -657,8 +658,10 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
     MeshModel &layer = add(what);
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR);
-    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(mesh, around * (2 * edges + (along + 1) * nodes));
-    auto face = vcg::tri::Allocator<CMeshO>::AddFaces(mesh, around * 2 * (edges + along * nodes));
+    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(around) *
+                                                                     (2 * edges + std::size_t(along + 1) * nodes));
+    auto face =
+        vcg::tri::Allocator<CMeshO>::AddFaces(mesh, std::size_t(2 * around) * (edges + std::size_t(along) * nodes));
     // Rings about the line through centre along axis, at heights and with radii as given, joined to the next one.
     const auto addRings = [&](const Eigen::Vector3d &center, const Eigen::Vector3d &axis, int rings, const auto &at,
                               const vcg::Color4b &color) {

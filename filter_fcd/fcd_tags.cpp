@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/handle_file.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/handle_file.h>
 
 #include "fcd_aside.h"
 #include "fcd_save_files.h"
@@ -150,7 +151,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
         for (std::size_t i = 0; i < tag.size(); ++i)
             if (!mesh.vert[i].IsD())
                 mesh.vert[i].C() = colorOf(tag[i]);
-        tagged(layer);
+        coloredByTags(layer);
     }
     return count;
 }

@@ -223,7 +223,9 @@ QString FilterFcd::filterInfo(int id) const {
 
 HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     // After a filter of textures the host shows those of the current layer, which is new.
-    return FilterClass(id == DeformMesh || id == CopyDeformation ? int(Smoothing) | int(Texture) : int(Smoothing));
+    const int both = int(Smoothing) | int(Texture);
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
+    return id == DeformMesh || id == CopyDeformation ? FilterClass(both) : Smoothing;
 }
 
 int FilterFcd::changes(int id) const {
@@ -261,7 +263,7 @@ QString FilterFcd::shown() const {
     return shownLayer.isEmpty() ? QString() : "<b>Deforms '" + shownLayer.toHtmlEscaped() + "'.</b> ";
 }
 
-RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) const {
+RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     switch (id) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
@@ -516,3 +518,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tag
     logLine(describe(tags) + ".");
     return valuesOf(tags);
 }
+
+// What moc makes of the headers: compiled here, it does not include all of MeshLab once more.
+#include "moc_filter_fcd.cpp"   // NOLINT(bugprone-suspicious-include)
+#include "moc_meshlab_host.cpp" // NOLINT(bugprone-suspicious-include)

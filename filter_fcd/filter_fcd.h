@@ -40,7 +40,7 @@ class FilterFcd : public HostFilterPlugin {
     using HostFilterPlugin::filterName;
 
   private:
-    RichParameterList defaults(int id, const MeshDocument &document) const;
+    static RichParameterList defaults(int id, const MeshDocument &document);
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
