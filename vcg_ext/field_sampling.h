@@ -14,6 +14,7 @@ struct FieldParam {
     Index moving = 4000;     ///< samples to begin with where the surface moves, >= 1
     Index resting = 1000;    ///< and where it rests
     double tolerance = 1e-4; ///< most that a vertex may be off, over the diagonal of the box of what moves, > 0
+    Index most = 50000;      ///< samples that are added to for that, > 0; for what rests there is no such bound
 };
 
 /// A sampled deformation, and what it differs by from the one that was sampled.
@@ -21,7 +22,7 @@ struct SampledField {
     FieldSamples samples;
     double rms = 0;     ///< of the distances at the vertices that move, units of the positions
     double largest = 0; ///< of these distances
-    Index off = 0;      ///< vertices where it is more than the tolerance; more samples did not help
+    Index off = 0;      ///< vertices where it is more than the tolerance: more samples did not help, or were too many
     Index stirred = 0;  ///< vertices that rest, and would not with these samples
     int rounds = 0;
 };
@@ -33,7 +34,7 @@ class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param)
-        : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear) {
+        : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), most(param.most) {
         const std::size_t slotCount = surface.nodeOf.size();
         counts.assign(slotCount, this->face.empty());
         for (const auto &corners : this->face)
@@ -152,15 +153,23 @@ class FieldSampler {
                 const auto &x = surface.graph.position;
                 const Eigen::Vector3f way = x.col(node) - x.col(patches.center[patch]);
                 const std::size_t octant = (way[0] > 0) + 2 * (way[1] > 0) + 4 * (way[2] > 0);
-                Index &most = worst[octants * patch + octant];
-                if (!isSeed[std::size_t(node)] && (most < 0 || error[i] > error[std::size_t(most)]))
-                    most = Index(i);
+                Index &farthest = worst[octants * patch + octant];
+                if (!isSeed[std::size_t(node)] && (farthest < 0 || error[i] > error[std::size_t(farthest)]))
+                    farthest = Index(i);
             }
         }
         result.rms = moving ? std::sqrt(sum / double(moving)) : 0;
+        worst.erase(std::remove(worst.begin(), worst.end(), -1), worst.end());
+        const Index room = most - patches.Size();
+        const std::size_t wanted = room > most / 50 ? std::size_t(room) / 2 : 0; // what is off most first, bit by bit
+        if (worst.size() > wanted) {
+            std::sort(worst.begin(), worst.end(), [this](Index a, Index b) {
+                return std::make_pair(-error[std::size_t(a)], a) < std::make_pair(-error[std::size_t(b)], b);
+            });
+            worst.resize(wanted);
+        }
         for (Index i : worst)
-            if (i >= 0)
-                added.push_back(surface.nodeOf[std::size_t(i)]);
+            added.push_back(surface.nodeOf[std::size_t(i)]);
         bool any = false;
         std::vector<char> changes(std::size_t(patches.Size()), 0), isBeside(changes);
         for (Index node : added) {
@@ -239,6 +248,7 @@ class FieldSampler {
     const std::vector<std::array<Index, 3>> face;
     const Eigen::Matrix3Xd &rest, &deformed;
     const std::vector<Eigen::Matrix3f> &linear;
+    const Index most;
     double tolerance;
     std::vector<char> counts;  ///< flags of slots: that of a corner of a face, or of any point of a cloud
     std::vector<Index> slotOf; ///< each node
@@ -256,7 +266,8 @@ namespace tri {
 
 /// Samples the deformation of a mesh at as few vertices as tell it: patches of the surface are grown around them, so
 /// that parts that are near each other but not connected stay apart, and what is found is compared with the
-/// deformation at every vertex, until none is farther off than the tolerance and all that rests does so to the bit.
+/// deformation at every vertex, until none is farther off than the tolerance and all that rests does so to the bit, or
+/// there are very many. What goes different ways at one place cannot be told apart.
 /// \param m its faces are read (none: a cloud); its own positions only tell which vertices lie at one place
 /// \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface turns and
 ///        stretches there \param metric the linear part of the map from the mesh's coordinates to those

@@ -143,3 +143,15 @@ TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
     for (double at : {0.1, 0.3, 0.6})
         EXPECT_THROW(c.Sample({}, Progress([](int, const char *) { return false; }).Slice(at, 1)), Cancelled);
 }
+
+TEST(FieldSampling, KeepsToANumberOfSamples) {
+    const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
+    FieldParam param = Few(100, 50, 1e-5);
+    param.most = 700;
+    const SampledField sampled = c.Sample(param), coarse = c.Sample(Few(100, 50, 1));
+    EXPECT_LE(sampled.samples.Size(), 700);
+    EXPECT_GT(sampled.samples.Size(), 650);
+    EXPECT_GT(sampled.off, 0);
+    EXPECT_EQ(sampled.stirred, 0);
+    EXPECT_LT(sampled.largest, 0.5 * coarse.largest);
+}
