@@ -409,6 +409,10 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
                             param.deformedGraph ? param.deformedGraph : likelyDeformedGraph(document), document,
                             "Deformed graph",
                             "The layer with the same graph, deformed: it holds what was done to the source.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"), "Saved deformation (.ply)",
+        "A file of 'FCD: Save Deformation'. With it, the three layers above are not read, and need not be there. Such "
+        "a file stands in world coordinates. <b>Empty</b> (the default): the layers tell.");
     addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
                            "Deforms every visible layer but those above, instead of the current one.");
     return list;
@@ -416,7 +420,8 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
 
 CopyParam copyParam(const RichParameterList &list, MeshDocument &document) {
     return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
-            host::layerParameter(list, "deformed_graph", document), list.getBool("all_visible")};
+            host::layerParameter(list, "deformed_graph", document), list.getOpenFileName("deformation_file"),
+            list.getBool("all_visible")};
 }
 
 RichParameterList toRichParameters(const ResetPoseParam &param) {

@@ -16,6 +16,7 @@ class FilterFcd : public HostFilterPlugin {
         PoseInPlace,
         ResetPose,
         CopyDeformation,
+        SaveDeformation,
         TagSelection,
         TagsFromFiles,
         SaveTags
@@ -42,6 +43,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues save(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
 
