@@ -10,8 +10,9 @@ mkdir -p "$build"
 rm -rf "$build/dist" "$build/site-2022"
 cd "$build" # where no folder is called as the package is
 
-XDG_CACHE_HOME=${XDG_CACHE_HOME:-$HOME/.cache} nice "$root/build/venv-wheel/bin/pip" wheel --disable-pip-version-check --quiet \
-    --no-build-isolation --no-deps --wheel-dir dist -C cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache "$root"
+nice "$root/build/venv-wheel/bin/pip" wheel --disable-pip-version-check --quiet \
+    --no-build-isolation --no-deps --wheel-dir dist -C cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache \
+    -C "cmake.define.FCD_PLUGINS=$root/build/plugins" "$root"
 wheel=$(echo dist/pymeshlab_fcd-*.whl)
 echo "built $(du -k "$wheel" | cut -f1) kB after $SECONDS s: $(basename "$wheel")"
 "$root/build/venv-wheel/bin/python" -m twine check --strict "$wheel"

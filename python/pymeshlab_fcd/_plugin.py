@@ -28,7 +28,7 @@ def _load() -> str:
         warnings.warn(reason, stacklevel=4)
         return reason
     def ours():
-        return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")]
+        return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")[1:]]  # 2022.2 lists titles, too
     if not ours():  # someone may have loaded one before
         pymeshlab.load_plugin(str(Path(__file__).parent / "plugins" / version / "libfilter_fcd.so"))
     for name in ours():
