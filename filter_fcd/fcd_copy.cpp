@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/nearest_place.h> // before Qt
+#include <vcg_ext/deformation_file.h> // before Qt
 
 #include "fcd_copy.h"
 #include "fcd_rest.h"
 
 #include <vcg/complex/allocate.h>
 
+using vcg::fcd::DeformationField;
 using vcg::fcd::Error;
 using vcg::fcd::Index;
 using vcg::fcd::NearestPlace;
@@ -18,38 +19,11 @@ using Kept = std::shared_ptr<const Deformation>;
 
 std::string quoted(const MeshModel &layer) { return "'" + layer.label().toStdString() + "'"; }
 
-/// The layers of a deformation that can be used again. \throw Error when they are not
-const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
-    if (!source || !restGraph || !deformedGraph)
-        throw Error("source_layer, rest_graph and deformed_graph must be layers of this document.");
-    const Kept *kept = host::meshAttribute<Kept>(deformedGraph->cm, deformationName);
-    if (!kept)
-        throw Error("The layer " + quoted(*deformedGraph) +
-                    " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
-                    "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': files do not "
-                    "keep all of a deformation. Deform the source again.");
-    const Deformation &deformation = **kept;
-    const CMeshO &mesh = source->cm;
-    const bool isPosed = RestShape::exists(*source);
-    if ((isPosed ? RestShape(*source).shape() : shapeOf(mesh)) != deformation.shape || mesh.fn != deformation.faces)
-        throw Error("The layer " + quoted(*source) + " is not what " + quoted(*deformedGraph) +
-                    " was made from, or it was changed since. Choose the layer that was deformed, or deform it again.");
-    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, readNodes(*source, restGraph)))
-        throw Error("The layer " + quoted(*restGraph) + " is not the graph at rest of " + quoted(*deformedGraph) +
-                    ". Choose the graph that was made together with it.");
-    return deformation;
-}
-
 /// The source at rest.
 class Source {
   public:
-    explicit Source(MeshModel &layer) : position(positionsOf(layer)), matrix(invertibleMatrixOf(layer)) {
+    explicit Source(MeshModel &layer) : position(restPositionsOf(layer)), matrix(invertibleMatrixOf(layer)) {
         const CMeshO &mesh = layer.cm;
-        if (RestShape::exists(layer)) {
-            const Point3m *rest = RestShape(layer).positions();
-            for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-                position.col(Eigen::Index(i)) << rest[i][0], rest[i][1], rest[i][2];
-        }
         std::vector<std::array<Index, 3>> triangle;
         triangle.reserve(std::size_t(mesh.fn));
         for (const CFaceO &face : mesh.face)
@@ -67,28 +41,40 @@ class Source {
     std::unique_ptr<NearestPlace> places;
 };
 
-/// Positions and maps of the vertices of \p target, as \p source carries them.
-void carry(const MeshModel &target, const Source &source, const vcg::fcd::Deformer::Carrier &carrier,
+/// The displacement of a point, and how space turns and stretches there.
+using Displacement = std::function<Eigen::Vector3d(const Eigen::Vector3d &, Eigen::Matrix3f &)>;
+
+/// As the nearest place of the source's surface goes. The arguments must outlive it.
+Displacement displacementOf(const Source &source, const vcg::fcd::Deformer::Carrier &carrier) {
+    return [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
+        const vcg::fcd::SurfacePlace place = (*source.places)(x);
+        Eigen::Vector3d way = Eigen::Vector3d::Zero();
+        Eigen::Matrix3f each;
+        map.setZero();
+        for (int k = 0; k < place.count; ++k) {
+            way += place.weight[k] * (carrier(std::size_t(place.slot[k]), x, each) - x);
+            map += float(place.weight[k]) * each;
+        }
+        return way;
+    };
+}
+
+/// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
+void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
            const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
     const CMeshO &mesh = target.cm;
     const Eigen::Affine3d here = invertibleMatrixOf(target);
-    const bool isSame = here.matrix() == source.matrix.matrix();
-    const Eigen::Affine3d to = isSame ? Eigen::Affine3d::Identity() : source.matrix.inverse() * here;
+    const bool isSame = here.matrix() == matrix.matrix();
+    const Eigen::Affine3d to = isSame ? Eigen::Affine3d::Identity() : matrix.inverse() * here;
     const Eigen::Matrix3d back = isSame ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(to.linear().inverse());
     linear.assign(mesh.vert.size(), Eigen::Matrix3f::Identity());
     ParallelFor(progress, "Mapping to the layer", mesh.vert.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+        Eigen::Matrix3f map;
         for (std::size_t i = first; i < last; ++i) {
             const Eigen::Vector3d p = position.col(Eigen::Index(i));
             if (mesh.vert[i].IsD() || !p.allFinite())
                 continue;
-            const Eigen::Vector3d x = to * p;
-            const vcg::fcd::SurfacePlace place = (*source.places)(x);
-            Eigen::Vector3d way = Eigen::Vector3d::Zero();
-            Eigen::Matrix3f map = Eigen::Matrix3f::Zero(), each;
-            for (int k = 0; k < place.count; ++k) {
-                way += place.weight[k] * (carrier(std::size_t(place.slot[k]), x, each) - x);
-                map += float(place.weight[k]) * each;
-            }
+            const Eigen::Vector3d way = displacement(isSame ? p : to * p, map);
             if (way.isZero(0)) // what is fixed keeps its bits
                 continue;
             position.col(Eigen::Index(i)) = p + back * way;
@@ -103,12 +89,57 @@ void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation
     host::madeMeshAttribute<Kept>(deformedGraph.cm, deformationName) = std::move(deformation);
 }
 
+const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
+    if (!source || !restGraph || !deformedGraph)
+        throw Error("source_layer, rest_graph and deformed_graph must be layers of this document, where there is no "
+                    "deformation_file.");
+    const Kept *kept = host::meshAttribute<Kept>(deformedGraph->cm, deformationName);
+    if (!kept)
+        throw Error("The layer " + quoted(*deformedGraph) +
+                    " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
+                    "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': layers that "
+                    "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
+                    "Deformation' (save_fcd_deformation), and give its deformation_file.");
+    const Deformation &deformation = **kept;
+    const CMeshO &mesh = source->cm;
+    const bool isPosed = RestShape::exists(*source);
+    if ((isPosed ? RestShape(*source).shape() : shapeOf(mesh)) != deformation.shape || mesh.fn != deformation.faces)
+        throw Error("The layer " + quoted(*source) + " is not what " + quoted(*deformedGraph) +
+                    " was made from, or it was changed since. Choose the layer that was deformed, or deform it again.");
+    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, readNodes(*source, restGraph)))
+        throw Error("The layer " + quoted(*restGraph) + " is not the graph at rest of " + quoted(*deformedGraph) +
+                    ". Choose the graph that was made together with it.");
+    return deformation;
+}
+
+Eigen::Matrix3Xd restPositionsOf(MeshModel &layer) {
+    Eigen::Matrix3Xd position = positionsOf(layer);
+    if (RestShape::exists(layer)) {
+        const Point3m *rest = RestShape(layer).positions();
+        for (Eigen::Index i = 0; i < position.cols(); ++i)
+            position.col(i) << rest[i][0], rest[i][1], rest[i][2];
+    }
+    return position;
+}
+
 int copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
                     const Remark &remark, const Progress &progress) {
     progress(0, "Reading the source");
-    const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
-    const Source source(*param.source);
-    const vcg::fcd::Deformer::Carrier carrier(*deformation.prepared->deformer, deformation.pose);
+    std::unique_ptr<const Source> source;
+    std::unique_ptr<const vcg::fcd::Deformer::Carrier> carrier;
+    std::unique_ptr<const DeformationField> field;
+    Displacement displacement;
+    Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
+    if (param.file.isEmpty()) {
+        const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
+        source = std::make_unique<Source>(*param.source);
+        carrier = std::make_unique<vcg::fcd::Deformer::Carrier>(*deformation.prepared->deformer, deformation.pose);
+        displacement = displacementOf(*source, *carrier);
+        matrix = source->matrix;
+    } else {
+        field = std::make_unique<DeformationField>(vcg::fcd::ReadDeformationFile(param.file.toStdString()));
+        displacement = [&field](const Eigen::Vector3d &x, Eigen::Matrix3f &map) { return (*field)(x, &map); };
+    }
 
     std::vector<std::unique_ptr<NewLayers>> added;
     const MeshModel *last = targets.back();
@@ -117,7 +148,7 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
         const MeshModel &target = *targets[t];
         Eigen::Matrix3Xd position = positionsOf(target);
         std::vector<Eigen::Matrix3f> linear;
-        carry(target, source, carrier,
+        carry(target, matrix, displacement,
               progress.Slice(0.2 + 0.8 * double(t) / double(targets.size()),
                              0.2 + 0.8 * double(t + 1) / double(targets.size())),
               position, linear);

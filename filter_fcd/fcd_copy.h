@@ -15,8 +15,15 @@ struct Deformation {
 
 void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation> deformation);
 
-/// Adds for each of \p targets a layer that is deformed as \p source was. \return how many vertices they have
-/// \throw vcg::fcd::Error when the layers are not those of one deformation \throw vcg::fcd::Cancelled
+/// What was done to \p source. \throw vcg::fcd::Error when the layers are not those of one deformation
+const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph);
+
+/// The positions of the vertices of \p layer at rest, 3 x slots.
+Eigen::Matrix3Xd restPositionsOf(MeshModel &layer);
+
+/// Adds for each of \p targets a layer that is deformed as the source was. \return how many vertices they have
+/// \throw vcg::fcd::Error when the layers are not those of one deformation, or the file cannot be read
+/// \throw vcg::fcd::Cancelled
 int copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
                     const Remark &remark, const vcg::fcd::Progress &progress);
 

@@ -417,6 +417,11 @@ PoseParam poseParam(const RichParameterList &given, const MeshDocument &document
 
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document) {
     RichParameterList list;
+    // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"), "Saved deformation (.ply)",
+        "A file of 'FCD: Save Deformation'. With it, the three layers below are not read, and need not be there. Such "
+        "a file stands in world coordinates. <b>Empty</b> (the default): the layers tell.");
     host::addLayerParameter(list, Shown::Always, "source_layer", param.source ? param.source : document.mm(), document,
                             "Source layer", "The layer that 'FCD: Deform Mesh' has deformed, as it was before.");
     host::addLayerParameter(list, Shown::Always, "rest_graph",
@@ -433,7 +438,8 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
 
 CopyParam copyParam(const RichParameterList &list, MeshDocument &document) {
     return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
-            host::layerParameter(list, "deformed_graph", document), list.getBool("all_visible")};
+            host::layerParameter(list, "deformed_graph", document), list.getOpenFileName("deformation_file"),
+            list.getBool("all_visible")};
 }
 
 RichParameterList toRichParameters(const ResetPoseParam &param) {

@@ -70,6 +70,7 @@ struct ResetPoseParam {
 /// What "FCD: Apply Deformation to Layer" is asked for.
 struct CopyParam {
     MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+    QString file;            ///< of a saved deformation; empty: the layers have it
     bool allVisible = false; ///< to all visible layers but these, instead of to the current one
 };
 

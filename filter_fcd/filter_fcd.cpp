@@ -2,6 +2,7 @@
 #include "fcd_layers.h"
 #include "fcd_aside.h"
 #include "fcd_copy.h"
+#include "fcd_deformation_file.h"
 #include "fcd_parameters.h"
 #include "fcd_pose.h"
 #include "fcd_rest.h"
@@ -111,8 +112,8 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, TagSelection, TagsFromFiles, ClearTags,
-              SaveTags});
+    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation, TagSelection,
+              TagsFromFiles, ClearTags, SaveTags});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -124,6 +125,7 @@ QString FilterFcd::filterName(int id) const {
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
+    case SaveDeformation: return "FCD: Save Deformation";
     case TagSelection: return "FCD: Tag Selection";
     case TagsFromFiles: return "FCD: Tags from Files";
     case ClearTags: return "FCD: Clear Tags";
@@ -139,6 +141,7 @@ QString FilterFcd::scriptName(int id) const {
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
     case CopyDeformation: return "generate_fcd_deformed_copy";
+    case SaveDeformation: return "save_fcd_deformation";
     case TagSelection: return "compute_fcd_tags_from_selection";
     case TagsFromFiles: return "compute_fcd_tags_from_files";
     case ClearTags: return "clear_fcd_tags";
@@ -195,8 +198,22 @@ QString FilterFcd::filterInfo(int id) const {
                    "decimated copy, then the full scan with it; or a point cloud, landmarks, a textured version. Each "
                    "vertex follows the nearest place of the source's surface, and what is nearest to something fixed "
                    "stays, to the bit.<br>"
+                   "What was done is told by the layers with the graph, in the session that made them, or by a file "
+                   "of 'FCD: Save Deformation'.<br>"
                    "The layers are left as they are: the result is a new layer with everything that the layer "
                    "carries.") +
+               reference;
+    case SaveDeformation:
+        return QString(
+                   "Writes what 'FCD: Deform Mesh' did to a layer to one small file, for 'FCD: Apply Deformation to "
+                   "Layer' in another session, or for points outside of MeshLab.<br>"
+                   "The file holds the deformation at some thousand vertices of the source, and the triangles "
+                   "between them, in world coordinates. Vertices are added until at none of the source's the file "
+                   "differs from the deformation by more than 0.01 percent of the diagonal of what moves (or there "
+                   "are 50000; the log says so), and all that was fixed stays, to the bit. It is a binary PLY file: "
+                   "any program for meshes shows the "
+                   "thinned surface.<br>"
+                   "The layers are not changed.") +
                reference;
     case TagSelection:
         return "Says what 'FCD: Deform Mesh' does with the selected part of the mesh: it stays <b>fixed</b>, is "
@@ -270,6 +287,7 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
     case CopyDeformation: return toRichParameters(CopyParam(), document);
+    case SaveDeformation: return toRichParameters(SaveDeformationParam(), document);
     case TagSelection: return toRichParameters(TagSelectionParam());
     case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
@@ -286,6 +304,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case DeformMesh: return deformMesh(parameters, document, callback);
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
+    case SaveDeformation: return save(parameters, document, callback);
     case ResetPose: resetPose(input(document), resetPoseParam(parameters).keepShape); return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
@@ -493,8 +512,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     if (param.allVisible) {
         targets.clear();
         for (const MeshModel *layer : host::layers(document))
-            if (layer->isVisible() && layer->cm.vn > 0 && layer != param.source && layer != param.restGraph &&
-                layer != param.deformedGraph)
+            if (layer->isVisible() && layer->cm.vn > 0 &&
+                (!param.file.isEmpty() ||
+                 (layer != param.source && layer != param.restGraph && layer != param.deformedGraph)))
                 targets.push_back(const_cast<MeshModel *>(layer));
         if (targets.empty())
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
@@ -503,8 +523,27 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
         document, param, targets, [this](const std::string &line) { logLine(line); }, Progress(callback));
     const int layers = int(targets.size());
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(vertices) +
-            " vertices deformed as '" + param.source->label().toStdString() + "'.");
+            " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
+            "'.");
     return {{"layers", layers}, {"vertices", vertices}};
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, MeshDocument &document,
+                                                 vcg::CallBackPos *callback) {
+    const vcg::fcd::SampledField field =
+        saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
+    const int samples = field.samples.Size();
+    std::ostringstream line;
+    line << samples << " samples; the vertices of the source that move are off by " << field.rms << " (rms), at most "
+         << field.largest << ".";
+    logLine(line.str());
+    if (field.off + field.stirred > 0)
+        logLine(std::to_string(field.off + field.stirred) +
+                    " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
+                    "differently there, or there are more of them than a small file can tell apart. Where that "
+                    "matters, deform with the layers.",
+                GLLogStream::WARNING);
+    return {{"samples", samples}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
 }
 
 void FilterFcd::warnUnlessAtRest(bool converged) const {

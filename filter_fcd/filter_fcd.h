@@ -17,6 +17,7 @@ class FilterFcd : public HostFilterPlugin {
         PoseInPlace,
         ResetPose,
         CopyDeformation,
+        SaveDeformation,
         TagSelection,
         TagsFromFiles,
         ClearTags,
@@ -45,6 +46,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues save(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
     QString shown() const;

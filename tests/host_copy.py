@@ -4,10 +4,11 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from conftest import QUALITY_TAGS, translation
-from host_pymeshlab import COPY, DEFORM, POSE, assert_unchanged, clean_bone, matrix, same_points, set_quality, snapshot
+from conftest import QUALITY_TAGS, about, rotation, transformed, translation
+from host_pymeshlab import COPY, DEFORM, POSE, assert_unchanged, clean_bone, matrix, new_set, same_points, set_quality, snapshot
 
 BEND = dict(translation=np.array([0, 0.05, 0.25]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40.0)
+SAVE_DEFORMATION = "save_fcd_deformation"
 LAYERS = dict(source_layer=0, rest_graph=1, deformed_graph=2)
 
 
@@ -164,5 +165,139 @@ def test_a_source_that_was_changed_and_a_graph_that_was_loaded(tmp_path):
     ms.save_current_mesh(str(tmp_path / "graph.ply"))
     ms.load_new_mesh(str(tmp_path / "graph.ply"))
     ms.set_current_mesh(0)
-    with pytest.raises(pymeshlab.PyMeshLabException, match="Deform the source again"):
+    with pytest.raises(pymeshlab.PyMeshLabException, match="lose it. Deform the source again"):
         ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=4)
+
+
+# --- a saved deformation --------------------------------------------------------------------------------------------------
+
+
+def saved(ms, path, **layers):
+    """Saves the deformation of LAYERS. Returns what the filter does."""
+    return ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(path), **{**LAYERS, **layers})
+
+
+def applied(points, path, faces=None, normals=None):
+    """Points that a saved deformation was applied to, in a session of its own, and their normals."""
+    ms = new_set()
+    arguments = {} if normals is None else {"v_normals_matrix": normals}
+    ms.add_mesh(pymeshlab.Mesh(points, **arguments) if faces is None else pymeshlab.Mesh(points, faces), "points")
+    ms.apply_filter(COPY, deformation_file=str(path))
+    return ms.current_mesh().vertex_matrix(), ms.current_mesh().vertex_normal_matrix()
+
+
+def test_parameters_of_saving_and_what_it_returns(tmp_path):
+    ms = bent_bone()
+    assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file"]
+    assert list(ms.filter_parameter_values(COPY)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file", "all_visible"]
+    before = snapshot(ms.mesh(0))
+    result = saved(ms, tmp_path / "bend.ply")
+    assert {key: type(value) for key, value in result.items()} == {"samples": int, "rms_difference": float, "largest_difference": float}
+    assert 1400 < result["samples"] <= ms.mesh(0).vertex_number() and result["largest_difference"] < 1e-4  # few enough to keep nearly all
+    assert len(list(ms)) == 4 and ms.current_mesh_id() == 0
+    assert_unchanged(before, ms.mesh(0))
+
+
+def test_a_saved_deformation_in_another_session(tmp_path):
+    ms = clean_bone()
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=3, threshold=absolute_zero())
+    set_quality(ms, QUALITY_TAGS)
+    ms.apply_filter(DEFORM, **BEND)
+    result = saved(ms, tmp_path / "bend.ply")
+    assert 0 < result["rms_difference"] < result["largest_difference"] < 1.5e-4
+    assert result["samples"] < ms.mesh(0).vertex_number() / 8 and (tmp_path / "bend.ply").stat().st_size < 2e6
+    rest, expected = ms.mesh(0).vertex_matrix(), ms.mesh(3).vertex_matrix()
+    points, _ = applied(rest, tmp_path / "bend.ply")
+    error = np.linalg.norm(points - expected, axis=1)
+    assert error.max() <= 1.001 * result["largest_difference"]
+    fixed = ms.mesh(0).vertex_scalar_array() == 0
+    assert same_points(points[fixed], rest[fixed]) and not same_points(points, rest)
+    # In pieces, and through a mesh: the same bits.
+    pieces = [applied(rest[k:k + 10000], tmp_path / "bend.ply")[0] for k in range(0, len(rest), 10000)]
+    assert same_points(np.concatenate(pieces), points)
+    assert same_points(applied(rest, tmp_path / "bend.ply", rest_faces(ms))[0], points)
+
+
+def test_a_saved_deformation_turns_normals(tmp_path):
+    ms = bent_bone()
+    saved(ms, tmp_path / "bend.ply")
+    rest = ms.mesh(0)
+    _, normals = applied(rest.vertex_matrix(), tmp_path / "bend.ply", normals=rest.vertex_normal_matrix())
+    turned = (normals * ms.mesh(3).vertex_normal_matrix()).sum(1)
+    assert np.median(turned) > 0.999 and np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-6
+
+
+def test_a_saved_deformation_stands_in_world_coordinates(tmp_path):
+    ms = clean_bone()
+    m = about([1.0, 2, 3], rotation([1, 2, 0.5], 70) * 2.5)
+    ms.apply_filter("set_matrix", transformmatrix=m, freeze=False)
+    ms.apply_filter(DEFORM, **BEND)
+    ms.set_current_mesh(0)
+    saved(ms, tmp_path / "bend.ply")
+    rest, expected = transformed(m, ms.mesh(0).vertex_matrix()), transformed(m, ms.mesh(3).vertex_matrix())
+    points, _ = applied(rest, tmp_path / "bend.ply")
+    assert rms(points, expected) < 1e-4 < 0.1 < rms(rest, expected)
+    # The target's own matrix counts, too, and fixed points keep their bits whatever it is.
+    ms.apply_filter(COPY, deformation_file=str(tmp_path / "bend.ply"))
+    moved = ms.current_mesh()
+    assert rms(moved.vertex_matrix(), ms.mesh(3).vertex_matrix()) < 1e-4
+    fixed = ms.mesh(0).vertex_scalar_array() == 0
+    still = (moved.vertex_matrix()[fixed] == ms.mesh(0).vertex_matrix()[fixed]).all(1)
+    assert still.mean() > 0.99  # rounding of the matrix may take a point across a border
+
+
+def test_a_saved_deformation_of_a_cloud_and_of_a_posed_source(tmp_path):
+    ms = clean_bone()
+    mesh = ms.current_mesh()
+    ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), v_scalar_array=mesh.vertex_scalar_array()), "cloud")
+    ms.apply_filter(DEFORM, **BEND)
+    saved(ms, tmp_path / "cloud.ply", source_layer=1, rest_graph=2, deformed_graph=3)
+    points, _ = applied(mesh.vertex_matrix(), tmp_path / "cloud.ply")
+    assert rms(points, ms.mesh(4).vertex_matrix()) < 1e-4
+    fixed = mesh.vertex_scalar_array() == 0
+    assert same_points(points[fixed], mesh.vertex_matrix()[fixed])
+
+    ms = bent_bone()
+    rest = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(POSE, translation=np.array([0, 0, 0.1]))
+    saved(ms, tmp_path / "posed.ply")
+    assert rms(applied(rest, tmp_path / "posed.ply")[0], ms.mesh(3).vertex_matrix()) < 1e-4
+
+
+def test_the_file_is_ply_and_all_visible_layers_take_it(tmp_path):
+    ms = bent_bone()
+    result = saved(ms, tmp_path / "bend.ply")
+    ms.load_new_mesh(str(tmp_path / "bend.ply"))
+    assert ms.current_mesh().vertex_number() == result["samples"] and ms.current_mesh().face_number() > 100
+    other = new_set()
+    for name in ("one", "other"):
+        other.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix()), name)
+    assert other.apply_filter(COPY, deformation_file=str(tmp_path / "bend.ply"), all_visible=True)["layers"] == 2
+    assert same_points(other.mesh(2).vertex_matrix(), other.mesh(3).vertex_matrix())
+
+
+def test_saving_twice_gives_the_same_file_and_an_error_leaves_it(tmp_path):
+    ms = bent_bone()
+    saved(ms, tmp_path / "one.ply")
+    saved(ms, tmp_path / "two.ply")
+    before = (tmp_path / "one.ply").read_bytes()
+    assert before == (tmp_path / "two.ply").read_bytes()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="holds no deformation"):
+        saved(ms, tmp_path / "one.ply", deformed_graph=1)
+    assert (tmp_path / "one.ply").read_bytes() == before
+    for path, words in (("", "deformation_file is empty"), (tmp_path / "no" / "such.ply", "Cannot write")):
+        with pytest.raises(pymeshlab.PyMeshLabException, match=words):
+            saved(ms, path)
+
+
+def test_files_that_hold_no_deformation(tmp_path):
+    ms = bent_bone()
+    saved(ms, tmp_path / "bend.ply")
+    ms.save_current_mesh(str(tmp_path / "mesh.ply"))
+    whole = (tmp_path / "bend.ply").read_bytes()
+    (tmp_path / "cut.ply").write_bytes(whole[:-1])
+    for path, words in ((tmp_path / "none.ply", "Cannot open"), (tmp_path / "mesh.ply", "is no saved deformation"),
+                        (tmp_path / "cut.ply", "incomplete")):
+        with pytest.raises(pymeshlab.PyMeshLabException, match=words):
+            ms.apply_filter(COPY, deformation_file=str(path))
+    assert len(list(ms)) == 4 and ms.current_mesh_id() == 0

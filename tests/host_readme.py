@@ -38,10 +38,11 @@ def run(folder, *command):
 
 
 def test_python_in_one_session(folder):
-    assert len(blocks("python")) == 6
+    assert len(blocks("python")) == 7
     printed = run(folder, sys.executable, "-c", "\n".join(blocks("python")))
     assert "'nodes': " in printed and "'converged': True" in printed
     assert (folder / "bar_deformed.ply").stat().st_size > 10000
+    assert (folder / "bend.ply").read_bytes().startswith(b"ply\n")
 
 
 def test_a_filter_script_of_the_demo_in_meshlabserver(folder):

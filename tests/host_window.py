@@ -16,7 +16,7 @@ from conftest import record
 
 WIDTH, HEIGHT = 1366, 768
 FILTERS = ["FCD: Build Deformation Graph", "FCD: Deform Mesh", "FCD: Pose in Place", "FCD: Reset Pose",
-           "FCD: Apply Deformation to Layer", "FCD: Tag Selection", "FCD: Tags from Files", "FCD: Save Tags"]
+           "FCD: Apply Deformation to Layer", "FCD: Save Deformation", "FCD: Tag Selection", "FCD: Tags from Files", "FCD: Save Tags"]
 
 
 class Screen:

@@ -129,6 +129,11 @@ pymeshlab() {
         host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_process.py
     fi
 }
+# The Python package, from its wheel.
+python_package() {
+    bash tests/python_package.sh "$results/$name.xml" 2>&1 | tee "$results/$name.log"
+    count
+}
 meshlabserver() {
     export FCD_MESHLABSERVER=$build/meshlab-2020.09/meshlabserver
     if [ ! -x "$FCD_MESHLABSERVER" ] || [ ! -e "$build/plugins/meshlab-2020.09/libfilter_fcd.so" ]; then
@@ -227,6 +232,7 @@ start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
 start window-2020.09 window
+start python-package python_package
 start clang-tidy once tidy
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp

@@ -5,6 +5,7 @@
 #   bash tests/setup.sh [sources]      with "sources", only what the unit tests need: packages, locale and MeshLab's sources
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
+# build/venv-wheel (what builds the Python package), build/venv-python (where it is tested),
 # build/locale (for LOCPATH), build/meshlab-2020.09 (private copy of the distribution's MeshLab that loads our plugin),
 # build/plugins/HOST/libfilter_fcd.so. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
 # Log: build/setup.log.
@@ -40,7 +41,7 @@ flock 9
 
 # --- packages -----------------------------------------------------------------------------------------------------------
 
-packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-venv
+packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-dev python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev libxxhash-dev
     meshlab xvfb xauth xdotool openbox locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0
@@ -151,6 +152,8 @@ environment() {
 environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
 environment "$build/venv-tools" clang-tidy==23.1.4
+environment "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0
+environment "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 pytest==9.2.0
 
 # --- plugins ------------------------------------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@
 
 #include "deformation_check.h"
 #include "deformer.h"
+#include "normals.h"
 
 #include <array>
 #include <sstream>
@@ -59,15 +60,6 @@ struct DeformationResult {
     DeformationCheck check;
     Deformer::Pose pose;
 };
-
-/// What a map of points does to normals, but for their length; the map may flatten.
-template <class Scalar>
-Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
-    Eigen::Matrix<Scalar, 3, 3> c;
-    for (int i = 0; i < 3; ++i)
-        c.col(i) = map.col((i + 1) % 3).cross(map.col((i + 2) % 3));
-    return c;
-}
 
 namespace detail {
 

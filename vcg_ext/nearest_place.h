@@ -65,7 +65,7 @@ class NearestPlace {
             return place;
         }
         Search search{*this, p, -1, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
-        Eigen::BVMinimize(triangles, search);
+        search.Run();
         const double rounding = 1e-9; // at a vertex there is no other
         for (int k = 0; k < 3 && search.best >= 0; ++k)
             if (search.weight[k] > rounding) {
@@ -79,15 +79,41 @@ class NearestPlace {
     using Box = Eigen::AlignedBox3d;
 
     struct Search {
-        using Scalar = double; // for BVMinimize
         const NearestPlace &places;
         Eigen::Vector3d p;
         Index best;
         Eigen::Vector3d weight;
         double least;
 
-        double minimumOnVolume(const Box &box) const { return box.squaredExteriorDistance(p); }
-        double minimumOnObject(Index t) {
+        /// Depth first, into the nearer box first. (Eigen::BVMinimize takes the nearest box of all, from a heap that it
+        /// allocates: the same result in more than twice the time.)
+        void Run() {
+            using Tree = Eigen::KdBVH<double, 3, Index>;
+            struct Step {
+                double square;
+                int box;
+            };
+            std::array<Step, 128> next; // two a level, of 31 at most
+            int count = 0;
+            next[count++] = {0, places.triangles.getRootIndex()};
+            while (count > 0) {
+                const Step step = next[--count];
+                if (!(step.square < least))
+                    continue;
+                Tree::VolumeIterator box = nullptr, lastBox = nullptr;
+                Tree::ObjectIterator object = nullptr, lastObject = nullptr;
+                places.triangles.getChildren(step.box, box, lastBox, object, lastObject);
+                for (; object != lastObject; ++object)
+                    Try(*object);
+                const int first = count;
+                for (; box != lastBox; ++box)
+                    next[count++] = {places.triangles.getVolume(*box).squaredExteriorDistance(p), *box};
+                if (count - first == 2 && next[first].square < next[first + 1].square)
+                    std::swap(next[first], next[first + 1]);
+            }
+        }
+
+        void Try(Index t) {
             const auto corner = [&](int k) { return Eigen::Vector3d(places.position.col(places.triangle[t][k])); };
             const Eigen::Vector3d here = WeightsOfNearest(corner(0), corner(1), corner(2), p);
             const double square = (corner(0) * here[0] + corner(1) * here[1] + corner(2) * here[2] - p).squaredNorm();
@@ -96,7 +122,6 @@ class NearestPlace {
                 best = t;
                 weight = here;
             }
-            return square;
         }
     };
 
@@ -139,7 +164,7 @@ class NearestPlace {
         std::sort(found.begin(), found.end());
         if (found.empty())
             return;
-        const double last = found.back().first;
+        const double last = found[0].first > 0 ? found.back().first : 0; // at a vertex there is no other
         double sum = 0;
         for (const auto &each : found) {
             const double near = std::max(each.first / last, 1e-6), weight = last > 0 ? std::pow(1 / near - 1, 2) : 0;
@@ -149,7 +174,7 @@ class NearestPlace {
             place.weight[place.count++] = weight;
             sum += weight;
         }
-        if (place.count == 0) { // one vertex, or all of them equally far
+        if (place.count == 0) { // one vertex, at it, or all of them equally far
             place.slot[place.count] = found[0].second;
             sum = place.weight[place.count++] = 1;
         }

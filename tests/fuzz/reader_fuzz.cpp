@@ -3,6 +3,7 @@
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
 #include "../../filter_fcd/fcd_picked_points.h"
+#include "deformation_file.h"
 #include "handle_file.h"
 #include "motion_text.h"
 
@@ -78,6 +79,17 @@ static void Motions(const std::string &text) {
     }
 }
 
+static void SavedDeformation(const std::string &text) {
+    FieldSamples samples = ReadDeformationText(text, "input");
+    REQUIRE(samples.Size() >= 1 && samples.displacement.cols() == samples.Size());
+    REQUIRE(DeformationText(samples) == text);
+    const DeformationField field(std::move(samples));
+    for (double x : {0.0, 1.0, -1e10}) {
+        Eigen::Matrix3f linear;
+        REQUIRE(field(Eigen::Vector3d(x, 2, 3), &linear).allFinite());
+    }
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
     const std::string text(reinterpret_cast<const char *>(data), size);
     Try("'input', line ", [&] { Tags(text); });
@@ -85,5 +97,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
     Try("'input', line ", [&] { Points(ReadPointHandleText(text, "input")); });
     Try("'input'", [&] { Points(readPickedPoints(QByteArray::fromStdString(text), "'input'")); });
     Try("input, character ", [&] { Motions(text); });
+    Try("'input' ", [&] { SavedDeformation(text); });
     return 0;
 }

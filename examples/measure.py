@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many points a second a deformation carries: on one core, by threads, and on a local Dask cluster by workers.
+
+    python measure.py bend.ply [MILLIONS-OF-POINTS]
+
+The points lie around the samples of the deformation, neighbours beside each other as in a scan."""
+import sys
+import time
+
+import numpy as np
+from dask.distributed import Client, LocalCluster
+
+import pymeshlab_fcd
+
+
+def part(bend, seed, n):
+    """Applies to n points; they are made where they are used. Returns the seconds of this process that took."""
+    random = np.random.default_rng(seed)
+    samples = bend.samples
+    samples = samples[np.lexsort(np.floor(samples / np.ptp(samples, axis=0).max() * 30).T)]
+    points = np.repeat(samples, -(-n // len(samples)), axis=0)[:n]
+    points = points + random.normal(scale=0.002 * np.ptp(samples, axis=0).max(), size=points.shape)
+    begin = time.process_time()
+    bend(points)
+    return time.process_time() - begin
+
+
+def main(deformation, millions=2.0):
+    bend, n = pymeshlab_fcd.Deformation.load(deformation), int(1e6 * float(millions))
+    print(bend)
+    print(f"one core: {n / min(part(bend, 0, n) for _ in range(3)) / 1e6:.2f} million points a second")
+    for workers in (1, 2):
+        with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+            shared = client.scatter(bend, broadcast=True)
+            client.gather([client.submit(part, shared, 0, 1000, workers=[each], pure=False) for each in client.scheduler_info()["workers"]])  # imports
+            begin = time.perf_counter()
+            seconds = sum(client.gather([client.submit(part, shared, seed, n // 4, pure=False) for seed in range(8)]))
+            print(f"Dask, {workers} workers: {2 * n / (time.perf_counter() - begin) / 1e6:.2f} million points a second, with making them; "
+                  f"{2 * n / seconds / 1e6:.2f} million a second of a core")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])

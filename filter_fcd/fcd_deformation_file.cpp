@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/deformation_file.h> // before Qt
+
+#include "fcd_copy.h"
+#include "fcd_deformation_file.h"
+#include "fcd_save_files.h"
+
+namespace {
+
+/// Maps positions, displacements and how the surface turns from the coordinates of a layer to those of the world. What
+/// rests goes on doing so to the bit.
+void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matrix3Xd &deformed,
+             std::vector<Eigen::Matrix3f> &linear) {
+    if (matrix.matrix().isIdentity(0))
+        return;
+    const Eigen::Matrix3d to = matrix.linear(), back = to.inverse();
+    vcg::fcd::ParallelFor(0, linear.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t slot = first; slot < last; ++slot) {
+            const auto i = Eigen::Index(slot);
+            rest.col(i) = matrix * Eigen::Vector3d(rest.col(i));
+            deformed.col(i) = matrix * Eigen::Vector3d(deformed.col(i));
+            if (linear[slot] != Eigen::Matrix3f::Identity())
+                linear[slot] = (to * linear[slot].cast<double>() * back).cast<float>();
+        }
+    });
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const SaveDeformationParam &param, const MeshDocument &document) {
+    CopyParam layers;
+    layers.source = param.source;
+    layers.restGraph = param.restGraph;
+    layers.deformedGraph = param.deformedGraph;
+    const RichParameterList all = toRichParameters(layers, document);
+    RichParameterList list;
+    for (const char *name : {"source_layer", "rest_graph", "deformed_graph"})
+        list.addParam(all.getParameterByName(name));
+    host::addParameter<host::RichSaveFileParam>(list, host::Shown::Always, "deformation_file", param.file, "*.ply",
+                                                "Deformation goes to (.ply)",
+                                                "The file to write. An existing file is replaced.");
+    return list;
+}
+
+SaveDeformationParam saveDeformationParam(const RichParameterList &list, MeshDocument &document) {
+    SaveDeformationParam param;
+    param.source = host::layerParameter(list, "source_layer", document);
+    param.restGraph = host::layerParameter(list, "rest_graph", document);
+    param.deformedGraph = host::layerParameter(list, "deformed_graph", document);
+    param.file = list.getSaveFileName("deformation_file");
+    param.validate();
+    return param;
+}
+
+void SaveDeformationParam::validate() const {
+    if (file.isEmpty())
+        throw vcg::fcd::Error("deformation_file is empty. Give the .ply file to write the deformation to.");
+}
+
+vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress) {
+    progress(0, "Reading the source");
+    const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
+    const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
+    Eigen::Matrix3Xd rest = restPositionsOf(*param.source), deformed = rest;
+    std::vector<Eigen::Matrix3f> linear;
+    deformation.prepared->deformer->Apply(deformation.pose, deformed, &linear, progress.Slice(0, 0.1));
+    toWorld(matrix, rest, deformed, linear);
+    vcg::fcd::SampledField field =
+        vcg::tri::SampleField(param.source->cm, rest, deformed, linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
+    saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
+    progress(1, "Done");
+    return field;
+}

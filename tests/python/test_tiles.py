@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The examples for surveys in tiles: LAS and LAZ in chunks, on one machine and on a local Dask cluster."""
+import subprocess
+import sys
+from pathlib import Path
+
+import laspy
+import numpy as np
+import pytest
+
+import pymeshlab_fcd
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+sys.path.insert(0, str(EXAMPLES))
+from warp_las import warp  # noqa: E402
+from warp_las_dask import warp_all  # noqa: E402
+
+ORIGIN = np.array([512000.0, 5412000.0, 300.0])
+SCALE = 0.001
+
+
+def height(x, y):
+    return 2 * np.sin(x / 9) + np.cos(y / 7)
+
+
+@pytest.fixture(scope="module")
+def sink(tmp_path_factory):
+    """Terrain of 100 x 100 m of which the middle sinks by 2 m, solved on a thinned scan."""
+    x, y = np.meshgrid(np.arange(0, 101.0), np.arange(0, 101.0), indexing="ij")
+    points = np.stack([x.ravel(), y.ravel(), height(x, y).ravel()], 1)
+    radius = np.linalg.norm(points[:, :2] - 50, axis=1)
+    tags = np.where(radius > 40, 0, np.where(radius < 5, 2, 1))
+    i = np.arange(101 * 101).reshape(101, 101)[:-1, :-1].ravel()
+    faces = np.concatenate([np.stack([i, i + 101, i + 1], 1), np.stack([i + 1, i + 101, i + 102], 1)])
+    down = np.eye(4)
+    down[2, 3] = -2
+    path = tmp_path_factory.mktemp("sink") / "sink.ply"
+    pymeshlab_fcd.deformation(points + ORIGIN, faces, tags, {2: down}).save(path)
+    return path
+
+
+def write_tile(path, low, high, n, seed):
+    """Random points of a tile, those on its border on a grid that neighbours share."""
+    random = np.random.default_rng(seed)
+    xy = random.uniform(low, high, (n, 2))
+    edge = np.arange(0, 50.01, 0.25)
+    for k, axis in enumerate((0, 0, 1, 1)):
+        at = np.empty((len(edge), 2))
+        at[:, axis] = (low if k % 2 else high)[axis]
+        at[:, 1 - axis] = low[1 - axis] + edge
+        xy[k * len(edge):(k + 1) * len(edge)] = at
+    header = laspy.LasHeader(point_format=3, version="1.2")
+    header.scales, header.offsets = [SCALE] * 3, ORIGIN
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = xy[:, 0] + ORIGIN[0], xy[:, 1] + ORIGIN[1], height(*xy.T) + ORIGIN[2]
+    las.intensity = random.integers(0, 65536, n)
+    las.red = random.integers(0, 65536, n)
+    las.classification = random.integers(0, 20, n)
+    las.gps_time = random.uniform(0, 1e6, n)
+    las.write(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def tiles(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tiles")
+    return [write_tile(folder / f"{x}_{y}.{kind}", np.array([x, y]) * 50.0, np.array([x, y]) * 50.0 + 50, 20000, 2 * x + y)
+            for x, y, kind in ((0, 0, "las"), (0, 1, "laz"), (1, 0, "laz"), (1, 1, "las"))]
+
+
+def xyz(las):
+    return np.stack([las.x, las.y, las.z], 1)
+
+
+def test_tiles_in_chunks(sink, tiles, tmp_path):
+    done = subprocess.run([sys.executable, str(EXAMPLES / "warp_las.py"), str(sink), str(tmp_path / "out"), *map(str, tiles)], text=True,
+                          stdout=subprocess.PIPE, timeout=300)
+    assert done.returncode == 0 and done.stdout.count("20000 points") == 4
+    bend = pymeshlab_fcd.Deformation.load(sink)
+    border = {}
+    for tile in tiles:
+        before, after = laspy.read(tile), laspy.read(tmp_path / "out" / tile.name)
+        assert np.abs(xyz(after) - bend(xyz(before))).max() < 0.51 * SCALE
+        for name in ("intensity", "red", "classification", "gps_time", "return_number"):
+            assert (np.asarray(before[name]) == np.asarray(after[name])).all(), name
+        outside = np.linalg.norm(xyz(before)[:, :2] - ORIGIN[:2] - 50, axis=1) > 42
+        assert outside.any() and (after.Z[outside] == before.Z[outside]).all() and (after.X[outside] == before.X[outside]).all()
+        assert (xyz(before) - xyz(after))[:, 2].max() > 1.5
+        for p, q in zip(xyz(before), xyz(after)):
+            if 50 in np.round(p[:2] - ORIGIN[:2], 6):
+                border.setdefault(tuple(np.round(p, 6)), []).append(q)
+        warp(bend, tile, tmp_path / tile.name, chunk=1234)
+        assert (laspy.read(tmp_path / tile.name).points.array == after.points.array).all()
+    shared = [np.ptp(each, axis=0).max() for each in border.values() if len(each) > 1]
+    assert len(shared) > 300 and max(shared) == 0  # no gap where tiles meet
+
+
+def test_memory_is_bounded_by_the_chunk(sink, tmp_path):
+    code = ("import re, sys; sys.path.insert(0, sys.argv[1]); import pymeshlab_fcd; from warp_las import warp; "
+            "warp(pymeshlab_fcd.Deformation.load(sys.argv[2]), sys.argv[3], sys.argv[4], 50000); "
+            "print(int(re.search(r'VmHWM:\\s+(\\d+)', open('/proc/self/status').read())[1]) // 1024)")
+    peak = []
+    for n in (60_000, 1_500_000):
+        tile = write_tile(tmp_path / f"{n}.las", np.array([0.0, 0]), np.array([50.0, 50]), n, 1)
+        peak.append(int(subprocess.run([sys.executable, "-c", code, str(EXAMPLES), str(sink), str(tile), str(tmp_path / "out.las")],
+                                       stdout=subprocess.PIPE, check=True, text=True, timeout=300).stdout))
+    assert (tmp_path / "out.las").stat().st_size > 50e6
+    assert peak[1] - peak[0] < 12, peak  # MB
+
+
+def test_a_dask_cluster_gives_the_same_files(sink, tiles, tmp_path):
+    from dask.distributed import Client, LocalCluster
+
+    bend = pymeshlab_fcd.Deformation.load(sink)
+    (tmp_path / "dask").mkdir()
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        done = dict(warp_all(client, bend, tiles, tmp_path / "dask", chunk=3000))
+    assert done == {tile: 20000 for tile in tiles}
+    for tile in tiles:
+        warp(bend, tile, tmp_path / tile.name)
+        one, other = laspy.read(tmp_path / tile.name), laspy.read(tmp_path / "dask" / tile.name)
+        assert (one.points.array == other.points.array).all()
+
+
+def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
+    lines = []
+    for x, y, down in [(50, 50, 2)] + [(50 + 35 * np.cos(a), 50 + 35 * np.sin(a), 0) for a in np.arange(0, 2 * np.pi, 0.3)]:
+        p = ORIGIN + [x, y, height(x, y)]
+        lines.append(", ".join(map(repr, map(float, [*p, *(p - [0, 0, down])]))))
+    (tmp_path / "landmarks.csv").write_text("\n".join(lines))
+    done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "bend.ply"), "2",
+                           *map(str, tiles)], text=True, stdout=subprocess.PIPE, timeout=300)
+    assert done.returncode == 0 and 2000 < int(done.stdout.split()[0]) < 8000
+    bend = pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply")
+    at = np.array([[50, 50, height(50, 50)], [85, 50, height(85, 50)], [67, 50, height(67, 50)]]) + ORIGIN
+    moved = bend(at) - at
+    assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "centroidal_deformation.h"
+#include "field_sampling.h"
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+/// A mesh that is deformed.
+struct SampledCase {
+    MeshD mesh;
+    Handles handles;
+    Matrix3Xd rest, deformed;
+    std::vector<Eigen::Matrix3f> linear;
+
+    explicit SampledCase(const Case &c) : mesh(c.shape), handles(c.handles) {
+        DeformationParam param;
+        param.graph.initialPatches = 50;
+        const auto deformer = vcg::tri::PrepareDeformer(mesh, handles, param, rest);
+        deformed = rest;
+        deformer->Apply(deformer->Solve(handles, param), deformed, &linear);
+    }
+    SampledField Sample(const FieldParam &param = {}, const Progress &progress = {}) const {
+        return vcg::tri::SampleField(mesh, rest, deformed, linear, param, progress);
+    }
+    double Size() const { return (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm(); }
+
+    /// The field gives each vertex of a face where it goes, and what rests stays.
+    void ExpectCarried(const SampledField &sampled, double tolerance) const {
+        EXPECT_EQ(sampled.off, 0);
+        EXPECT_EQ(sampled.stirred, 0);
+        const DeformationField field(sampled.samples);
+        double largest = 0;
+        for (Eigen::Index i = 0; i < rest.cols(); ++i) {
+            const Vector3d p = rest.col(i), there = p + field(p);
+            const double off = (there - deformed.col(i)).norm();
+            ASSERT_LE(off, tolerance * Size()) << "vertex " << i;
+            if (handles.tag[std::size_t(i)] <= 0)
+                ASSERT_TRUE(SameBits(there, p)) << "vertex " << i;
+            else
+                largest = std::max(largest, off);
+        }
+        EXPECT_NEAR(sampled.largest, largest, 1e-6 * Size());
+        EXPECT_LE(sampled.rms, sampled.largest);
+    }
+};
+
+static FieldParam Few(Index moving, Index resting, double tolerance) {
+    FieldParam param;
+    param.moving = moving;
+    param.resting = resting;
+    param.tolerance = tolerance;
+    return param;
+}
+
+TEST(FieldSampling, TellsADeformationByFewVertices) {
+    const SampledCase c(CaseOf(Tube(100, 120), [](const Vector3d &p) { return TubeTag(p); }));
+    const SampledField sampled = c.Sample(Few(300, 100, 1e-3));
+    c.ExpectCarried(sampled, 1e-3);
+    EXPECT_LT(sampled.samples.Size(), c.rest.cols() / 5);
+    EXPECT_GT(sampled.rounds, 1);
+    EXPECT_LT(sampled.rms, 5e-4 * c.Size());
+}
+
+TEST(FieldSampling, MoreSamplesWhereTheToleranceAsksForThem) {
+    const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
+    const SampledField coarse = c.Sample(Few(100, 50, 4e-3)), fine = c.Sample(Few(100, 50, 8e-4));
+    c.ExpectCarried(coarse, 4e-3);
+    c.ExpectCarried(fine, 8e-4);
+    EXPECT_GT(fine.samples.Size(), 2 * coarse.samples.Size());
+}
+
+TEST(FieldSampling, PartsThatAreNearStayApart) {
+    // One of two sheets is lifted, the other is fixed: nothing of either goes with the other.
+    const SampledCase c(CaseOf(TwoSheets(60, 0.3), [](const Vector3d &p) {
+        return p[2] < 0.1 ? 0 : p[0] < 9 ? 0 : p[0] > 50 ? 2 : 1;
+    }));
+    c.ExpectCarried(c.Sample(Few(30, 5, 1e-3)), 1e-3);
+}
+
+TEST(FieldSampling, NarrowPartsHaveEdgesAndPoints) {
+    // A strip of one quad across that far fewer samples tell than it has vertices, and a small triangle beside it.
+    const SampledCase c(CaseOf(Join(Strip(300), Moved(Triangle(), Eigen::Affine3d(Eigen::Translation3d(20, 40, 0)))),
+                               [](const Vector3d &p) { return p[0] < 40    ? 0
+                                                              : p[0] > 260 ? 2
+                                                                           : 1; }));
+    const SampledField sampled = c.Sample(Few(40, 5, 1e-2));
+    c.ExpectCarried(sampled, 1e-2);
+    int edges = 0, points = 0;
+    for (const auto &t : sampled.samples.triangle) {
+        points += t[0] == t[1] && t[1] == t[2];
+        edges += t[0] != t[1] && t[1] == t[2];
+    }
+    EXPECT_GT(edges, 3);
+    EXPECT_GE(points, 1);
+}
+
+TEST(FieldSampling, AcceptsSeamsCloudsAndDeletedElements) {
+    const auto tag = [](const Vector3d &p) { return TubeTag(p); };
+    const SampledCase seams(CaseOf(Unwelded(Tube(40, 30)), tag));
+    seams.ExpectCarried(seams.Sample(Few(100, 50, 2e-3)), 2e-3);
+    const SampledCase cloud(CaseOf(Points(Tube(60, 60)), tag));
+    const SampledField sampled = cloud.Sample(Few(300, 50, 4e-3));
+    cloud.ExpectCarried(sampled, 4e-3);
+    EXPECT_TRUE(sampled.samples.triangle.empty());
+    SampledCase holes(CaseOf(Tube(40, 30), tag));
+    for (int f = 0; f < 500; f += 7)
+        holes.mesh.DeleteFace(f);
+    const SampledField whole = holes.Sample(Few(100, 50, 2e-3));
+    EXPECT_EQ(whole.off + whole.stirred, 0);
+}
+
+TEST(FieldSampling, NothingMovesWhereNothingDid) {
+    SampledCase c(CaseOf(
+        Tube(20, 30), [](const Vector3d &p) { return TubeTag(p); }, Eigen::Affine3d::Identity()));
+    const SampledField sampled = c.Sample();
+    c.ExpectCarried(sampled, 0);
+    EXPECT_EQ(sampled.largest, 0);
+}
+
+TEST(FieldSampling, TellsWhatItCannotCarry) {
+    // Two vertices at one place that go different ways.
+    SampledCase c(CaseOf(Unwelded(Grid(2, 2)), [](const Vector3d &p) { return p[0] > 0.5 ? 2 : p[1] > 0.5 ? 1 : 0; }));
+    for (Eigen::Index i = 0; i < c.rest.cols(); ++i)
+        if (c.rest.col(i) == c.rest.col(0) && i > 0)
+            c.deformed.col(i) += Vector3d(0, 0, 1);
+    for (Eigen::Index i = 1; i < c.rest.cols(); ++i)
+        c.deformed.col(i) += Vector3d(0, 0, double(i));
+    const SampledField sampled = c.Sample();
+    EXPECT_GT(sampled.off, 0);
+    EXPECT_GT(sampled.largest, 0.4);
+}
+
+TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
+    const SampledCase c(CaseOf(Tube(60, 100), [](const Vector3d &p) { return TubeTag(p); }));
+    const FieldSamples one = c.Sample(Few(200, 50, 1e-3), Threads(1)).samples,
+                       three = c.Sample(Few(200, 50, 1e-3), Threads(3)).samples;
+    EXPECT_TRUE(SameBits(one.position, three.position));
+    EXPECT_TRUE(SameBits(one.displacement, three.displacement));
+    EXPECT_EQ(one.triangle, three.triangle);
+    for (double at : {0.1, 0.3, 0.6})
+        EXPECT_THROW(c.Sample({}, Progress([](int, const char *) { return false; }).Slice(at, 1)), Cancelled);
+}
+
+TEST(FieldSampling, KeepsToANumberOfSamples) {
+    const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
+    FieldParam param = Few(100, 50, 1e-5);
+    param.most = 700;
+    const SampledField sampled = c.Sample(param), coarse = c.Sample(Few(100, 50, 1));
+    EXPECT_LE(sampled.samples.Size(), 700);
+    EXPECT_GT(sampled.samples.Size(), 650);
+    EXPECT_GT(sampled.off, 0);
+    EXPECT_EQ(sampled.stirred, 0);
+    EXPECT_LT(sampled.largest, 0.5 * coarse.largest);
+}
