@@ -19,6 +19,7 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
+const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
 const std::size_t mostSteps = 32; // of undo: each may hold tags of its own
 
 Eigen::Vector3d pointOf(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
@@ -264,8 +265,12 @@ void BendSession::updateTags() {
             for (const auto &each : now.points)
                 for (std::size_t i : reach(each.second.slot, each.second.radius))
                     (*tags)[i] = 1;
-        for (const auto &[tag, point] : now.points)
+        for (const auto &[tag, point] : now.points) {
+            for (std::size_t i : reach(point.slot, point.radius * pointSize))
+                if ((*tags)[i] == 1)
+                    (*tags)[i] = tag;
             (*tags)[point.slot] = tag;
+        }
         if (!effective || *tags != *effective)
             effective = tags;
     }
@@ -588,6 +593,7 @@ std::string BendSession::applyToNewLayer(MeshDocument &document, bool graphLayer
     DeformMeshParam param;
     setUp(param);
     param.graphLayers = graphLayers;
+    const std::string call = filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False");
     param = deformMeshParam(toRichParameters(param, document), document);
     restore();
     TagTarget silent = target;
@@ -616,5 +622,5 @@ std::string BendSession::applyToNewLayer(MeshDocument &document, bool graphLayer
     const MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear, none);
     now.motion.clear();
     layers.keep(deformed);
-    return filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False");
+    return call;
 }

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-/// A handle of one vertex.
+/// A handle of a vertex and those beside it.
 struct BendPoint {
     std::size_t slot = 0;
-    double radius = 0; ///< of what it bends, along the surface, world units; read where nothing is marked
+    double radius = 0; ///< of what it bends where nothing is marked, along the surface, world units
 
     bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
 };
@@ -94,7 +94,7 @@ class BendSession {
     void mark(const std::vector<std::size_t> &vertices, int tag);
     void endMarks();
     void clearMarks();
-    /// A new handle of one vertex. \return its tag
+    /// A new handle around a vertex. \return its tag
     int addPoint(std::size_t slot, double radius);
     void setRadius(int tag, double radius);
     void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);

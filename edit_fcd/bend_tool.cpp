@@ -126,6 +126,7 @@ MeshModel *BendTool::layer() const {
 
 bool BendTool::start(MeshDocument &document, GLArea *area) {
     close();
+    isEnding = false;
     view = area;
     if (!document.mm())
         return false;
@@ -146,7 +147,7 @@ bool BendTool::start(MeshDocument &document, GLArea *area) {
 void BendTool::end() { close(); }
 
 void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
-    if (document.mm() && document.mm()->id() == layerId && layer())
+    if (isEnding || (document.mm() && int(document.mm()->id()) == layerId && layer()))
         return;
     if (!document.mm()) {
         close();
@@ -351,7 +352,9 @@ void BendTool::onCommand(int which) {
             showVertices(true);
             throw;
         }
-        // The host shows new layers when a tool ends.
+        // The host shows new layers when a tool ends, and they have no buffers before that.
+        close();
+        isEnding = true;
         QTimer::singleShot(0, action, &QAction::trigger);
         return;
     }

@@ -120,6 +120,7 @@ class BendTool : public HostEditTool {
     QPointF mouse;
     int active = 0; ///< the handle with the gizmo
     bool isCamera = false;
+    bool isEnding = false; ///< done, and about to be told so
     bool isLive = false; ///< the layer has a shape between two full solves
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;

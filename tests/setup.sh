@@ -6,7 +6,7 @@
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/locale (for LOCPATH), build/meshlab-2020.09 (private copy of the distribution's MeshLab that loads our plugin),
-# build/plugins/HOST/libfilter_fcd.so. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
+# build/plugins/HOST/libfilter_fcd.so, and libedit_fcd.so for a host with a window. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
 # Log: build/setup.log.
 set -Eeuo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -42,7 +42,7 @@ flock 9
 
 packages=(build-essential cmake ninja-build ccache dpkg-dev xz-utils ca-certificates python3 python3-venv
     qtbase5-dev libqt5opengl5-dev libeigen3-dev libglew-dev libgtest-dev libcli11-dev libxxhash-dev
-    meshlab xvfb xauth locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
+    meshlab xvfb xauth xdotool openbox locales clang libclang-rt-14-dev llvm-14 cppcheck valgrind
     libgl1 libgl1-mesa-dri libglu1-mesa libegl1 libegl-mesa0 libxrender1 libxkbcommon0 libglib2.0-0
     ${FCD_PACKAGES:-}) # more, for the script that asks for them
 
@@ -187,7 +187,7 @@ fi
 step="making a private copy of MeshLab 2020.09"
 private=$build/meshlab-2020.09
 mkdir -p "$private/plugins"
-ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09/libfilter_fcd.so" "$private/plugins/"
+ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib{filter,edit}_fcd.so "$private/plugins/"
 for program in meshlab meshlabserver; do
     cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
     printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \
