@@ -20,8 +20,8 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     modes = new QButtonGroup(this);
     auto *modeRow = new QHBoxLayout;
     const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline"};
-    const char *const tips[] = {"Drag a handle, or a point of the surface (M)", "Mark with a brush; size on the wheel (B)",
-                                "Mark what is in a rectangle (V)",
+    const char *const tips[] = {"Drag a handle, or a point of the surface (M)",
+                                "Mark with a brush; size on the wheel (B)", "Mark what is in a rectangle (V)",
                                 "Mark what is in a polygon: click its corners, double-click the last (L)"};
     for (int i = 0; i < 4; ++i) {
         auto *button = new QToolButton;
@@ -91,8 +91,9 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     motionText = new QPlainTextEdit;
     motionText->setFixedHeight(58);
     motionText->setPlaceholderText("Motions as text");
-    motionText->setToolTip("The motions of the handles as the filters take them ('Motions as text'); type or paste, then "
-                           "press 'Take motions'");
+    motionText->setToolTip(
+        "The motions of the handles as the filters take them ('Motions as text'); type or paste, then "
+        "press 'Take motions'");
     column->addWidget(motionText);
 
     auto *grid = new QGridLayout;

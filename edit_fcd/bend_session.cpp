@@ -19,10 +19,18 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
-const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
+const double pointSize = 0.08;    // of a point's radius: so far it is held, that a single vertex makes no spike
 const std::size_t mostSteps = 32; // of undo: each may hold tags of its own
 
 Eigen::Vector3d pointOf(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
+
+void prefetch(const void *memory) {
+#ifdef __GNUC__
+    __builtin_prefetch(memory);
+#else
+    (void)memory;
+#endif
+}
 
 std::string digits(double number) {
     char text[32];
@@ -201,8 +209,8 @@ std::optional<std::size_t> nearestOf(const CMeshO &mesh, const Eigen::Vector3d &
         }
         found[first / grain] = here;
     });
-    const auto best =
-        std::min_element(found.begin(), found.end(), [](const Found &a, const Found &b) { return a.square < b.square; });
+    const auto best = std::min_element(found.begin(), found.end(),
+                                       [](const Found &a, const Found &b) { return a.square < b.square; });
     if (best == found.end() || !std::isfinite(best->square))
         return {};
     return best->slot;
@@ -274,8 +282,7 @@ void BendSession::updateTags() {
         if (!effective || *tags != *effective)
             effective = tags;
     }
-    center = vcg::fcd::HandleCenters(
-        *effective, [&](std::size_t i) { return Eigen::Vector3d(pointOf(position[i])); });
+    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return Eigen::Vector3d(pointOf(position[i])); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }
@@ -369,9 +376,10 @@ void BendSession::clearMarks() {
 int BendSession::addPoint(std::size_t slot, double radius) {
     const auto add = [&](std::size_t at) {
         if (now.marks && (*effective)[at] != 1)
-            throw Error("There the surface does not bend: it is " +
-                        std::string((*effective)[at] > 1 ? "a handle" : "fixed, or outside of the region of influence") +
-                        ". Mark it as free first, or clear the marks.");
+            throw Error(
+                "There the surface does not bend: it is " +
+                std::string((*effective)[at] > 1 ? "a handle" : "fixed, or outside of the region of influence") +
+                ". Mark it as free first, or clear the marks.");
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
         updateTags();
@@ -379,8 +387,8 @@ int BendSession::addPoint(std::size_t slot, double radius) {
     };
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (pointOf(position[*other]) - pointOf(position[slot])).norm() > 1e-3 * size && (*effective)[*other] < 2 &&
-        !(now.marks && (*effective)[*other] != 1))
+    if (other && (pointOf(position[*other]) - pointOf(position[slot])).norm() > 1e-3 * size &&
+        (*effective)[*other] < 2 && !(now.marks && (*effective)[*other] != 1))
         add(*other);
     if (now.marks)
         showTags();
@@ -522,7 +530,13 @@ void BendSession::writeVertices() {
                                  : normal[i];
             };
         },
-        true, vcg::fcd::Progress(), [](std::size_t) {});
+        true, vcg::fcd::Progress(),
+        [&](std::size_t i) {
+            prefetch(&position[i]);
+            prefetch(&normal[i]);
+            prefetch(&mesh.vert[i]);
+            prefetch(reinterpret_cast<const char *>(&mesh.vert[i] + 1) - 1);
+        });
 }
 
 void BendSession::restoreVertices() {
@@ -551,10 +565,10 @@ void BendSession::restore() {
 // --- apply ---
 
 std::string BendSession::filterCall(const std::string &script, const std::string &more) const {
-    std::string call = "ms.apply_filter('" + script + "', handles=" +
-                       (target.attribute.isEmpty() ? std::string("0")
-                                                   : "2, tag_attribute='" + target.attribute.toStdString() + "'") +
-                       ", transforms='" + motionText() + "'";
+    std::string call =
+        "ms.apply_filter('" + script + "', handles=" +
+        (target.attribute.isEmpty() ? std::string("0") : "2, tag_attribute='" + target.attribute.toStdString() + "'") +
+        ", transforms='" + motionText() + "'";
     const BendOptions defaults;
     if (options.smoothness != defaults.smoothness)
         call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
@@ -605,10 +619,9 @@ std::string BendSession::applyToNewLayer(MeshDocument &document, bool graphLayer
     param.deformation.linear = hasDirections(layer);
     vcg::fcd::DeformationResult result;
     PreparedLayers cache;
-    const std::shared_ptr<Prepared> prepared =
-        cache.get(document, layer, nullptr, given, param.deformation, [&] {
-            return vcg::tri::PrepareDeformer(layer.cm, given, param.deformation, result.position);
-        });
+    const std::shared_ptr<Prepared> prepared = cache.get(document, layer, nullptr, given, param.deformation, [&] {
+        return vcg::tri::PrepareDeformer(layer.cm, given, param.deformation, result.position);
+    });
     readMotions(layer, param.handles, prepared->deformer->center, remark, given);
     vcg::tri::PoseMesh(layer.cm, given, *prepared->deformer, param.deformation, vcg::fcd::Progress(), result);
     NewLayers layers(document, layer, remark);

@@ -73,7 +73,7 @@ class BendSession {
 
     /// The free or held vertex nearest to \p place in the pose, and how far it is. \return none in an empty layer
     std::optional<std::size_t> nearest(const Eigen::Vector3d &place, double &distance) const;
-    Eigen::Affine3d mirror() const; ///< of the world; the identity where there is none
+    Eigen::Affine3d mirror() const;                                  ///< of the world; the identity where there is none
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const; ///< at rest
     Eigen::Vector3d positionOf(std::size_t slot) const;              ///< in the pose
     /// The vertices within \p radius of \p slot along the surface, in the rest shape.

@@ -138,7 +138,7 @@ bool BendTool::start(MeshDocument &document, GLArea *area) {
     }
     makePanel();
     view->installEventFilter(this);
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); }, Qt::UniqueConnection);
+    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
     view->setFocus();
     refresh();
     return true;
@@ -236,7 +236,8 @@ void BendTool::showLayer() {
     atts[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR] =
         model->hasDataMask(MeshModel::MM_VERTCOLOR) && (marked || had[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR]);
     if (!isBare)
-        for (const auto name : {MLRenderingData::ATT_NAMES::ATT_WEDGETEXTURE, MLRenderingData::ATT_NAMES::ATT_VERTTEXTURE})
+        for (const auto name :
+             {MLRenderingData::ATT_NAMES::ATT_WEDGETEXTURE, MLRenderingData::ATT_NAMES::ATT_VERTTEXTURE})
             atts[name] = bool(had[name]);
     if (marked) {
         options._persolid_mesh_color_enabled = options._persolid_fixed_color_enabled = false;
@@ -584,7 +585,9 @@ void BendTool::pressKey(QKeyEvent *event) {
     case Qt::Key_F: panel->setRole(BendPanel::Fixed, 2); break;
     case Qt::Key_U: panel->setRole(BendPanel::Free, 2); break;
     case Qt::Key_O: panel->setRole(BendPanel::Outside, 2); break;
-    case Qt::Key_H: panel->setRole(BendPanel::Handle, shift || session->handles().empty() ? session->unusedTag() : 2); break;
+    case Qt::Key_H:
+        panel->setRole(BendPanel::Handle, shift || session->handles().empty() ? session->unusedTag() : 2);
+        break;
     case Qt::Key_T: panel->toggleThrough(); break;
     case Qt::Key_Backspace: onCommand(BendPanel::Reset); break;
     case Qt::Key_Escape:
@@ -615,10 +618,15 @@ bool BendTool::isGizmoHit(const Eigen::Vector3d &window, Kind &kind, int &hitAxi
     const Eigen::Vector3d center = session->centerOf(active);
     const double pixel = seen.pixelAt(center);
     const Eigen::Vector2d at = window.head<2>();
+    kind = Move;
+    hitAxis = -1;
+    if ((seen.toWindow(center).head<2>() - at).norm() < 15) // rings that are seen from the side go through it
+        return true;
     double least = 8;
     for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3d tip = center + arrowPixels * pixel * Eigen::Vector3d::Unit(axis);
-        const Eigen::Vector2d a = seen.toWindow(center + (tip - center) * 0.3).head<2>(), b = seen.toWindow(tip).head<2>();
+        const Eigen::Vector2d a = seen.toWindow(center + (tip - center) * 0.3).head<2>(),
+                              b = seen.toWindow(tip).head<2>();
         if (const double d = distanceToSegment(at, a, b); d < least && (b - a).norm() > 10) {
             least = d;
             kind = Move;
@@ -711,8 +719,8 @@ void BendTool::beginDrag(int tag, Kind kind, int axis, bool modal, const Eigen::
         if (took > 0 && session->moves())
             solve(false);
         if (std::getenv("FCD_TRACE"))
-            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n", model->cm.vn,
-                         took, double(sinceEvent.nsecsElapsed()) / 1e6);
+            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
+                         model->cm.vn, took, double(sinceEvent.nsecsElapsed()) / 1e6);
     } catch (...) {
         endDrag(false);
         throw;
@@ -830,11 +838,12 @@ void BendTool::solve(bool full) {
     showVertices(full);
     milliseconds = double(watch.nsecsElapsed()) / 1e6;
     if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr,
-                     "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
-                     "since the event %.1f ms\n",
-                     full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
-                     milliseconds - solved, milliseconds, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+        std::fprintf(
+            stderr,
+            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
+            "since the event %.1f ms\n",
+            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
+            milliseconds - solved, milliseconds, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
 }
 
 // --- marks ---
@@ -876,15 +885,15 @@ std::vector<std::size_t> BendTool::verticesIn(const IsIn &isIn) const {
             }
         return false;
     };
-    return vcg::fcd::CollectInOrder<std::size_t>(
-        vcg::fcd::Progress(), "Marking", vcg::fcd::Index(mesh.vert.size()),
-        [&](vcg::fcd::Index i, std::vector<std::size_t> &found) {
-            if (mesh.vert[std::size_t(i)].IsD())
-                return;
-            const Eigen::Vector3d p = session->positionOf(std::size_t(i));
-            if (isMarked(p) || (session->options.mirror >= 0 && isMarked(mirror * p)))
-                found.push_back(std::size_t(i));
-        });
+    return vcg::fcd::CollectInOrder<std::size_t>(vcg::fcd::Progress(), "Marking", vcg::fcd::Index(mesh.vert.size()),
+                                                 [&](vcg::fcd::Index i, std::vector<std::size_t> &found) {
+                                                     if (mesh.vert[std::size_t(i)].IsD())
+                                                         return;
+                                                     const Eigen::Vector3d p = session->positionOf(std::size_t(i));
+                                                     if (isMarked(p) ||
+                                                         (session->options.mirror >= 0 && isMarked(mirror * p)))
+                                                         found.push_back(std::size_t(i));
+                                                 });
 }
 
 void BendTool::brushAt(const Eigen::Vector3d &window) {
@@ -894,7 +903,10 @@ void BendTool::brushAt(const Eigen::Vector3d &window) {
     marking->corners.back() = mouse;
     const double radius = panel->brush() * view->devicePixelRatioF();
     const bool wasMarked = session->isMarked();
-    session->mark(verticesIn([&](double x, double y) { return distanceToSegment({x, y}, a, b) <= radius; }), panel->tag());
+    session->mark(verticesIn([&](double x, double y) {
+                      return distanceToSegment({x, y}, a, b) <= radius;
+                  }),
+                  panel->tag());
     if (!wasMarked)
         showLayer();
     showColors();
@@ -908,8 +920,8 @@ void BendTool::markPolygon() {
     }
     if (panel->mode() == BendPanel::Rectangle && area.size() == 2)
         area = QPolygonF(QRectF(area[0], area[1]).normalized());
-    const std::vector<std::size_t> found = verticesIn(
-        [&](double x, double y) { return area.containsPoint(QPointF(x, y), Qt::OddEvenFill); });
+    const std::vector<std::size_t> found =
+        verticesIn([&](double x, double y) { return area.containsPoint(QPointF(x, y), Qt::OddEvenFill); });
     if (!found.empty()) {
         session->mark(found, panel->tag());
         session->endMarks();
@@ -928,10 +940,10 @@ void BendTool::showVertices(bool full) {
     if (!shared)
         return;
     using Names = MLRenderingData::ATT_NAMES;
-    shared->meshAttributesUpdated(layerId, false,
-                                  full ? attributes({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL, Names::ATT_FACENORMAL,
-                                                     Names::ATT_VERTCOLOR})
-                                       : attributes({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL}));
+    shared->meshAttributesUpdated(
+        layerId, false,
+        full ? attributes({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL, Names::ATT_FACENORMAL, Names::ATT_VERTCOLOR})
+             : attributes({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL}));
     shared->manageBuffers(layerId);
     isPainted = false;
     view->updateAllSiblingsGLAreas();
@@ -1017,6 +1029,11 @@ void BendTool::drawOverlay() const {
                 put(onRing(center, axis, ringPixels * pixel, i * 360 / 48.0 * degree));
             glEnd();
         }
+        glPointSize(14);
+        glColor3ub(250, 250, 250);
+        glBegin(GL_POINTS);
+        put(center);
+        glEnd();
     }
 
     // What is flat in the window.

@@ -57,9 +57,9 @@ class BendTool : public HostEditTool {
     struct Drag {
         int tag = 0;
         Kind kind = Move;
-        int axis = -1;      ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: x, y, z
-        bool modal = false; ///< begun by a key: the mouse moves it without a button
-        QString typed;      ///< a number
+        int axis = -1;               ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: x, y, z
+        bool modal = false;          ///< begun by a key: the mouse moves it without a button
+        QString typed;               ///< a number
         Eigen::Vector3d pivot, from; ///< the handle's middle as it begins, and where the mouse was, window
         double angle = 0;            ///< that the mouse went about the pivot, degrees
         Eigen::Vector3d last;        ///< where the mouse was, window
@@ -112,8 +112,8 @@ class BendTool : public HostEditTool {
     int layerId = -1;
     MeshModel *model = nullptr; ///< of the session; may be gone
     std::unique_ptr<BendSession> session;
-    MLRenderingData before;     ///< what the layer was shown with
-    bool isBare = false;        ///< without textures, which slow down what moves, and hide colours
+    MLRenderingData before; ///< what the layer was shown with
+    bool isBare = false;    ///< without textures, which slow down what moves, and hide colours
     BendView seen;
     std::optional<Drag> drag;
     std::optional<Marking> marking;
@@ -121,7 +121,7 @@ class BendTool : public HostEditTool {
     int active = 0; ///< the handle with the gizmo
     bool isCamera = false;
     bool isEnding = false; ///< done, and about to be told so
-    bool isLive = false; ///< the layer has a shape between two full solves
+    bool isLive = false;   ///< the layer has a shape between two full solves
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;
     std::string lastTimes;

@@ -55,8 +55,8 @@ TagSelectionParam tagSelectionParam(const RichParameterList &list);
 TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
 SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document);
 
-/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error when
-/// what is kept there are no tags
+/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
+/// when what is kept there are no tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
 
 /// The colour that shows a tag.

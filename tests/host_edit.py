@@ -86,7 +86,7 @@ class Window:
         time.sleep(0.5)
         self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
         self.wait("All files opened")
-        time.sleep(1)
+        time.sleep(2)
 
     def start(self, command, environment, **options):
         with open(self.log, "ab") as log:
@@ -125,9 +125,9 @@ class Window:
         self.do("mouseup", button, pause=0.5)
 
     def toggle_tool(self):
-        """Edit menu, the one entry that begins with F."""
+        """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
         self.do("mousemove", *MIDDLE)
-        self.key("alt+e", "f", pause=0.7)
+        self.key("alt+e", "Down", "Return", pause=0.7)
 
     def start_tool(self):
         before = self.text().count("Started Mode FCD: Bend")
