@@ -133,6 +133,7 @@ bool BendTool::start(MeshDocument &document, GLArea *area) {
     try {
         open(*document.mm());
     } catch (...) {
+        refused = int(document.mm()->id());
         close();
         throw;
     }
@@ -149,11 +150,11 @@ void BendTool::end() { close(); }
 void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
     if (isEnding || (document.mm() && int(document.mm()->id()) == layerId && layer()))
         return;
-    if (!document.mm()) {
-        close();
-        return;
-    }
-    start(document, area);
+    refused = -1;
+    close();
+    view = area;
+    if (document.mm() && document.mm()->cm.vn > 0) // a file that is being opened is empty at first: see draw()
+        start(document, area);
 }
 
 void BendTool::open(MeshModel &newModel) {
@@ -369,13 +370,18 @@ void BendTool::refresh() {
         return;
     panel->showMotions(QString::fromStdString(session->motionText()));
     QString text;
-    if (session->handles().empty())
+    if (session->handles().empty()) {
         text = session->isMarked() ? "Mark a handle (red), then drag it."
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
-    else if (session->nodes() > 0)
-        text = QString("%1 nodes").arg(session->nodes());
-    if (milliseconds > 0)
-        text += QString(", %1 ms, %2 frames/s").arg(milliseconds, 0, 'f', 1).arg(1000 / milliseconds, 0, 'f', 0);
+    } else if (session->nodes() == 0) {
+        text = "Drag a handle (red).";
+    } else {
+        const double least = std::max(0.1, milliseconds);
+        text = QString("%1 nodes, %2 ms, %3 frames/s")
+                   .arg(session->nodes())
+                   .arg(least, 0, 'f', 1)
+                   .arg(1000 / least, 0, 'f', 0);
+    }
     if (drag && !drag->typed.isEmpty())
         text += "\n" + QString(drag->kind == Move ? "move " : drag->kind == Turn ? "turn " : "scale ") + drag->typed;
     panel->showState(text);
@@ -977,6 +983,16 @@ void BendTool::draw() {
         });
     if (layer())
         drawOverlay();
+    else if (!session && !isEnding && view)
+        QTimer::singleShot(0, this, [this] {
+            guarded([&] {
+                if (session || isEnding || !view || !view->md() || !view->md()->mm())
+                    return;
+                const MeshModel &current = *view->md()->mm();
+                if (current.cm.vn > 0 && int(current.id()) != refused)
+                    start(*view->md(), view);
+            });
+        });
 }
 
 void BendTool::drawOverlay() const {

@@ -40,9 +40,9 @@ def tube(rows, columns):
     a, b = (row * columns + column).ravel(), (row * columns + (column + 1) % columns).ravel()
     ring = np.arange(columns)
     last = (rows - 1) * columns
-    faces = np.vstack([np.stack([a, a + columns, b], 1), np.stack([b, a + columns, b + columns], 1),
-                       np.stack([np.full(columns, rows * columns), ring, (ring + 1) % columns], 1),
-                       np.stack([np.full(columns, rows * columns + 1), last + (ring + 1) % columns, last + ring], 1)])
+    faces = np.vstack([np.stack([a, b, a + columns], 1), np.stack([b, b + columns, a + columns], 1),
+                       np.stack([np.full(columns, rows * columns), (ring + 1) % columns, ring], 1),
+                       np.stack([np.full(columns, rows * columns + 1), last + ring, last + (ring + 1) % columns], 1)])
     return points.astype(np.float32), faces.astype(np.int32)
 
 
