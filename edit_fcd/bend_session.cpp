@@ -72,20 +72,20 @@ bool BendState::operator==(const BendState &other) const {
 BendSession::BendSession(MeshModel &layer) : layer(layer), world(invertibleMatrixOf(layer)) {
     if (layer.cm.vn == 0)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
-    BendTags tags;
+    BendTags present;
     try {
-        tags = presentTags(layer, target);
-        if (std::set<int>(tags.begin(), tags.end()).size() > 64) // of something else, patches for example
+        present = presentTags(layer, target);
+        if (std::set<int>(present.begin(), present.end()).size() > 64) // of something else, patches for example
             throw Error("not tags");
     } catch (const Error &) {
         target.attribute = "fcd_tag"; // leaves a quality that is none of ours alone
-        tags = presentTags(layer, target);
+        present = presentTags(layer, target);
     }
-    if (std::any_of(tags.begin(), tags.end(), [](int tag) { return tag != 1; }))
-        now.marks = std::make_shared<const BendTags>(std::move(tags));
-    mask = layer.dataMask() & (MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
-    color.resize(mask & MeshModel::MM_VERTCOLOR ? layer.cm.vert.size() : 0);
-    quality.resize(mask & MeshModel::MM_VERTQUALITY ? layer.cm.vert.size() : 0);
+    if (std::any_of(present.begin(), present.end(), [](int tag) { return tag != 1; }))
+        now.marks = std::make_shared<const BendTags>(std::move(present));
+    const int mask = layer.dataMask() & (MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
+    color.resize((mask & MeshModel::MM_VERTCOLOR) != 0 ? layer.cm.vert.size() : 0);
+    quality.resize((mask & MeshModel::MM_VERTQUALITY) != 0 ? layer.cm.vert.size() : 0);
     for (std::size_t i = 0; i < color.size(); ++i)
         color[i] = layer.cm.vert[i].cC();
     for (std::size_t i = 0; i < quality.size(); ++i)
@@ -127,9 +127,9 @@ bool BendSession::isUpToDate() const {
     const CMeshO &mesh = layer.cm;
     if (mesh.vert.size() != position.size() || mesh.face.size() != faceNormal.size() || shapeOf(mesh) != shape)
         return false;
-    Eigen::Matrix4d matrix;
-    mesh.Tr.ToEigenMatrix(matrix);
-    if (matrix != world.matrix())
+    Eigen::Matrix4d present;
+    mesh.Tr.ToEigenMatrix(present);
+    if (present != world.matrix())
         return false;
     if (!now.marks || !target.attribute.isEmpty())
         return true;
@@ -143,7 +143,7 @@ bool BendSession::isUpToDate() const {
 
 // --- what is held ---
 
-std::vector<int> BendSession::handles() const {
+std::vector<int> BendSession::handleTags() const {
     std::vector<int> all;
     for (const auto &each : center)
         all.push_back(int(each.first));
@@ -268,26 +268,25 @@ void BendSession::updateTags() {
     } else if (!now.marks && now.points.empty()) {
         effective = std::make_shared<const BendTags>(position.size(), 1);
     } else {
-        auto tags = now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(position.size(), 0);
+        auto made = now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(position.size(), 0);
         if (!now.marks)
             for (const auto &each : now.points)
                 for (std::size_t i : reach(each.second.slot, each.second.radius))
-                    (*tags)[i] = 1;
+                    (*made)[i] = 1;
         for (const auto &[tag, point] : now.points) {
             for (std::size_t i : reach(point.slot, point.radius * pointSize))
-                if ((*tags)[i] == 1)
-                    (*tags)[i] = tag;
-            (*tags)[point.slot] = tag;
+                if ((*made)[i] == 1)
+                    (*made)[i] = tag;
+            (*made)[point.slot] = tag;
         }
-        if (!effective || *tags != *effective)
-            effective = tags;
+        if (!effective || *made != *effective)
+            effective = made;
     }
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return Eigen::Vector3d(pointOf(position[i])); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }
 
-/// Gives the layer the tags, or the look that it had before there were any.
 void BendSession::showTags() {
     if (now.marks) {
         writeTags(layer, *effective, target);
@@ -451,17 +450,17 @@ PoseParam BendSession::poseParamNow() const {
 }
 
 vcg::fcd::Handles BendSession::handlesNow() const {
-    vcg::fcd::Handles handles;
-    handles.world = world;
+    vcg::fcd::Handles held;
+    held.world = world;
     for (const auto &[tag, steps] : now.motion)
         if (center.count(tag))
-            handles.motion[tag] = vcg::fcd::ToMotion(steps, world * center.at(tag));
-    return handles;
+            held.motion[tag] = vcg::fcd::ToMotion(steps, world * center.at(tag));
+    return held;
 }
 
 bool BendSession::moves() const {
-    const vcg::fcd::Handles handles = handlesNow();
-    return options.pose != 0 && std::any_of(handles.motion.begin(), handles.motion.end(), [](const auto &each) {
+    const vcg::fcd::Handles held = handlesNow();
+    return options.pose != 0 && std::any_of(held.motion.begin(), held.motion.end(), [](const auto &each) {
                return !each.second.matrix.isIdentity(0) || !each.second.turn.isZero(0);
            });
 }
@@ -473,11 +472,11 @@ double BendSession::prepare() {
     restoreVertices();
     last.reset();
     deformer.reset();
-    vcg::fcd::Handles handles = handlesNow();
-    handles.tag = *effective;
-    vcg::tri::CountHandles(layer.cm, handles); // something to hold, and to bend
+    vcg::fcd::Handles held = handlesNow();
+    held.tag = *effective;
+    vcg::tri::CountHandles(layer.cm, held); // something to hold, and to bend
     Eigen::Matrix3Xd rest;
-    deformer = vcg::tri::PrepareDeformer(layer.cm, handles, poseParamNow().deformation, rest);
+    deformer = vcg::tri::PrepareDeformer(layer.cm, held, poseParamNow().deformation, rest);
     preparedFor = effective;
     preparedPatches = options.initialPatches;
     return 1000 * watch.Seconds();
@@ -492,13 +491,13 @@ BendSession::Times BendSession::pose(bool full) {
     times.prepare = prepare();
     vcg::fcd::Stopwatch watch;
     vcg::fcd::DeformationParam param = poseParamNow().deformation;
-    const vcg::fcd::Handles handles = handlesNow();
+    const vcg::fcd::Handles held = handlesNow();
     if (full) {
-        last = deformer->Solve(handles, param);
+        last = deformer->Solve(held, param);
     } else {
         param.maxIterations = 20;
         param.tolerance = std::max(param.tolerance, 1e-4);
-        last = deformer->Solve(deformer->MotionsOf(handles, param.pose), param, last ? &*last : nullptr);
+        last = deformer->Solve(deformer->MotionsOf(held, param.pose), param, last ? &*last : nullptr);
     }
     times.solve = 1000 * watch.Seconds();
     watch = {};
@@ -594,6 +593,9 @@ std::string BendSession::applyInPlace(MeshDocument &document, const Remark &rema
     poseInPlace(document, layer, param, prepared, remark, vcg::fcd::Progress());
     calls += filterCall("apply_coord_fcd_deformation", "");
     keepRest();
+    if (!now.marks && target.attribute.isEmpty()) { // the tags that the call needs stay
+        quality.assign(effective->begin(), effective->end());
+    }
     now.motion.clear();
     if (!now.marks)
         now.points.clear();

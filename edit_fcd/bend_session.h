@@ -64,7 +64,7 @@ class BendSession {
     /// The tags that all this amounts to.
     const BendTags &tags() const { return *effective; }
     bool isMarked() const { return now.marks != nullptr; }
-    std::vector<int> handles() const; ///< their tags, ascending
+    std::vector<int> handleTags() const; ///< ascending
     int unusedTag() const;
     /// Where the middle of a handle is in the pose.
     Eigen::Vector3d centerOf(int tag) const;
@@ -93,6 +93,8 @@ class BendSession {
     /// Tags vertices, in the layer's colours at once; endMarks() writes them all.
     void mark(const std::vector<std::size_t> &vertices, int tag);
     void endMarks();
+    /// Gives the layer tags and colours, or the look that it had before there were any.
+    void showTags();
     void clearMarks();
     /// A new handle around a vertex. \return its tag
     int addPoint(std::size_t slot, double radius);
@@ -111,9 +113,6 @@ class BendSession {
     struct Times {
         double prepare = 0, solve = 0, write = 0;
     };
-
-    /// Where the layer's coordinates are in the world.
-    const Eigen::Affine3d &matrix() const { return world; }
 
     /// Solves and writes the pose into the layer's positions and normals. \param full from rest to the end, as the
     /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
@@ -138,7 +137,6 @@ class BendSession {
   private:
     void keepRest();
     void updateTags();
-    void showTags();
     void writeVertices();
     void restoreVertices();
     template <class Param>
@@ -160,7 +158,6 @@ class BendSession {
     bool isPosed = false;    ///< the layer is not at rest
 
     // The look of the layer before anything was marked.
-    int mask = 0;
     std::vector<vcg::Color4b> color;
     std::vector<CVertexO::QualityType> quality;
 

@@ -70,6 +70,12 @@ Eigen::Vector3d onRing(const Eigen::Vector3d &center, int axis, double radius, d
     return p;
 }
 
+/// Lets nothing hide the colours of vertices.
+void showVertexColors(MLPerViewGLOptions &options) {
+    options._persolid_mesh_color_enabled = options._persolid_fixed_color_enabled = false;
+    options._perpoint_mesh_color_enabled = options._perpoint_fixed_color_enabled = false;
+}
+
 MLRenderingData::RendAtts attributes(std::initializer_list<MLRenderingData::ATT_NAMES> names) {
     MLRenderingData::RendAtts all;
     for (MLRenderingData::ATT_NAMES name : names)
@@ -164,6 +170,8 @@ void BendTool::open(MeshModel &newModel) {
     before = MLRenderingData();
     view->getSceneGLSharedContext()->getRenderInfoPerMeshView(layerId, view->context(), before);
     isBare = session->isMarked();
+    if (isBare && !newModel.hasDataMask(MeshModel::MM_VERTCOLOR))
+        session->showTags();
     active = 0;
     isLive = false;
     showLayer();
@@ -173,17 +181,21 @@ void BendTool::close() {
     drag.reset();
     marking.reset();
     isStepWanted = false;
-    if (MeshModel *model = layer()) {
+    if (const MeshModel *shown = layer()) {
         if (isLive || session->isUpToDate())
             session->restore();
         MLSceneGLSharedDataContext *shared = view->getSceneGLSharedContext();
         if (session->isMarked()) {
             MLRenderingData::RendAtts atts;
-            const auto solid = model->cm.fn > 0 ? MLRenderingData::PR_SOLID : MLRenderingData::PR_POINTS;
+            const auto solid = shown->cm.fn > 0 ? MLRenderingData::PR_SOLID : MLRenderingData::PR_POINTS;
             if (before.get(solid, atts)) {
                 atts[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR] = true;
                 atts[MLRenderingData::ATT_NAMES::ATT_FACECOLOR] = false;
                 before.set(solid, atts);
+                MLPerViewGLOptions options;
+                before.get(options);
+                showVertexColors(options);
+                before.set(options);
             }
         }
         shared->setRenderingDataPerMeshView(layerId, view->context(), before);
@@ -222,28 +234,26 @@ bool BendTool::isReady() {
 
 /// Shows the layer smooth, so that its buffers are indexed and only positions and normals change.
 void BendTool::showLayer() {
-    MeshModel *model = layer();
-    if (!model)
+    const MeshModel *shown = layer();
+    if (!shown)
         return;
     MLRenderingData data;
     MLPerViewGLOptions options;
     before.get(options);
-    const auto primitive = model->cm.fn > 0 ? MLRenderingData::PR_SOLID : MLRenderingData::PR_POINTS;
+    const auto primitive = shown->cm.fn > 0 ? MLRenderingData::PR_SOLID : MLRenderingData::PR_POINTS;
     MLRenderingData::RendAtts had, atts;
     before.get(primitive, had);
     atts[MLRenderingData::ATT_NAMES::ATT_VERTPOSITION] = true;
     atts[MLRenderingData::ATT_NAMES::ATT_VERTNORMAL] = true;
     const bool marked = session->isMarked() || marking;
     atts[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR] =
-        model->hasDataMask(MeshModel::MM_VERTCOLOR) && (marked || had[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR]);
+        shown->hasDataMask(MeshModel::MM_VERTCOLOR) && (marked || had[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR]);
     if (!isBare)
         for (const auto name :
              {MLRenderingData::ATT_NAMES::ATT_WEDGETEXTURE, MLRenderingData::ATT_NAMES::ATT_VERTTEXTURE})
             atts[name] = bool(had[name]);
-    if (marked) {
-        options._persolid_mesh_color_enabled = options._persolid_fixed_color_enabled = false;
-        options._perpoint_mesh_color_enabled = options._perpoint_fixed_color_enabled = false;
-    }
+    if (marked)
+        showVertexColors(options);
     data.set(primitive, atts);
     data.set(options);
     MLSceneGLSharedDataContext *shared = view->getSceneGLSharedContext();
@@ -370,7 +380,7 @@ void BendTool::refresh() {
         return;
     panel->showMotions(QString::fromStdString(session->motionText()));
     QString text;
-    if (session->handles().empty()) {
+    if (session->handleTags().empty()) {
         text = session->isMarked() ? "Mark a handle (red), then drag it."
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     } else if (session->nodes() == 0) {
@@ -409,7 +419,7 @@ std::optional<Eigen::Vector3d> BendTool::pick(const QPointF &place) const {
 void BendTool::toCamera(QMouseEvent *event) {
     isCamera = event->type() != QEvent::MouseButtonRelease;
     const auto left = [](Qt::MouseButtons buttons) {
-        return buttons & Qt::RightButton ? (buttons & ~Qt::RightButton) | Qt::LeftButton : buttons;
+        return (buttons & Qt::RightButton) != 0 ? (buttons & ~Qt::RightButton) | Qt::LeftButton : buttons;
     };
     QMouseEvent copy(event->type(), event->localPos(), event->windowPos(), event->screenPos(),
                      event->button() == Qt::RightButton ? Qt::LeftButton : event->button(), left(event->buttons()),
@@ -574,7 +584,7 @@ void BendTool::pressKey(QKeyEvent *event) {
     case Qt::Key_S: {
         if (!isReady())
             return;
-        const std::vector<int> handles = session->handles();
+        const std::vector<int> handles = session->handleTags();
         if (handles.empty())
             throw Error("There is no handle yet: mark one, or drag a point of the surface.");
         if (!std::count(handles.begin(), handles.end(), active))
@@ -592,7 +602,7 @@ void BendTool::pressKey(QKeyEvent *event) {
     case Qt::Key_U: panel->setRole(BendPanel::Free, 2); break;
     case Qt::Key_O: panel->setRole(BendPanel::Outside, 2); break;
     case Qt::Key_H:
-        panel->setRole(BendPanel::Handle, shift || session->handles().empty() ? session->unusedTag() : 2);
+        panel->setRole(BendPanel::Handle, shift || session->handleTags().empty() ? session->unusedTag() : 2);
         break;
     case Qt::Key_T: panel->toggleThrough(); break;
     case Qt::Key_Backspace: onCommand(BendPanel::Reset); break;
@@ -619,7 +629,7 @@ void BendTool::pressKey(QKeyEvent *event) {
 // --- handles ---
 
 bool BendTool::isGizmoHit(const Eigen::Vector3d &window, Kind &kind, int &hitAxis) const {
-    if (!active || !session->handles().size())
+    if (!active || !session->handleTags().size())
         return false;
     const Eigen::Vector3d center = session->centerOf(active);
     const double pixel = seen.pixelAt(center);
@@ -639,9 +649,9 @@ bool BendTool::isGizmoHit(const Eigen::Vector3d &window, Kind &kind, int &hitAxi
             hitAxis = axis;
         }
         for (int i = 0; i < 48; ++i) {
-            const double step = 360 / 48.0 * degree;
-            const Eigen::Vector2d p = seen.toWindow(onRing(center, axis, ringPixels * pixel, i * step)).head<2>(),
-                                  q = seen.toWindow(onRing(center, axis, ringPixels * pixel, (i + 1) * step)).head<2>();
+            const double part = 360 / 48.0 * degree;
+            const Eigen::Vector2d p = seen.toWindow(onRing(center, axis, ringPixels * pixel, i * part)).head<2>(),
+                                  q = seen.toWindow(onRing(center, axis, ringPixels * pixel, (i + 1) * part)).head<2>();
             if (const double d = distanceToSegment(at, p, q); d < least) {
                 least = d;
                 kind = Turn;
@@ -655,7 +665,7 @@ bool BendTool::isGizmoHit(const Eigen::Vector3d &window, Kind &kind, int &hitAxi
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
 bool BendTool::grab(QMouseEvent *event) {
     const Eigen::Vector3d window = windowOf(event->localPos());
-    const std::vector<int> handles = session->handles();
+    const std::vector<int> handles = session->handleTags();
     Kind kind = Move;
     int axis = -1;
     if (std::count(handles.begin(), handles.end(), active) && isGizmoHit(window, kind, axis)) {
@@ -769,8 +779,8 @@ std::optional<MotionStep> BendTool::dragStep() const {
         return MotionStep::Rotate(about, angle);
     }
     case Scale: {
-        const double before = std::max(20.0, (from - middle).norm());
-        double factor = isTyped ? typed : std::max(0.01, 1 + ((to - middle).norm() - (from - middle).norm()) / before);
+        const double length = std::max(20.0, (from - middle).norm());
+        double factor = isTyped ? typed : std::max(0.01, 1 + ((to - middle).norm() - (from - middle).norm()) / length);
         factor = rounded(factor);
         if (factor == 1 || !(factor > 0))
             return {};
@@ -965,12 +975,12 @@ void BendTool::showColors() {
 
 void BendTool::draw() {
     isPainted = true;
-    double model[16], projection[16];
+    double place[16], projection[16];
     int port[4];
-    glGetDoublev(GL_MODELVIEW_MATRIX, model);
+    glGetDoublev(GL_MODELVIEW_MATRIX, place);
     glGetDoublev(GL_PROJECTION_MATRIX, projection);
     glGetIntegerv(GL_VIEWPORT, port);
-    seen.toClip = Eigen::Map<Eigen::Matrix4d>(projection) * Eigen::Map<Eigen::Matrix4d>(model);
+    seen.toClip = Eigen::Map<Eigen::Matrix4d>(projection) * Eigen::Map<Eigen::Matrix4d>(place);
     seen.fromClip = seen.toClip.inverse();
     seen.width = std::max(1, port[2]);
     seen.height = std::max(1, port[3]);
@@ -1009,8 +1019,8 @@ void BendTool::drawOverlay() const {
         glPointSize(2);
         glColor3ub(240, 197, 60);
         glBegin(GL_POINTS);
-        const std::size_t step = tags.size() / 20000 + 1;
-        for (std::size_t i = 0; i < tags.size(); i += step)
+        const std::size_t some = tags.size() / 20000 + 1;
+        for (std::size_t i = 0; i < tags.size(); i += some)
             if (tags[i] == 1)
                 put(session->positionOf(i));
         glEnd();
@@ -1023,7 +1033,7 @@ void BendTool::drawOverlay() const {
         glEnd();
     }
 
-    const std::vector<int> handles = session->handles();
+    const std::vector<int> handles = session->handleTags();
     if (panel && panel->mode() == BendPanel::Bend && std::count(handles.begin(), handles.end(), active)) {
         const Eigen::Vector3d center = session->centerOf(active);
         const double pixel = seen.pixelAt(center);

@@ -110,7 +110,7 @@ class BendTool : public HostEditTool {
     QPointer<GLArea> view;
     QPointer<BendPanel> panel;
     int layerId = -1;
-    int refused = -1; ///< a layer that cannot be bent
+    int refused = -1;           ///< a layer that cannot be bent
     MeshModel *model = nullptr; ///< of the session; may be gone
     std::unique_ptr<BendSession> session;
     MLRenderingData before; ///< what the layer was shown with
