@@ -264,28 +264,33 @@ def memory(process):
 def test_monkey(window, tmp_path):
     points, faces = tube(60, 48)
     first = write_ply(tmp_path / "one.ply", points, faces)
-    write_ply(tmp_path / "two.ply", points * np.float32(0.5), faces)
+    write_ply(tmp_path / "two.ply", points * np.float32(0.5) + np.float32([0, 0.5, 0]), faces) # where the other does not hide it
     w = window(first)
     w.start_tool()
     seed = int(os.environ.get("FCD_MONKEY_SEED", random.randrange(10**6)))
     print("seed", seed)
     rng = random.Random(seed)
-    place = lambda: (MIDDLE[0] + rng.randint(-270, 270), MIDDLE[1] + rng.randint(-230, 200))
-    layers = 1
-    started = None
-    end = time.time() + float(os.environ.get("FCD_MONKEY_SECONDS", "20"))
+    place = lambda: (MIDDLE[0] + rng.randint(-200, 200), MIDDLE[1] + rng.randint(-150, 150))
+    seconds = float(os.environ.get("FCD_MONKEY_SECONDS", "20"))
+    layers, started, end = 1, None, time.time() + seconds
     while time.time() < end:
         what = rng.random()
-        if what < 0.35:
+        if what < 0.45:
             w.drag(place(), place(), button=rng.choice([1, 1, 1, 1, 2, 3]))
-        elif what < 0.7:
-            w.key(rng.choice(["b", "v", "l", "m", "f", "u", "h", "o", "t", "g", "r", "s", "x", "y", "z", "2", "Return", "Escape", "BackSpace",
-                              "ctrl+z", "ctrl+shift+z"]), pause=0.05)
+        elif what < 0.65:
+            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "o", "t", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]), pause=0.05)
+        elif what < 0.75: # a motion by keys
+            w.key(rng.choice("grs"), rng.choice("xyz"), pause=0.05)
+            w.do("mousemove", *place())
+            w.key(rng.choice(["1", "minus", "m"]), pause=0.05)
+            w.do("click", rng.choice([1, 3]), pause=0.05) # keep, or cancel
         elif what < 0.8:
             w.do("mousemove", *place(), "click", rng.choice([1, 4, 5]), pause=0.05)
         elif what < 0.87:
-            w.do("mousemove", 1030, rng.choice([133, 155]), "click", 1) # another layer
-        elif what < 0.94:
+            w.do("mousemove", 1030, rng.choice([133, 164]), "click", 1) # another layer
+            w.do("mousemove", *MIDDLE)
+        elif what < 0.94: # off and on
+            w.toggle_tool()
             w.toggle_tool()
         elif layers < 4:
             w.do("mousemove", *MIDDLE)
@@ -293,11 +298,11 @@ def test_monkey(window, tmp_path):
             w.do("type", "--delay", "5", str(tmp_path / "two.ply"))
             w.key("Return", pause=1)
             layers += 1
-        if started is None and time.time() > end - 0.8 * float(os.environ.get("FCD_MONKEY_SECONDS", "20")):
+        if started is None and time.time() > end - 0.8 * seconds:
             started = memory(w.meshlab)
         assert w.meshlab.poll() is None, f"MeshLab ended, seed {seed}: " + w.text()[-3000:]
+    assert w.traces("full"), f"the monkey did nothing, seed {seed}"
     w.shot("monkey")
-    w.key("Escape", "Escape")
     assert w.meshlab.poll() is None
     assert memory(w.meshlab) < started + 300, seed
     assert "exception was thrown" not in w.text()
