@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_panel.h"
 
+#include <initializer_list>
+
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
@@ -131,6 +133,10 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     scroll->setMinimumWidth(content->minimumSizeHint().width() + 20);
     setWidget(scroll);
 
+    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, through, graphs, poseSlider})
+        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
+    for (QAbstractButton *button : modes->buttons())
+        button->setFocusPolicy(Qt::NoFocus);
     connect(poseSlider, &QSlider::valueChanged, this, [this](int value) {
         poseLabel->setText(QString("%1 %").arg(value));
         emit optionsChanged();
