@@ -629,7 +629,7 @@ void BendTool::pressKey(QKeyEvent *event) {
 // --- handles ---
 
 bool BendTool::isGizmoHit(const Eigen::Vector3d &window, Kind &kind, int &hitAxis) const {
-    if (!active || !session->handleTags().size())
+    if (!active || session->handleTags().empty())
         return false;
     const Eigen::Vector3d center = session->centerOf(active);
     const double pixel = seen.pixelAt(center);
@@ -727,7 +727,7 @@ void BendTool::beginDrag(int tag, Kind kind, int axis, bool modal, const Eigen::
     const auto steps = session->state().motion.find(tag);
     if (steps != session->state().motion.end())
         begun.begin = steps->second;
-    drag = begun;
+    drag = std::make_unique<Drag>(begun);
     if (modal)
         view->setMouseTracking(true);
     try {
@@ -867,7 +867,7 @@ void BendTool::solve(bool full) {
 void BendTool::beginMarking() {
     session->change();
     isBare = true;
-    marking = Marking();
+    marking = std::make_unique<Marking>();
     if (!panel->isThrough()) {
         marking->depth.resize(std::size_t(seen.width) * std::size_t(seen.height), 1);
         view->makeCurrent();

@@ -116,8 +116,8 @@ class BendTool : public HostEditTool {
     MLRenderingData before; ///< what the layer was shown with
     bool isBare = false;    ///< without textures, which slow down what moves, and hide colours
     BendView seen;
-    std::optional<Drag> drag;
-    std::optional<Marking> marking;
+    std::unique_ptr<Drag> drag;
+    std::unique_ptr<Marking> marking;
     QPointF mouse;
     int active = 0; ///< the handle with the gizmo
     bool isCamera = false;
