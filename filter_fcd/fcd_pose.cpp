@@ -35,14 +35,6 @@ class WhileAtRest {
     std::vector<Point3m> before;
 };
 
-void prefetch(const void *memory) {
-#ifdef __GNUC__
-    __builtin_prefetch(memory);
-#else
-    (void)memory;
-#endif
-}
-
 /// What is summed up over all vertices of a shape.
 struct Sum {
     std::uint64_t shape = 0;

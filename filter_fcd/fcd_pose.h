@@ -25,4 +25,13 @@ PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam
 /// shape. \throw vcg::fcd::Error when the layer has no rest shape
 void resetPose(MeshModel &layer, bool presentShape);
 
+/// Begins to read memory that will soon be written.
+inline void prefetch(const void *memory) {
+#ifdef __GNUC__
+    __builtin_prefetch(memory);
+#else
+    (void)memory;
+#endif
+}
+
 #endif

@@ -64,7 +64,8 @@ const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString
     return nullptr;
 }
 
-/// The tags that \p layer has; all free where it has none yet.
+} // namespace
+
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     const CMeshO &mesh = layer.cm;
     HandleParam source;
@@ -93,7 +94,7 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     }
 }
 
-vcg::Color4b colorOf(int tag) {
+vcg::Color4b colorOfTag(int tag) {
     const auto color = [](double r, double g, double b) {
         const auto byte = [](double x) { return (unsigned char)std::lround(x); };
         return vcg::Color4b(byte(r), byte(g), byte(b), 255);
@@ -111,7 +112,6 @@ vcg::Color4b colorOf(int tag) {
     return color(shade(210), shade(60), shade(50));
 }
 
-/// Gives \p layer the tags, one per slot of its vertices. \throw Error before anything is changed
 TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target) {
     CMeshO &mesh = layer.cm;
     const vcg::PointerToAttribute *attribute = nullptr;
@@ -150,13 +150,11 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
         layer.updateDataMask(MeshModel::MM_VERTCOLOR);
         for (std::size_t i = 0; i < tag.size(); ++i)
             if (!mesh.vert[i].IsD())
-                mesh.vert[i].C() = colorOf(tag[i]);
+                mesh.vert[i].C() = colorOfTag(tag[i]);
         coloredByTags(layer);
     }
     return count;
 }
-
-} // namespace
 
 // --- FCD: Tag Selection ---
 

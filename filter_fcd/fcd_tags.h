@@ -55,6 +55,16 @@ TagSelectionParam tagSelectionParam(const RichParameterList &list);
 TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
 SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document);
 
+/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
+/// when what is kept there are no tags
+std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
+
+/// The colour that shows a tag.
+vcg::Color4b colorOfTag(int tag);
+
+/// Gives \p layer the tags, one per slot of its vertices. \throw vcg::fcd::Error before anything is changed
+vcg::fcd::TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target);
+
 /// Tags the selected vertices, and the vertices of selected faces; the others keep their tags, or are free where the
 /// layer has none yet. \throw vcg::fcd::Error, and leaves the layer as it was
 vcg::fcd::TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param);

@@ -122,8 +122,16 @@ const Result *resultOf(const MeshModel &layer) { return host::meshAttribute<Resu
 
 } // namespace
 
-void markResult(MeshModel &result, const MeshModel &source) {
-    host::madeMeshAttribute<Result>(result.cm, resultName) = {source.id(), shapeOf(result.cm), result.label()};
+void showResult(MeshDocument &document, MeshModel &source, MeshModel &deformed,
+                const std::vector<MeshModel *> &graphs) {
+    std::vector<MeshModel *> results = graphs;
+    results.push_back(&deformed);
+    for (MeshModel *result : results) {
+        host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), shapeOf(result->cm), result->label()};
+        host::setVisible(*result, result == &deformed);
+    }
+    host::setVisible(source, false);
+    host::showChanges(document);
 }
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {

@@ -426,14 +426,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     progress(1, "Done");
     layers.keep(deformed);
     if (inWindow) { // one sees what one asked for, and the next try takes its place
-        for (MeshModel *graph : graphs) {
-            markResult(*graph, layer);
-            host::setVisible(*graph, false);
-        }
-        markResult(deformed, layer);
-        host::setVisible(layer, false);
-        host::setVisible(deformed, true);
-        host::showChanges(document);
+        showResult(document, layer, deformed, graphs);
         logLine((earlier.empty() ? std::string()
                                  : std::to_string(earlier.size()) + " layers of the last try are replaced. ") +
                 "'" + deformed.label().toStdString() + "' is shown, '" + layer.label().toStdString() +

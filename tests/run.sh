@@ -142,7 +142,7 @@ meshlabserver() {
         without "xvfb-run does not work: $(tail -n 1 "$results/xvfb.log")"
     else
         faults meshlab-2020.09
-        host "$build/venv/bin/python" tests/host_meshlabserver.py tests/host_readme.py
+        host "$build/venv/bin/python" tests/host_meshlabserver.py tests/host_readme.py tests/host_edit.py
     fi
 }
 window() {
@@ -225,7 +225,7 @@ mapfile -t included < <(cd "$plugin" && ninja -t deps CMakeFiles/filter_fcd.dir/
 [ ${#included[@]} -gt 0 ] || fail "ninja does not know what the plugin includes"
 (cd "$plugin" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,tests/run.sh} arguments "$build/venv-tools/requirements" \
     "${included[@]}") >"$results/clang-tidy.input"
-(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/* filter_fcd/*) >"$results/cppcheck.input"
+(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 
 tools=$build/venv-tools/bin
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
@@ -235,7 +235,7 @@ start window-2020.09 window
 start python-package python_package
 start clang-tidy once tidy
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
-    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp
+    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp edit_fcd/*.cpp
 wait
 start messages check messages python3 tests/messages.py "$FCD_MESSAGES"
 

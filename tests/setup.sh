@@ -7,7 +7,7 @@
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/venv-wheel (what builds the Python package), build/venv-python (where it is tested),
 # build/locale (for LOCPATH), build/meshlab-2020.09 (private copy of the distribution's MeshLab that loads our plugin),
-# build/plugins/HOST/libfilter_fcd.so. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
+# build/plugins/HOST/libfilter_fcd.so, and libedit_fcd.so for a host with a window. Downloads are kept in ${XDG_CACHE_HOME:-~/.cache}/fcd, outside the build tree.
 # Log: build/setup.log.
 set -Eeuo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -193,7 +193,7 @@ fi
 step="making a private copy of MeshLab 2020.09"
 private=$build/meshlab-2020.09
 mkdir -p "$private/plugins"
-ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09/libfilter_fcd.so" "$private/plugins/"
+ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib{filter,edit}_fcd.so "$private/plugins/"
 for program in meshlab meshlabserver; do
     cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
     printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \

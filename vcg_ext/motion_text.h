@@ -5,6 +5,7 @@
 #include "handle_file.h"
 #include "handles.h"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -214,6 +215,42 @@ class MotionTextReader {
 inline std::map<int, std::vector<MotionStep>> ReadMotionText(const std::string &text,
                                                              const std::string &name = "transforms") {
     return detail::MotionTextReader(text, name).Read();
+}
+
+/// The text that ReadMotionText reads as \p motion, each number to the bit in the fewest digits. Handles without a step
+/// are left out.
+inline std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion) {
+    std::string text;
+    const auto add = [&text](const double *number, int count) {
+        for (int i = 0; i < count; ++i) {
+            char digits[32];
+            text.append(1, ' ').append(digits, std::to_chars(digits, digits + sizeof digits, number[i]).ptr);
+        }
+    };
+    for (const auto &[tag, steps] : motion) {
+        if (steps.empty())
+            continue;
+        text += (text.empty() ? "" : "; ") + std::to_string(tag) + ":";
+        for (const MotionStep &step : steps) {
+            switch (step.kind) {
+            case MotionStep::Translation: text += " translate"; break;
+            case MotionStep::Rotation: text += " rotate"; break;
+            case MotionStep::Scaling: text += " scale"; break;
+            case MotionStep::Matrix: text += " matrix"; break;
+            }
+            if (step.kind == MotionStep::Matrix)
+                add(Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(step.matrix).data(), 16);
+            else
+                add(step.vector.data(), 3);
+            if (step.kind == MotionStep::Rotation)
+                add(&step.degrees, 1);
+            if (step.about) {
+                text += " about";
+                add(step.about->data(), 3);
+            }
+        }
+    }
+    return text;
 }
 
 /// The motion that \p steps make of a handle whose vertices have the mean \p barycenter at rest. When all its rotations

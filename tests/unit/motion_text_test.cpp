@@ -354,3 +354,31 @@ TEST(MotionText, AFullTurnIsTheIdentityToTheBit) {
     for (const char *steps : {"rotate 1 2 3 360 about 0 0 0", "rotate 1 2 3 -720 about 0 0 0"})
         EXPECT_EQ(MotionOf(steps).matrix, Matrix4d::Identity());
 }
+
+TEST(MotionText, IsReadAsItWasWrittenToTheBit) {
+    const double third = 1.0 / 3, tiny = std::numeric_limits<double>::denorm_min();
+    std::map<int, std::vector<MotionStep>> motion;
+    motion[2] = {MotionStep::Translate(Vector3d(third, -1e300, tiny)),
+                 MotionStep::Rotate(Vector3d(1, 2, third), -1234.1)};
+    motion[2].back().about = Vector3d(0.1, 0.2, 0.3);
+    motion[3] = {};
+    Matrix4d m = Matrix4d::Identity();
+    m(0, 1) = third;
+    m(2, 3) = 1e-7;
+    motion[70] = {MotionStep::Scale(Vector3d(third, 1, 3)), MotionStep::Affine(m)};
+    const auto read = ReadMotionText(WriteMotionText(motion));
+    ASSERT_EQ(read.size(), 2u); // 3 has no step
+    for (int tag : {2, 70}) {
+        ASSERT_EQ(read.at(tag).size(), motion[tag].size());
+        for (std::size_t i = 0; i < motion[tag].size(); ++i) {
+            const MotionStep &a = motion[tag][i], &b = read.at(tag)[i];
+            EXPECT_EQ(a.kind, b.kind);
+            EXPECT_EQ(a.vector, b.vector);
+            EXPECT_EQ(a.degrees, b.degrees);
+            EXPECT_EQ(a.about, b.about);
+            EXPECT_EQ(a.matrix, b.matrix);
+        }
+    }
+    EXPECT_EQ(WriteMotionText({}), "");
+    EXPECT_EQ(WriteMotionText({{2, {MotionStep::Translate(Vector3d(0.5, 0, -2))}}}), "2: translate 0.5 0 -2");
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_PANEL_H
+#define FCD_BEND_PANEL_H
+
+#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
+
+#include <QButtonGroup>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QPlainTextEdit>
+#include <QSlider>
+#include <QSpinBox>
+
+/// The panel of the tool: shows and sets, and decides nothing.
+class BendPanel : public QDockWidget {
+    Q_OBJECT
+
+  public:
+    enum Mode { Bend, Brush, Rectangle, Polyline };
+    enum Role { Fixed, Free, Handle, Outside };
+    enum Command { MarkSelection, ClearMarks, TakeMotions, Undo, Redo, Reset, ApplyInPlace, ApplyToNewLayer };
+
+    explicit BendPanel(QWidget *parent);
+
+    Mode mode() const { return Mode(modes->checkedId()); }
+    void setMode(Mode mode) { modes->button(mode)->setChecked(true); }
+    /// The tag that is marked with.
+    int tag() const;
+    void setRole(Role role, int handle);
+    bool isThrough() const { return through->isChecked(); }
+    void toggleThrough() { through->toggle(); }
+    double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
+    void setRadius(double fraction) { radiusPercent->setValue(100 * fraction); }
+    int brush() const { return brushPixels->value(); } ///< radius
+    void setBrush(int pixels) { brushPixels->setValue(pixels); }
+    double smoothness() const { return smoothnessValue->value(); }
+    int patches() const { return patchCount->value(); }
+    int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
+    int pose() const { return poseSlider->value(); }              ///< percent
+    void setPose(int percent);
+    bool graphLayers() const { return graphs->isChecked(); }
+    QString motions() const { return motionText->toPlainText(); }
+
+    /// Shows the handles' motions, unless they are being typed.
+    void showMotions(const QString &text);
+    void showState(const QString &text) { state->setText(text); }
+
+  signals:
+    void optionsChanged(); ///< pose, smoothness, patches, mirror
+    void command(int which);
+
+  private:
+    QButtonGroup *modes;
+    QComboBox *role, *mirrorAxis;
+    QSpinBox *number, *brushPixels, *patchCount;
+    QDoubleSpinBox *radiusPercent, *smoothnessValue;
+    QCheckBox *through, *graphs;
+    QSlider *poseSlider;
+    QPlainTextEdit *motionText;
+    QLabel *state, *poseLabel;
+};
+
+#endif

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_SESSION_H
+#define FCD_BEND_SESSION_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/motion_text.h>
+
+#include "../filter_fcd/fcd_tags.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A handle of a vertex and those beside it.
+struct BendPoint {
+    std::size_t slot = 0;
+    double radius = 0; ///< of what it bends where nothing is marked, along the surface, world units
+
+    bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
+};
+
+using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
+
+/// What is undone and redone: which vertices are held, and how the handles move.
+struct BendState {
+    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked, and points bend what is around them
+    std::map<int, BendPoint> points;       ///< by their tag
+    std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
+
+    bool operator==(const BendState &other) const;
+};
+
+/// What the panel sets.
+struct BendOptions {
+    double smoothness = vcg::fcd::SolverParam().smoothness;
+    double pose = 100; ///< percent of the motions
+    int initialPatches = vcg::fcd::GraphParam().initialPatches;
+    int mirror = -1; ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+};
+
+/// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
+/// prepared for that. Knows nothing of mouse and screen.
+///
+/// The layer shows the pose; keep() or restore() end that. Motions and places are in the world, that is after the
+/// layer's matrix, but for slots.
+class BendSession {
+  public:
+    /// The present shape of \p layer becomes the rest shape, its tags the marks.
+    /// \throw vcg::fcd::Error no vertices, or a matrix without an inverse
+    explicit BendSession(MeshModel &layer);
+
+    /// Whether the layer has as many vertices and faces as it had.
+    bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }
+    /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
+    bool isUpToDate() const;
+
+    // --- what is held ---
+
+    const BendState &state() const { return now; }
+    /// The tags that all this amounts to.
+    const BendTags &tags() const { return *effective; }
+    bool isMarked() const { return now.marks != nullptr; }
+    std::vector<int> handleTags() const; ///< ascending
+    int unusedTag() const;
+    /// Where the middle of a handle is in the pose.
+    Eigen::Vector3d centerOf(int tag) const;
+    /// The handle on the other side of the mirror, 0 where there is none or no mirror.
+    int mirrored(int tag) const;
+
+    /// The free or held vertex nearest to \p place in the pose, and how far it is. \return none in an empty layer
+    std::optional<std::size_t> nearest(const Eigen::Vector3d &place, double &distance) const;
+    Eigen::Affine3d mirror() const;                                  ///< of the world; the identity where there is none
+    std::optional<std::size_t> mirroredSlot(std::size_t slot) const; ///< at rest
+    Eigen::Vector3d positionOf(std::size_t slot) const;              ///< in the pose
+    /// The vertices within \p radius of \p slot along the surface, in the rest shape.
+    const std::vector<std::size_t> &reach(std::size_t slot, double radius);
+    double diagonal() const { return size; } ///< of the bounding box
+
+    // --- changes; each begins with change(), which undo() takes back ---
+
+    void change();
+    bool canUndo() const { return !before.empty(); }
+    bool canRedo() const { return !after.empty(); }
+    void undo();
+    void redo();
+    /// Takes back what was done since the last change(), without a redo.
+    void cancel();
+
+    /// Tags vertices, in the layer's colours at once; endMarks() writes them all.
+    void mark(const std::vector<std::size_t> &vertices, int tag);
+    void endMarks();
+    /// Gives the layer tags and colours, or the look that it had before there were any.
+    void showTags();
+    void clearMarks();
+    /// A new handle around a vertex. \return its tag
+    int addPoint(std::size_t slot, double radius);
+    void setRadius(int tag, double radius);
+    void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);
+    /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
+    void setMotions(const std::string &text);
+    void reset(); ///< all motions
+
+    /// The motions as "Motions as text" takes them.
+    std::string motionText() const { return vcg::fcd::WriteMotionText(now.motion); }
+
+    // --- the pose ---
+
+    /// Milliseconds.
+    struct Times {
+        double prepare = 0, solve = 0, write = 0;
+    };
+
+    /// Solves and writes the pose into the layer's positions and normals. \param full from rest to the end, as the
+    /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
+    /// \throw vcg::fcd::Error
+    Times pose(bool full);
+    /// Prepares the deformer if it is not. \throw vcg::fcd::Error
+    double prepare();
+    bool moves() const; ///< whether anything leads away from rest
+    int nodes() const { return deformer ? int(deformer->graph.Size()) : 0; }
+
+    /// The rest shape again, to the bit.
+    void restore();
+
+    /// The layer at rest gets the present pose as FCD: Pose in Place gives it, and that becomes the rest shape. \return
+    /// the filter calls
+    std::string applyInPlace(MeshDocument &document, const Remark &remark);
+    /// The layer is at rest, and new layers hold the pose as FCD: Deform Mesh gives it. \return the filter call
+    std::string applyToNewLayer(MeshDocument &document, bool graphLayers, const Remark &remark);
+
+    BendOptions options;
+
+  private:
+    void keepRest();
+    void updateTags();
+    void writeVertices();
+    void restoreVertices();
+    template <class Param>
+    void setUp(Param &param) const;
+    PoseParam poseParamNow() const;
+    vcg::fcd::Handles handlesNow() const;
+    std::string filterCall(const std::string &script, const std::string &more) const;
+
+    MeshModel &layer;
+    Eigen::Affine3d world; ///< the layer's matrix
+    TagTarget target;
+    double size = 1;
+    Eigen::Vector3d middle; ///< of the box, layer units
+
+    // The rest shape.
+    std::vector<Point3m> position, normal, faceNormal;
+    vcg::Box3<Scalarm> box;
+    std::uint64_t shape = 0; ///< that the layer has now
+    bool isPosed = false;    ///< the layer is not at rest
+
+    // The look of the layer before anything was marked.
+    std::vector<vcg::Color4b> color;
+    std::vector<CVertexO::QualityType> quality;
+
+    BendState now;
+    std::vector<BendState> before, after;
+    std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
+    std::shared_ptr<const BendTags> effective;
+    std::shared_ptr<BendTags> marking; ///< the marks, while they change
+
+    std::unique_ptr<vcg::fcd::Deformer> deformer; ///< for `preparedFor`
+    std::shared_ptr<const BendTags> preparedFor;
+    int preparedPatches = 0;
+    std::optional<vcg::fcd::Deformer::Pose> last;
+
+    std::unique_ptr<vcg::fcd::SurfaceGraph> surface; ///< of the rest shape, once it was asked for
+    std::vector<std::size_t> reached;
+    std::size_t reachedFrom = std::size_t(-1);
+    double reachedRadius = 0;
+};
+
+#endif

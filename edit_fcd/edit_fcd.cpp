@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd.h"
+
+#include "bend_tool.h"
+
+#include <cmath>
+
+#include <QPainter>
+#include <QPixmap>
+
+namespace {
+
+/// A bent bar, with its handle red and what is fixed blue.
+QIcon icon() {
+    QPixmap pixmap(64, 64);
+    pixmap.fill(Qt::transparent);
+    QPainter painter(&pixmap);
+    painter.setRenderHint(QPainter::Antialiasing);
+    const auto draw = [&](const QColor &color, double from, double to) {
+        painter.setPen(QPen(color, 15, Qt::SolidLine, Qt::FlatCap));
+        painter.drawArc(QRectF(14, 14, 76, 76), int(16 * from), int(16 * (to - from)));
+    };
+    draw(QColor(59, 111, 201), 160, 200);
+    draw(QColor(240, 197, 60), 112, 161);
+    draw(QColor(210, 60, 50), 80, 113);
+    return QIcon(pixmap);
+}
+
+} // namespace
+
+EditFcd::EditFcd() { announce(icon(), "FCD: Bend"); }
+
+HostEditTool *EditFcd::makeTool(QAction *action) const { return new BendTool(action); }
+
+QString EditFcd::help() const {
+    return "Bends the current layer by hand, however many vertices it has.<br>"
+           "<b>At once:</b> press on the surface and drag. The point follows the mouse, what is around it bends, and "
+           "all beyond the <i>point radius</i> (wheel while dragging) stays fixed.<br>"
+           "<b>With marks:</b> choose <i>Brush</i> (B), <i>Rectangle</i> (V) or <i>Polyline</i> (L) and what is "
+           "marked: "
+           "fixed (F, blue), free (U, yellow), a handle (H, red; Shift+H the next number) or outside (O, grey). Then "
+           "<i>Bend</i> (M), and drag a handle, an arrow (moves along an axis) or a ring (turns). Marks are the tags "
+           "of "
+           "the FCD filters, in the vertex quality.<br>"
+           "<b>Keys:</b> G move, R turn, S scale, then X, Y or Z for an axis, a number, Enter or click to keep, Esc or "
+           "right click to cancel. Ctrl+Z undo, Ctrl+Shift+Z redo, Backspace reset, Enter apply in place, Shift+Enter "
+           "apply to new layer.<br>"
+           "<b>Camera:</b> drag beside the mesh, or with the right or middle button; wheel.<br>"
+           "Leaving the tool without applying brings the rest shape back. The log gets the filter call that makes the "
+           "same shape in a script.";
+}
+
+#include "moc_edit_fcd.cpp"  // NOLINT(bugprone-suspicious-include)
+#include "moc_edit_host.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef EDIT_FCD_H
+#define EDIT_FCD_H
+
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "edit_host.h"
+
+/// Fast Centroidal Deformation by hand: the plugin with the tool "FCD: Bend".
+class EditFcd : public HostEditPlugin {
+    Q_OBJECT
+    FCD_EDIT_METADATA
+
+  public:
+    EditFcd();
+
+    QString help() const override;
+    HostEditTool *makeTool(QAction *action) const override;
+};
+
+#endif

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The editing tool "FCD: Bend" in the real window of MeshLab 2020.09 under Xvfb, with a scripted mouse (xdotool, and openbox as
+window manager), against the filters in meshlabserver. FCD_MESHLABSERVER names that program; meshlab is beside it.
+
+FCD_EDIT_SHOTS names a folder for screenshots (ImageMagick); FCD_MONKEY_SECONDS is how long the monkey plays (20)."""
+import os
+import random
+import re
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
+
+MESHLAB = Path(SERVER).with_name("meshlab")
+PLUGIN = MESHLAB.parent / "plugins" / "libedit_fcd.so"
+SHOTS = os.environ.get("FCD_EDIT_SHOTS")
+MISSING = [program for program in ("Xvfb", "xdotool", "openbox") if not shutil.which(program)]
+
+pytestmark = [
+    pytest.mark.skipif(bool(MISSING), reason="a scripted mouse needs " + ", ".join(MISSING)),
+    pytest.mark.skipif(not MESHLAB.exists() or not PLUGIN.exists(), reason=f"there is no {MESHLAB}, or no {PLUGIN}"),
+]
+
+# In the window, maximised on a screen of 1366 x 768: the middle of the view, with the tool's panel to the left of it.
+MIDDLE = (662, 411)
+
+
+def tube(rows, columns):
+    """A closed tube along x, from -1 to 1."""
+    x = np.repeat(np.linspace(-1, 1, rows), columns)
+    turn = np.tile(np.arange(columns) * 2 * np.pi / columns, rows)
+    points = np.vstack([np.stack([x, 0.25 * np.cos(turn), 0.25 * np.sin(turn)], 1), [[-1, 0, 0], [1, 0, 0]]])
+    row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
+    a, b = (row * columns + column).ravel(), (row * columns + (column + 1) % columns).ravel()
+    ring = np.arange(columns)
+    last = (rows - 1) * columns
+    faces = np.vstack([np.stack([a, b, a + columns], 1), np.stack([b, b + columns, a + columns], 1),
+                       np.stack([np.full(columns, rows * columns), (ring + 1) % columns, ring], 1),
+                       np.stack([np.full(columns, rows * columns + 1), last + ring, last + (ring + 1) % columns], 1)])
+    return points.astype(np.float32), faces.astype(np.int32)
+
+
+def write_ply(path, points, faces, quality=None):
+    fields = [("p", "<f4", 3)] + ([("q", "<f4")] if quality is not None else [])
+    vertices = np.zeros(len(points), fields)
+    vertices["p"] = points
+    if quality is not None:
+        vertices["q"] = quality
+    triangles = np.zeros(len(faces), [("n", "u1"), ("v", "<i4", 3)])
+    triangles["n"], triangles["v"] = 3, faces
+    header = ("ply\nformat binary_little_endian 1.0\n"
+              f"element vertex {len(points)}\nproperty float x\nproperty float y\nproperty float z\n" +
+              ("property float quality\n" if quality is not None else "") +
+              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    path.write_bytes(header.encode() + vertices.tobytes() + triangles.tobytes())
+    return path
+
+
+def load(path):
+    """Positions and quality."""
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(path))
+    return ms.current_mesh().vertex_matrix(), ms.current_mesh().vertex_scalar_array()
+
+
+class Window:
+    """MeshLab with a mesh, on a display of its own."""
+
+    def __init__(self, folder, mesh):
+        self.folder, self.log, self.shots = folder, folder / "log.txt", 0
+        self.processes = []
+        read, write = os.pipe()
+        self.start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1366x768x24"], {}, pass_fds=[write])
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            display = pipe.readline().strip()
+        runtime = folder / "runtime"
+        runtime.mkdir(mode=0o700)
+        self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
+        self.start(["openbox"], self.environment)
+        time.sleep(0.5)
+        self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
+        self.wait("All files opened")
+        time.sleep(2)
+
+    def start(self, command, environment, **options):
+        with open(self.log, "ab") as log:
+            process = subprocess.Popen(command, env={**os.environ, **environment}, stdout=log, stderr=log, stdin=subprocess.DEVNULL,
+                                       cwd=self.folder, **options)
+        self.processes.append(process)
+        return process
+
+    def text(self):
+        return self.log.read_text(errors="replace")
+
+    def wait(self, text, count=1, seconds=60):
+        end = time.time() + seconds
+        while self.text().count(text) < count:
+            assert self.meshlab.poll() is None, "MeshLab ended: " + self.text()[-2000:]
+            assert time.time() < end, f"no '{text}' in the log: " + self.text()[-2000:]
+            time.sleep(0.05)
+
+    def do(self, *arguments, pause=0.1):
+        subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=30)
+        time.sleep(pause)
+
+    def key(self, *keys, pause=0.2):
+        for key in keys:
+            self.do("key", key, pause=pause)
+
+    def press_and_move(self, start, end, button=1, steps=12):
+        self.do("mousemove", *start)
+        self.do("mousedown", button)
+        for i in range(1, steps + 1):
+            self.do("mousemove", *(round(a + (b - a) * i / steps) for a, b in zip(start, end)), pause=0.03)
+        time.sleep(0.2)
+
+    def drag(self, start, end, button=1):
+        self.press_and_move(start, end, button)
+        self.do("mouseup", button, pause=0.5)
+
+    def toggle_tool(self):
+        """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
+        self.do("mousemove", *MIDDLE)
+        self.key("alt+e", "Down", "Return", pause=0.7)
+
+    def start_tool(self):
+        before = self.text().count("Started Mode FCD: Bend")
+        self.toggle_tool()
+        self.wait("Started Mode FCD: Bend", before + 1)
+        time.sleep(0.5)
+        self.do("mousemove", *MIDDLE)
+
+    def save(self, name):
+        path = self.folder / name
+        self.key("ctrl+shift+e", pause=1)
+        self.do("type", "--delay", "5", str(path))
+        self.key("Return", pause=1)
+        self.key("Return", pause=0.3)
+        self.wait(f"Saved Mesh {path}")
+        return path
+
+    def shot(self, name):
+        if SHOTS and shutil.which("import"):
+            self.shots += 1
+            subprocess.run(["import", "-window", "root", f"{SHOTS}/{self.folder.name}_{self.shots:02}_{name}.png"],
+                           env={**os.environ, **self.environment}, check=False, timeout=30)
+
+    def traces(self, kind):
+        return [tuple(map(float, found)) for found in re.findall(
+            rf"FCD trace: {kind}: (\d+) vertices, (\d+) nodes, prepare ([\d.]+), solve ([\d.]+), write ([\d.]+), buffers ([\d.]+), "
+            r"in all ([\d.]+)", self.text())]
+
+    def close(self):
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def window(tmp_path):
+    opened = []
+
+    def open_window(mesh):
+        opened.append(Window(tmp_path, mesh))
+        return opened[-1]
+
+    yield open_window
+    for each in opened:
+        each.close()
+
+
+def mark_two_regions(w):
+    """The left end of the tube fixed, the right end the handle, through the tube."""
+    x, y = MIDDLE
+    w.key("v", "t", "f")
+    w.drag((x - 280, y - 200), (x - 110, y + 200))
+    w.key("h")
+    w.drag((x + 280, y + 200), (x + 110, y - 200))
+    w.shot("marked")
+    w.key("m")
+
+
+def transforms_of(w, script):
+    found = re.findall(rf"FCD: Bend: .*ms\.apply_filter\('{script}', handles=0, transforms='([^']*)'", w.text())
+    assert len(found) == 1, w.text()[-2000:]
+    return found[0]
+
+
+def expect_tags(quality):
+    tags = np.unique(quality)
+    assert set(tags) == {0, 1, 2}, tags
+    assert all(np.count_nonzero(quality == tag) > len(quality) // 20 for tag in tags)
+
+
+@pytest.mark.parametrize("in_place", [True, False])
+def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_place):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    mark_two_regions(w)
+    x, y = MIDDLE
+    w.drag((x + 180, y), (x + 120, y - 150))
+    w.shot("dragged")
+    drags = w.traces("drag")
+    assert len(drags) > 3 and drags[-1][0] == len(points) and drags[-1][1] > 50
+    w.key("Return" if in_place else "shift+Return", pause=1.5)
+    w.wait("ms.apply_filter")
+    w.shot("applied")
+    bent, tags = load(w.save("bent.ply"))
+    assert bent.shape == points.shape
+    expect_tags(tags)
+
+    rest = write_ply(tmp_path / "rest.ply", points, faces, tags)
+    folder = tmp_path / "server"
+    folder.mkdir()
+    script = "apply_coord_fcd_deformation" if in_place else "generate_fcd_deformed_mesh"
+    transforms = transforms_of(w, script)
+    run = Run(folder, rest, (pose_filter if in_place else deform_filter)(transforms=transforms))
+    expected = run.meshes["rest" if in_place else "restdeformed"].vertex_matrix()
+    moved = np.linalg.norm(expected - points, axis=1)
+    assert moved.max() > 0.1 and np.all(moved[tags == 0] == 0)
+    assert np.array_equal(bent, expected)
+
+
+def test_drag_on_the_surface_bends_and_leaving_restores(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    x, y = MIDDLE
+    w.press_and_move((x + 40, y), (x + 60, y - 120))
+    w.shot("dragging")
+    w.do("mouseup", 1, pause=0.5)
+    assert len(w.traces("drag")) > 3 and w.traces("full")
+    bent = load(w.save("bent.ply"))[0] # the tool is on
+    moved = np.linalg.norm(bent - points, axis=1)
+    assert moved.max() > 0.1 and 0.5 < np.mean(moved == 0) < 0.98 # beyond the radius nothing moves
+    w.key("ctrl+z")
+    assert w.save("undone.ply").read_bytes() == before
+    w.key("ctrl+shift+z")
+    assert np.array_equal(load(w.save("redone.ply"))[0], bent)
+    w.key("g", "x", "1", "Return")
+    typed = np.linalg.norm(load(w.save("typed.ply"))[0] - bent, axis=1).max()
+    assert typed == pytest.approx(1, rel=1e-3)
+    w.toggle_tool()
+    time.sleep(1)
+    w.shot("left")
+    assert w.save("left.ply").read_bytes() == before
+
+
+def memory(process):
+    """Resident megabytes."""
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    return int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) / 1024
+
+
+def test_monkey(window, tmp_path):
+    points, faces = tube(60, 48)
+    first = write_ply(tmp_path / "one.ply", points, faces)
+    write_ply(tmp_path / "two.ply", points * np.float32(0.5) + np.float32([0, 0.5, 0]), faces) # where the other does not hide it
+    w = window(first)
+    w.start_tool()
+    seed = int(os.environ.get("FCD_MONKEY_SEED", random.randrange(10**6)))
+    print("seed", seed)
+    rng = random.Random(seed)
+    place = lambda: (MIDDLE[0] + rng.randint(-200, 200), MIDDLE[1] + rng.randint(-150, 150))
+    seconds = float(os.environ.get("FCD_MONKEY_SECONDS", "20"))
+    layers, started, end = 1, None, time.time() + seconds
+    while time.time() < end:
+        what = rng.random()
+        if what < 0.45:
+            w.drag(place(), place(), button=rng.choice([1, 1, 1, 1, 2, 3]))
+        elif what < 0.65:
+            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "o", "t", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]), pause=0.05)
+        elif what < 0.75: # a motion by keys
+            w.key(rng.choice("grs"), rng.choice("xyz"), pause=0.05)
+            w.do("mousemove", *place())
+            w.key(rng.choice(["1", "minus", "m"]), pause=0.05)
+            w.do("click", rng.choice([1, 3]), pause=0.05) # keep, or cancel
+        elif what < 0.8:
+            w.do("mousemove", *place(), "click", rng.choice([1, 4, 5]), pause=0.05)
+        elif what < 0.87:
+            w.do("mousemove", 1030, rng.choice([133, 164]), "click", 1) # another layer
+            w.do("mousemove", *MIDDLE)
+        elif what < 0.94: # off and on
+            w.toggle_tool()
+            w.toggle_tool()
+        elif layers < 4:
+            w.do("mousemove", *MIDDLE)
+            w.key("ctrl+i", pause=1)
+            w.do("type", "--delay", "5", str(tmp_path / "two.ply"))
+            w.key("Return", pause=1)
+            layers += 1
+        if started is None and time.time() > end - 0.8 * seconds:
+            started = memory(w.meshlab)
+        assert w.meshlab.poll() is None, f"MeshLab ended, seed {seed}: " + w.text()[-3000:]
+    assert w.traces("full"), f"the monkey did nothing, seed {seed}"
+    w.shot("monkey")
+    assert w.meshlab.poll() is None
+    assert memory(w.meshlab) < started + 300, seed
+    assert "exception was thrown" not in w.text()

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface_reach.h"
+#include "test_support.h"
+
+#include <limits>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+
+TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
+    Graph graph;
+    const Index n = 120;
+    graph.adjacency = RandomGraph(n, 200, 3);
+    graph.position = Eigen::Matrix3Xf::Random(3, n);
+    // Bellman and Ford, as the oracle.
+    std::vector<double> distance(std::size_t(n), std::numeric_limits<double>::infinity());
+    distance[7] = 0;
+    for (Index round = 0; round < n; ++round)
+        for (Index u = 0; u < n; ++u)
+            for (Index v : graph.adjacency[u])
+                distance[std::size_t(v)] =
+                    std::min(distance[std::size_t(v)],
+                             distance[std::size_t(u)] + double((graph.position.col(v) - graph.position.col(u)).norm()));
+    for (double radius : {0.0, 0.7, 2.0, 100.0}) {
+        const std::vector<Index> found = NodesWithin(graph, 7, radius);
+        ASSERT_EQ(found.front(), 7);
+        std::vector<char> isIn(std::size_t(n), 0);
+        double last = 0;
+        for (Index u : found) {
+            EXPECT_FALSE(isIn[std::size_t(u)]) << "once";
+            isIn[std::size_t(u)] = 1;
+            EXPECT_GE(distance[std::size_t(u)], last) << "nearest first";
+            last = distance[std::size_t(u)];
+        }
+        for (Index u = 0; u < n; ++u)
+            EXPECT_EQ(bool(isIn[std::size_t(u)]), distance[std::size_t(u)] <= radius) << u;
+    }
+}

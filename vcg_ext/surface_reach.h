@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SURFACE_REACH_H
+#define VCG_FCD_SURFACE_REACH_H
+
+#include "graph.h"
+
+#include <functional>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// The nodes that are at most \p radius from \p seed along the edges of the graph (Dijkstra 1959), \p seed included,
+/// nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
+inline std::vector<Index> NodesWithin(const Graph &graph, Index seed, double radius) {
+    using Item = std::pair<double, Index>;
+    std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
+    std::unordered_map<Index, double> distance{{seed, 0}};
+    std::vector<Index> found;
+    queue.push({0, seed});
+    while (!queue.empty()) {
+        const auto [d, u] = queue.top();
+        queue.pop();
+        if (d > distance[u])
+            continue; // reached by a shorter way since
+        found.push_back(u);
+        for (Index v : graph.adjacency[u]) {
+            const double there = d + double((graph.position.col(v) - graph.position.col(u)).norm());
+            if (!(there <= radius))
+                continue;
+            const auto at = distance.emplace(v, there);
+            if (at.second || there < at.first->second) {
+                at.first->second = there;
+                queue.push({there, v});
+            }
+        }
+    }
+    return found;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
