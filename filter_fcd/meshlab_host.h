@@ -29,6 +29,8 @@
 #include <vector>
 
 #include <QApplication>
+#include <QDir>
+#include <QFileInfo>
 #include <QObject>
 #include <QRegularExpression>
 #include <QVariant>
@@ -237,8 +239,13 @@ inline void appendMesh(CMeshO &to, const CMeshO &from) {
 /// Gives \p to the texture images of \p from. In 2020.09 a layer has names of files only.
 inline void copyTextures(MeshModel &to, const MeshModel &from) {
 #ifdef FCD_MESHLAB_2020
+    // The window reads the files of a new layer from the current directory.
     (void)to;
-    (void)from;
+    if (!inWindow() || from.cm.textures.empty())
+        return;
+    const QDir folder = QFileInfo(from.fullName()).absoluteDir();
+    if (folder.exists(QString::fromStdString(from.cm.textures.front())))
+        QDir::setCurrent(folder.path());
 #else
     for (const auto &texture : from.getTextures())
         to.addTexture(texture.first, texture.second);

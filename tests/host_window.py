@@ -203,9 +203,10 @@ def open_mesh(screen, tmp_path):
     windows = []
 
     def open_mesh(mesh, name="mesh.ply"):
-        ms = pymeshlab.MeshSet()
-        ms.add_mesh(mesh, "mesh")
-        ms.save_current_mesh(str(tmp_path / name), save_vertex_quality=False)
+        if mesh is not None:
+            ms = pymeshlab.MeshSet()
+            ms.add_mesh(mesh, "mesh")
+            ms.save_current_mesh(str(tmp_path / name), save_vertex_quality=False)
         windows.append(Window(screen, tmp_path / name, tmp_path / "log"))
         return windows[-1]
 
@@ -282,6 +283,31 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
         assert distance.max() < 0.01, "as in a script with double precision"
     assert np.abs(result.vertex_matrix() - points)[tags == 0].max() < 1e-6
     assert np.linalg.norm(result.vertex_matrix() - points, axis=1)[tags == 2].min() > 1
+
+
+def test_the_result_shows_its_texture(open_mesh, shared, tmp_path):
+    """Deforms a textured knot, and counts what is drawn in the colours of its image, which are not those of light."""
+    def colourful(name):
+        window.picture(name)
+        picture = np.array(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).convert("RGB")).astype(int)[100:600, 640:920]
+        return ((picture.max(2) - picture.min(2) > 150) & (picture.min(2) < 40)).sum()
+
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(shared / "meshes" / "attr" / "texturedknot.ply"))
+    x = ms.current_mesh().vertex_matrix()[:, 0]
+    low, high = x.min() + 0.15 * np.ptp(x), x.max() - 0.15 * np.ptp(x)
+    ms.compute_scalar_by_function_per_vertex(q=f"x < {low} ? 0 : (x > {high} ? 2 : 1)")
+    (tmp_path / "textured").mkdir()
+    ms.save_current_mesh(str(tmp_path / "textured" / "knot.ply"), save_vertex_quality=True, save_vertex_color=False)
+    window = open_mesh(None, "textured/knot.ply")
+    before = colourful("texture")
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.enter(dialog, *MOVE_X, "10")
+    window.apply(dialog)
+    window.wait_for_log("is shown")
+    window.finish(dialog)
+    assert not any("loading texture" in line for line in window.lines())
+    assert before > 500 and colourful("texture, deformed") > before / 2
 
 
 @pytest.mark.parametrize("name", ["scans/armadillo_43k.ply", "scans/igea_134k.ply.xz"])
