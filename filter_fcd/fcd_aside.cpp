@@ -20,6 +20,7 @@ const char *const colorName = "fcd_color", *const qualityName = "fcd_quality", *
 struct Aside {
     bool color = false, quality = false;       ///< kept, or known not to have been there
     bool hadColor = false, hadQuality = false; ///< and there was some
+    bool countedQuality = false;               ///< the layer said that it had some, be it 0
     std::uint64_t tagColors = 0;               ///< sum over the colours of the tags
 };
 
@@ -74,7 +75,8 @@ void keepAside(MeshModel &layer, bool color, bool quality) {
         aside->color = true;
     }
     if (quality && !(aside->quality && hasTags(layer))) {
-        aside->hadQuality = layer.hasDataMask(MeshModel::MM_VERTQUALITY) &&
+        aside->countedQuality = layer.hasDataMask(MeshModel::MM_VERTQUALITY);
+        aside->hadQuality = aside->countedQuality &&
                             std::any_of(mesh.vert.begin(), mesh.vert.end(),
                                         [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
         if (aside->hadQuality)
@@ -108,6 +110,8 @@ void bringBack(MeshModel &layer) {
         const auto *quality = aside->hadQuality ? host::vertexAttribute<Quality>(mesh, qualityName) : nullptr;
         for (std::size_t i = 0; i < mesh.vert.size(); ++i)
             mesh.vert[i].Q() = quality ? quality[i] : 0;
+        if (!aside->countedQuality)
+            layer.clearDataMask(MeshModel::MM_VERTQUALITY);
     }
     drop(mesh, colorName);
     drop(mesh, qualityName);

@@ -111,6 +111,16 @@ class Window:
         self.x("windowactivate", "--sync", window)
         return window
 
+    def run(self, title):
+        """Runs a filter that asks for nothing."""
+        self.x("windowactivate", "--sync", self.main)
+        self.keys("ctrl+f")
+        time.sleep(0.4)
+        self.type(title)
+        time.sleep(0.4)
+        self.keys("Down", "Return")
+        self.wait_for_log(f"Applied filter {title}")
+
     def apply(self, window):
         self.click(window, -100, -20)
 
@@ -175,7 +185,8 @@ class Window:
         self.wait_for_log(f"Saved Mesh {path}")
 
 
-# Where the fields of the dialog are, from its left and upper edge.
+# Where the fields of the dialogs are, from their left and upper, or lower, edge.
+PREVIEW_X, PREVIEW_BOX = (272, 316), -84
 MOVE_X, AXIS_Y, AXIS_Z, ANGLE = (272, 210), (318, 241), (364, 241), (400, 272)
 
 
@@ -283,6 +294,28 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
         assert distance.max() < 0.01, "as in a script with double precision"
     assert np.abs(result.vertex_matrix() - points)[tags == 0].max() < 1e-6
     assert np.linalg.norm(result.vertex_matrix() - points, axis=1)[tags == 2].min() > 1
+
+
+def test_a_preview_follows_and_goes(open_mesh, tmp_path):
+    points, faces, colors = cylinder()
+    window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
+    window.export(tmp_path / "before.ply")
+    window.select("z < 0.5")
+    window.tag("Home")
+    window.select("z > 11.5")
+    window.tag("End", "Up")
+    dialog = window.dialog("FCD: Pose in Place")
+    window.enter(dialog, *PREVIEW_X, "3")
+    window.click(dialog, 17, PREVIEW_BOX)
+    window.wait_for_log("nodes, ")
+    window.enter(dialog, *PREVIEW_X, "4")
+    window.keys("Tab")
+    window.wait_for_log("already prepared")
+    window.picture("preview")
+    window.finish(dialog)
+    window.run("FCD: Clear Tags")
+    window.export(tmp_path / "after.ply")
+    assert (tmp_path / "before.ply").read_bytes() == (tmp_path / "after.ply").read_bytes()
 
 
 def test_the_result_shows_its_texture(open_mesh, shared, tmp_path):
