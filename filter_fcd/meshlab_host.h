@@ -358,7 +358,7 @@ class HostFilterPlugin : public QObject,
                 continue;
             const QString before = text;
             text.replace(QRegularExpression("\\b" + parameter.name() + "\\b"), label);
-            isFileNamed = isFileNamed || (text != before && dynamic_cast<const host::RichFileParam *>(&parameter));
+            isFileNamed = isFileNamed || (text != before && parameter.name().endsWith("_file"));
         }
 #ifdef FCD_MESHLAB_2020
         if (isFileNamed)

@@ -97,14 +97,27 @@ class Window:
         self.x("type", "--delay", 15, text)
         time.sleep(0.15)
 
-    def dialog(self, title, search=None):
-        """Opens a filter by MeshLab's search."""
+    def search(self, text):
+        """Chooses what MeshLab's search finds first."""
         self.x("windowactivate", "--sync", self.main)
         self.keys("ctrl+f")
         time.sleep(0.4)
-        self.type(search or title)
+        self.type(text)
         time.sleep(0.4)
         self.keys("Down", "Return")
+
+    def dialog(self, title, search=None):
+        """Opens a filter by MeshLab's search."""
+        for _ in range(3):  # a busy machine loses a key at times, while the list of what is found changes
+            self.search(search or title)
+            for _ in range(100):
+                if self.find(title):
+                    break
+                time.sleep(0.1)
+            else:
+                self.keys("Escape", "Escape")
+                continue
+            break
         self.clicks += 1
         window = self.wait(title)
         self.until("dialog in place", lambda: self.place(window) == (time.sleep(0.2), self.place(window))[1])
@@ -113,12 +126,7 @@ class Window:
 
     def run(self, title):
         """Runs a filter that asks for nothing."""
-        self.x("windowactivate", "--sync", self.main)
-        self.keys("ctrl+f")
-        time.sleep(0.4)
-        self.type(title)
-        time.sleep(0.4)
-        self.keys("Down", "Return")
+        self.search(title)
         self.wait_for_log(f"Applied filter {title}")
 
     def apply(self, window):
