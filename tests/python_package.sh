@@ -11,8 +11,8 @@ rm -rf "$build/dist" "$build/site-2022"
 cd "$build" # where no folder is called as the package is
 
 nice "$root/build/venv-wheel/bin/pip" wheel --disable-pip-version-check --quiet \
-    --no-build-isolation --no-deps --wheel-dir dist -C cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache \
-    -C "cmake.define.FCD_PLUGINS=$root/build/plugins" "$root"
+    --no-build-isolation --no-deps --wheel-dir dist --config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache \
+    "--config-settings=cmake.define.FCD_PLUGINS=$root/build/plugins" "$root"
 wheel=$(echo dist/pymeshlab_fcd-*.whl)
 echo "built $(du -k "$wheel" | cut -f1) kB after $SECONDS s: $(basename "$wheel")"
 "$root/build/venv-wheel/bin/python" -m twine check --strict "$wheel"
