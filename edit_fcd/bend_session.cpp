@@ -23,8 +23,6 @@ const std::size_t grain = 1 << 14;
 const double pointSize = 0.08;    // of a point's radius: so far it is held, that a single vertex makes no spike
 const std::size_t mostSteps = 32; // of undo: each may hold tags of its own
 
-Eigen::Vector3d pointOf(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
-
 std::string digits(double number) {
     char text[32];
     return std::string(text, std::to_chars(text, text + sizeof text, number).ptr);
@@ -102,8 +100,8 @@ void BendSession::keepRest() {
     Eigen::AlignedBox3d all, allInWorld;
     for (const CVertexO &vertex : mesh.vert)
         if (!vertex.IsD()) {
-            all.extend(pointOf(vertex.cP()));
-            allInWorld.extend(world * pointOf(vertex.cP()));
+            all.extend(toVector(vertex.cP()));
+            allInWorld.extend(world * toVector(vertex.cP()));
         }
     middle = all.center();
     size = allInWorld.diagonal().norm();
@@ -196,7 +194,7 @@ std::optional<std::size_t> nearestOf(const CMeshO &mesh, const Eigen::Vector3d &
     ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
         Found here;
         for (std::size_t i = first; i < last; ++i) {
-            const double square = (pointOf(at(i)) - place).squaredNorm();
+            const double square = (toVector(at(i)) - place).squaredNorm();
             if (square < here.square && !mesh.vert[i].IsD())
                 here = {square, i};
         }
@@ -222,11 +220,11 @@ std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, do
 std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
     if (options.mirror < 0)
         return {};
-    const Eigen::Vector3d there = world.inverse() * (mirror() * (world * pointOf(position[slot])));
+    const Eigen::Vector3d there = world.inverse() * (mirror() * (world * toVector(position[slot])));
     return nearestOf(layer.cm, there, [&](std::size_t i) { return position[i]; });
 }
 
-Eigen::Vector3d BendSession::positionOf(std::size_t slot) const { return world * pointOf(layer.cm.vert[slot].cP()); }
+Eigen::Vector3d BendSession::positionOf(std::size_t slot) const { return world * toVector(layer.cm.vert[slot].cP()); }
 
 const std::vector<std::size_t> &BendSession::reach(std::size_t slot, double radius) {
     if (reachedFrom == slot && reachedRadius == radius)
@@ -275,7 +273,7 @@ void BendSession::updateTags() {
         if (!effective || *made != *effective)
             effective = made;
     }
-    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return Eigen::Vector3d(pointOf(position[i])); });
+    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return Eigen::Vector3d(toVector(position[i])); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }
@@ -306,36 +304,35 @@ void BendSession::change() {
     after.clear();
 }
 
+/// The last of \p states becomes the present one.
+void BendSession::take(std::vector<BendState> &states) {
+    now = states.back();
+    states.pop_back();
+    updateTags();
+    showTags();
+}
+
 void BendSession::undo() {
     while (!before.empty() && before.back() == now)
         before.pop_back();
     if (before.empty())
         return;
     after.push_back(now);
-    now = before.back();
-    before.pop_back();
-    updateTags();
-    showTags();
+    take(before);
 }
 
 void BendSession::redo() {
     if (after.empty())
         return;
     before.push_back(now);
-    now = after.back();
-    after.pop_back();
-    updateTags();
-    showTags();
+    take(after);
 }
 
 void BendSession::cancel() {
     if (before.empty())
         return;
     marking.reset();
-    now = before.back();
-    before.pop_back();
-    updateTags();
-    showTags();
+    take(before);
 }
 
 void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
@@ -379,7 +376,7 @@ int BendSession::addPoint(std::size_t slot, double radius) {
     };
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (pointOf(position[*other]) - pointOf(position[slot])).norm() > 1e-3 * size &&
+    if (other && (toVector(position[*other]) - toVector(position[slot])).norm() > 1e-3 * size &&
         (*effective)[*other] < 2 && !(now.marks && (*effective)[*other] != 1))
         add(*other);
     if (now.marks)
@@ -509,26 +506,15 @@ void BendSession::writeVertices() {
     CMeshO &mesh = layer.cm;
     isPosed = true;
     deformer->Apply(
-        *last, [&](std::size_t i) { return pointOf(position[i]); },
+        *last, [&](std::size_t i) { return toVector(position[i]); },
         [&] {
             return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
                 CVertexO &vertex = mesh.vert[i];
                 vertex.P() = toPoint(p);
-                const Eigen::Vector3d rested = pointOf(normal[i]);
-                const Eigen::Vector3d turned = (vcg::fcd::Cofactors(map) * rested.cast<float>()).cast<double>();
-                const double square = turned.squaredNorm();
-                vertex.N() = square > 0 && !map.isIdentity(0)
-                                 ? toPoint(turned * std::sqrt(rested.squaredNorm() / square))
-                                 : normal[i];
+                vertex.N() = turned(map, normal[i]);
             };
         },
-        true, vcg::fcd::Progress(),
-        [&](std::size_t i) {
-            prefetch(&position[i]);
-            prefetch(&normal[i]);
-            prefetch(&mesh.vert[i]);
-            prefetch(reinterpret_cast<const char *>(&mesh.vert[i] + 1) - 1);
-        });
+        true, vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
 }
 
 void BendSession::restoreVertices() {
@@ -620,18 +606,9 @@ std::string BendSession::applyToNewLayer(MeshDocument &document, bool graphLayer
     readMotions(document, layer, param.handles, prepared->deformer->center, remark, given);
     vcg::tri::PoseMesh(layer.cm, given, *prepared->deformer, param.deformation, vcg::fcd::Progress(), result);
     NewLayers layers(document, layer, remark);
-    std::vector<MeshModel *> graphs;
-    if (graphLayers) {
-        graphs.push_back(&layers.addGraph("graph", result.rest));
-        MeshModel &deformedGraph = layers.addGraph("deformed graph", result.deformed);
-        graphs.push_back(&deformedGraph);
-        keepDeformation(deformedGraph, std::make_shared<Deformation>(
-                                           Deformation{prepared, result.pose, shapeOf(layer.cm), layer.cm.fn}));
-    }
-    const std::vector<float> none;
-    MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear, none);
+    const std::vector<MeshModel *> results = addResult(layers, layer, prepared, result, graphLayers, {});
     now.motion.clear();
-    layers.keep(deformed);
-    showResult(document, layer, deformed, graphs);
+    layers.keep(*results.back());
+    showResult(document, layer, results);
     return call;
 }

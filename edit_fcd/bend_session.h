@@ -137,6 +137,7 @@ class BendSession {
   private:
     void keepRest();
     void updateTags();
+    void take(std::vector<BendState> &states);
     void writeVertices();
     void restoreVertices();
     template <class Param>

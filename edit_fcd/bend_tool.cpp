@@ -471,14 +471,18 @@ void BendTool::press(QMouseEvent *event) {
     view->update();
 }
 
+/// Whether the mouse, which has moved or was released, is for the layer, and not for the camera.
+bool BendTool::isForLayer(QMouseEvent *event) {
+    mouse = event->localPos();
+    const bool isForCamera = isCamera; // a release ends that
+    if (isForCamera)
+        toCamera(event);
+    return !isForCamera && layer();
+}
+
 void BendTool::move(QMouseEvent *event) {
     sinceEvent.start();
-    mouse = event->localPos();
-    if (isCamera) {
-        toCamera(event);
-        return;
-    }
-    if (!layer())
+    if (!isForLayer(event))
         return;
     if (drag) {
         dragTo(windowOf(mouse));
@@ -490,12 +494,7 @@ void BendTool::move(QMouseEvent *event) {
 }
 
 void BendTool::release(QMouseEvent *event) {
-    mouse = event->localPos();
-    if (isCamera) {
-        toCamera(event);
-        return;
-    }
-    if (!layer())
+    if (!isForLayer(event))
         return;
     if (drag && !drag->modal)
         endDrag(true);

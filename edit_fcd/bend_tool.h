@@ -83,6 +83,7 @@ class BendTool : public HostEditTool {
     /// What the mouse points at in the world, none where there is nothing.
     std::optional<Eigen::Vector3d> pick(const QPointF &place) const;
     void toCamera(QMouseEvent *event);
+    bool isForLayer(QMouseEvent *event);
 
     bool grab(QMouseEvent *event);
     void beginDrag(int tag, Kind kind, int axis, bool modal, const Eigen::Vector3d &from);

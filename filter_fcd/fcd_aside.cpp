@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/graph.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "fcd_aside.h"
+#include "fcd_layers.h"
 
 #include <vcg/complex/allocate.h>
 
-#include <cmath>
 #include <cstdint>
 
 using vcg::fcd::Error;
@@ -49,18 +49,6 @@ std::uint64_t sumOfColors(const CMeshO &mesh) {
     return sum;
 }
 
-/// Whether the quality of \p layer may be tags: whole numbers, not all 0.
-bool hasTags(const MeshModel &layer) {
-    bool any = false;
-    for (const CVertexO &vertex : layer.cm.vert)
-        if (!vertex.IsD() && vertex.cQ() != 0) {
-            if (vertex.cQ() != std::round(vertex.cQ()))
-                return false;
-            any = true;
-        }
-    return any;
-}
-
 } // namespace
 
 bool isAside(const std::string &attribute) { return attribute == colorName || attribute == qualityName; }
@@ -74,11 +62,9 @@ void keepAside(MeshModel &layer, bool color, bool quality) {
             keep<vcg::Color4b>(mesh, colorName, [](const CVertexO &vertex) { return vertex.cC(); });
         aside->color = true;
     }
-    if (quality && !(aside->quality && hasTags(layer))) {
+    if (quality && !(aside->quality && mayHaveTags(layer))) {
         aside->countedQuality = layer.hasDataMask(MeshModel::MM_VERTQUALITY);
-        aside->hadQuality = aside->countedQuality &&
-                            std::any_of(mesh.vert.begin(), mesh.vert.end(),
-                                        [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
+        aside->hadQuality = hasQuality(layer);
         if (aside->hadQuality)
             keep<Quality>(mesh, qualityName, [](const CVertexO &vertex) { return vertex.cQ(); });
         aside->quality = true;

@@ -85,8 +85,19 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
 
 } // namespace
 
-void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation> deformation) {
-    host::madeMeshAttribute<Kept>(deformedGraph.cm, deformationName) = std::move(deformation);
+std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer,
+                                   const std::shared_ptr<const Prepared> &prepared,
+                                   const vcg::fcd::DeformationResult &result, bool graphs,
+                                   const std::vector<float> &quality) {
+    std::vector<MeshModel *> added;
+    if (graphs) {
+        added.push_back(&layers.addGraph("graph", result.rest));
+        added.push_back(&layers.addGraph("deformed graph", result.deformed));
+        host::madeMeshAttribute<Kept>(added.back()->cm, deformationName) =
+            std::make_shared<Deformation>(Deformation{prepared, result.pose, shapeOf(layer.cm), layer.cm.fn});
+    }
+    added.push_back(&layers.addDeformed("deformed", result.position, result.linear, quality));
+    return added;
 }
 
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {

@@ -13,7 +13,12 @@ struct Deformation {
     int faces;           ///< of the source
 };
 
-void keepDeformation(MeshModel &deformedGraph, std::shared_ptr<const Deformation> deformation);
+/// Adds the layers of a deformation of \p layer: if \p graphs, the graph at rest and the deformed one, which keeps the
+/// deformation; last, the deformed mesh. \param quality as NewLayers::addDeformed takes it
+std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer,
+                                   const std::shared_ptr<const Prepared> &prepared,
+                                   const vcg::fcd::DeformationResult &result, bool graphs,
+                                   const std::vector<float> &quality);
 
 /// What was done to \p source. \throw vcg::fcd::Error when the layers are not those of one deformation
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph);

@@ -73,10 +73,7 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
 
 std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
-    bool tagged = false;
-    if (layer.hasDataMask(MeshModel::MM_VERTQUALITY))
-        for (std::size_t i = 0; i < mesh.vert.size() && !tagged; ++i)
-            tagged = !mesh.vert[i].IsD() && mesh.vert[i].cQ() != 0;
+    const bool tagged = hasQuality(layer);
     if (!tagged && freeIfNone)
         return std::vector<int>(mesh.vert.size(), 1);
     if (!tagged)
@@ -278,6 +275,18 @@ std::vector<char> onSelectedFaces(const MeshModel &layer) {
             for (int k = 0; k < 3; ++k)
                 on[vcg::tri::Index(mesh, face.cV(k))] = 1;
     return on;
+}
+
+bool hasQuality(const MeshModel &layer) {
+    return layer.hasDataMask(MeshModel::MM_VERTQUALITY) &&
+           std::any_of(layer.cm.vert.begin(), layer.cm.vert.end(),
+                       [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
+}
+
+bool mayHaveTags(const MeshModel &layer) {
+    return hasQuality(layer) && std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(), [](const CVertexO &vertex) {
+               return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ());
+           });
 }
 
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {

@@ -40,6 +40,11 @@ std::size_t mostBytes(const MeshModel &layer, std::size_t each);
 /// Whether each slot of the layer's vertex vector belongs to a selected face.
 std::vector<char> onSelectedFaces(const MeshModel &layer);
 
+/// Whether \p layer has a quality that is not 0 everywhere.
+bool hasQuality(const MeshModel &layer);
+/// Whether that may be tags: whole numbers.
+bool mayHaveTags(const MeshModel &layer);
+
 /// The tags of \p layer, one per slot of its vertex vector. With point handles, all is free where nothing is tagged.
 /// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);

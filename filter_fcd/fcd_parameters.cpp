@@ -11,8 +11,6 @@ using vcg::fcd::Error;
 
 namespace {
 
-Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
-
 Scalarm diagonal(const MeshDocument &document) {
     const MeshModel *layer = document.mm();
     const Scalarm length = layer && !layer->cm.bbox.IsNull() ? layer->cm.bbox.Diag() : 0;

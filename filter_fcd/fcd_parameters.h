@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+inline Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
 inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
 
 /// What "FCD: Build Deformation Graph" is asked for.

@@ -66,12 +66,7 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
         void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Matrix3f &map) {
             CVertexO &vertex = mesh.vert[slot];
             vertex.P() = toPoint(position);
-            const Point3m &rested = rest.normals()[slot];
-            const Eigen::Vector3d normal(rested[0], rested[1], rested[2]); // of any length, which it keeps
-            const Eigen::Vector3d turned = (vcg::fcd::Cofactors(map) * normal.cast<float>()).cast<double>();
-            const double square = turned.squaredNorm();
-            vertex.N() =
-                square > 0 && !map.isIdentity(0) ? toPoint(turned * std::sqrt(normal.squaredNorm() / square)) : rested;
+            vertex.N() = turned(map, rest.normals()[slot]);
             sum.add(slot, vertex.cP());
         }
         CMeshO &mesh;
@@ -80,18 +75,9 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
         Sum &all, sum;
     };
     prepared.deformer->Apply(
-        pose,
-        [&](std::size_t slot) {
-            const Point3m &p = rest.positions()[slot];
-            return Eigen::Vector3d(p[0], p[1], p[2]);
-        },
+        pose, [&](std::size_t slot) { return toVector(rest.positions()[slot]); },
         [&] { return Taker(mesh, rest, lock, all); }, true, Progress(),
-        [&](std::size_t slot) {
-            prefetch(&rest.positions()[slot]);
-            prefetch(&rest.normals()[slot]);
-            prefetch(&mesh.vert[slot]);
-            prefetch(reinterpret_cast<const char *>(&mesh.vert[slot] + 1) - 1);
-        });
+        [&](std::size_t slot) { prefetch(rest.positions()[slot], rest.normals()[slot], mesh.vert[slot]); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         Sum still;
         for (std::size_t i = first; i < last; ++i)
@@ -109,6 +95,13 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
 }
 
 } // namespace
+
+Point3m turned(const Eigen::Matrix3f &map, const Point3m &normal) {
+    const Eigen::Vector3d before = toVector(normal);
+    const Eigen::Vector3d after = (vcg::fcd::Cofactors(map) * before.cast<float>()).cast<double>();
+    const double square = after.squaredNorm();
+    return square > 0 && !map.isIdentity(0) ? toPoint(after * std::sqrt(before.squaredNorm() / square)) : normal;
+}
 
 PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam &param, PreparedLayers &preparedLayers,
                        const Remark &remark, const Progress &progress) {

@@ -25,12 +25,18 @@ PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam
 /// shape. \throw vcg::fcd::Error when the layer has no rest shape
 void resetPose(MeshModel &layer, bool presentShape);
 
-/// Begins to read memory that will soon be written.
-inline void prefetch(const void *memory) {
+/// What \p map of the surface makes of a normal, which keeps its length.
+Point3m turned(const Eigen::Matrix3f &map, const Point3m &normal);
+
+/// Begins to read what a vertex, which will soon be written, has at rest, and the vertex itself.
+inline void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &vertex) {
 #ifdef __GNUC__
-    __builtin_prefetch(memory);
+    for (const void *memory :
+         {static_cast<const void *>(&position), static_cast<const void *>(&normal), static_cast<const void *>(&vertex),
+          static_cast<const void *>(reinterpret_cast<const char *>(&vertex + 1) - 1)})
+        __builtin_prefetch(memory);
 #else
-    (void)memory;
+    (void)position, (void)normal, (void)vertex;
 #endif
 }
 

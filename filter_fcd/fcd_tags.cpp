@@ -71,9 +71,7 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     HandleParam source;
     bool tagged;
     if (target.attribute.isEmpty()) {
-        tagged = layer.hasDataMask(MeshModel::MM_VERTQUALITY) &&
-                 std::any_of(mesh.vert.begin(), mesh.vert.end(),
-                             [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
+        tagged = hasQuality(layer);
     } else {
         source.source = HandleParam::Attribute;
         source.tagAttribute = target.attribute;

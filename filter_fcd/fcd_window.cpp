@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/graph.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "fcd_layers.h"
 #include "fcd_rest.h"
 #include "fcd_window.h"
 
 #include <vcg/complex/allocate.h>
 
-#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -29,19 +29,13 @@ void LastValues::recall(int filter, RichParameterList &list) const {
 }
 
 int likelySource(const MeshModel &layer, int last) {
+    if (last > 1) // an attribute or files
+        return last;
     const CMeshO &mesh = layer.cm;
-    bool anyNumber = false, areTags = layer.hasDataMask(MeshModel::MM_VERTQUALITY);
-    for (std::size_t i = 0; i < mesh.vert.size() && areTags; ++i)
-        if (const double q = mesh.vert[i].cQ(); !mesh.vert[i].IsD() && q != 0) {
-            areTags = q == std::round(q);
-            anyNumber = true;
-        }
     const auto isSelected = [](const auto &element) { return !element.IsD() && element.IsS(); };
     const bool isAnySelected = std::any_of(mesh.vert.begin(), mesh.vert.end(), isSelected) ||
                                std::any_of(mesh.face.begin(), mesh.face.end(), isSelected);
-    if (last > 1) // an attribute or files
-        return last;
-    return (areTags && anyNumber) || !isAnySelected ? 0 : 1;
+    return isAnySelected && !mayHaveTags(layer) ? 1 : 0;
 }
 
 namespace {
@@ -122,13 +116,10 @@ const Result *resultOf(const MeshModel &layer) { return host::meshAttribute<Resu
 
 } // namespace
 
-void showResult(MeshDocument &document, MeshModel &source, MeshModel &deformed,
-                const std::vector<MeshModel *> &graphs) {
-    std::vector<MeshModel *> results = graphs;
-    results.push_back(&deformed);
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
     for (MeshModel *result : results) {
         host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), shapeOf(result->cm), result->label()};
-        host::setVisible(*result, result == &deformed);
+        host::setVisible(*result, result == results.back());
     }
     host::setVisible(source, false);
     host::showChanges(document);

@@ -31,9 +31,9 @@ void letDialogScroll(const QString &title);
 
 // --- results ---
 
-/// Shows \p deformed, hides \p graphs and the \p source that they were made from, and remembers that they were, so that
-/// another try replaces them.
-void showResult(MeshDocument &document, MeshModel &source, MeshModel &deformed, const std::vector<MeshModel *> &graphs);
+/// Shows the last of \p results (see addResult), hides the others and the \p source that they were made from, and
+/// remembers that they were, so that another try replaces them.
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
 /// The layer that \p layer was made from, if it was and that is still there, or else \p layer itself.
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);

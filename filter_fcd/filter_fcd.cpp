@@ -410,23 +410,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         earlier = earlierResults(document, layer);
     earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
     NewLayers layers(document, layer, remark, earlier);
-    std::vector<MeshModel *> graphs;
-    if (param.graphLayers) {
-        graphs.push_back(&layers.addGraph("graph", result.rest));
-        MeshModel &deformedGraph = layers.addGraph("deformed graph", result.deformed);
-        graphs.push_back(&deformedGraph);
-        keepDeformation(deformedGraph, std::make_shared<Deformation>(
-                                           Deformation{prepared, result.pose, shapeOf(layer.cm), layer.cm.fn}));
-    }
     const std::vector<float> none;
-    MeshModel &deformed = layers.addDeformed("deformed", result.position, result.linear,
-                                             param.quality == DeformMeshParam::Stretch    ? result.stretch
-                                             : param.quality == DeformMeshParam::Rotation ? result.rotation
-                                                                                          : none);
+    const std::vector<MeshModel *> results = addResult(layers, layer, prepared, result, param.graphLayers,
+                                                       param.quality == DeformMeshParam::Stretch    ? result.stretch
+                                                       : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                                                                                    : none);
+    const MeshModel &deformed = *results.back();
     progress(1, "Done");
     layers.keep(deformed);
     if (inWindow) { // one sees what one asked for, and the next try takes its place
-        showResult(document, layer, deformed, graphs);
+        showResult(document, layer, results);
         logLine((earlier.empty() ? std::string()
                                  : std::to_string(earlier.size()) + " layers of the last try are replaced. ") +
                 "'" + deformed.label().toStdString() + "' is shown, '" + layer.label().toStdString() +

@@ -386,7 +386,8 @@ class HostFilterPlugin : public QObject,
         ReturnedValues values;
         errorMessage = errorOf([&] { values = run(ID(action), list, document, callback); });
         if (host::inWindow()) {
-            errorMessage = forWindow(errorMessage, parameters(ID(action), document));
+            if (!errorMessage.isEmpty())
+                errorMessage = forWindow(errorMessage, parameters(ID(action), document));
             return errorMessage.isEmpty();
         }
         // This host does not return values, and meshlabserver does not print error messages: tell both.

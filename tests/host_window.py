@@ -180,6 +180,13 @@ class Window:
         self.wait_for_log("outside vertices", count + 1)
         self.finish(window)
 
+    def tag_ends(self, low, high):
+        """Fixed below, handle 2 above."""
+        self.select(f"z < {low}")
+        self.tag("Home")
+        self.select(f"z > {high}")
+        self.tag("End", "Up")
+
     def export(self, path):
         self.x("windowactivate", "--sync", self.main)
         self.keys("ctrl+shift+e")
@@ -255,10 +262,7 @@ def test_every_dialog_fits_the_screen(open_mesh):
 def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
     points, faces, colors = cylinder()
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
-    window.select("z < 0.5")
-    window.tag("Home")
-    window.select("z > 11.5")
-    window.tag("End", "Up")
+    window.tag_ends(0.5, 11.5)
 
     dialog = window.dialog("FCD: Deform Mesh")
     window.apply(dialog)
@@ -308,10 +312,7 @@ def test_a_preview_follows_and_goes(open_mesh, tmp_path):
     points, faces, colors = cylinder()
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
     window.export(tmp_path / "before.ply")
-    window.select("z < 0.5")
-    window.tag("Home")
-    window.select("z > 11.5")
-    window.tag("End", "Up")
+    window.tag_ends(0.5, 11.5)
     dialog = window.dialog("FCD: Pose in Place")
     window.enter(dialog, *PREVIEW_X, "3")
     window.click(dialog, 17, PREVIEW_BOX)
@@ -361,10 +362,7 @@ def test_what_a_try_takes(open_mesh, shared, tmp_path, name):
     axis = int(np.argmax(high - low))
     points = np.roll((points - low) / (high - low).max(), 2 - axis, axis=1)  # along z from 0 to 1
     window = open_mesh(pymeshlab.Mesh(points, faces))
-    window.select("z < 0.1")
-    window.tag("Home")
-    window.select("z > 0.9")
-    window.tag("End", "Up")
+    window.tag_ends(0.1, 0.9)
     dialog = window.dialog("FCD: Deform Mesh")
     window.enter(dialog, *AXIS_Y, "1")
     window.enter(dialog, *AXIS_Z, "0")
