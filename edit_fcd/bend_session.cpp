@@ -136,6 +136,7 @@ bool BendSession::isUpToDate() const {
 
 std::vector<int> BendSession::handleTags() const {
     std::vector<int> all;
+    all.reserve(center.size());
     for (const auto &each : center)
         all.push_back(int(each.first));
     return all;
@@ -149,7 +150,7 @@ int BendSession::unusedTag() const {
 }
 
 Eigen::Vector3d BendSession::centerOf(int tag) const {
-    const Eigen::Vector3d rest = world * center.at(tag);
+    Eigen::Vector3d rest = world * center.at(tag);
     const auto steps = now.motion.find(tag);
     if (steps == now.motion.end())
         return rest;
@@ -398,6 +399,7 @@ void BendSession::setRadius(int tag, double radius) {
 void BendSession::setMotion(int tag, std::vector<MotionStep> steps) {
     if (const int other = mirrored(tag)) {
         std::vector<MotionStep> there;
+        there.reserve(steps.size());
         for (const MotionStep &step : steps)
             there.push_back(mirroredStep(step, mirror()));
         now.motion[other] = there;
@@ -491,7 +493,7 @@ BendSession::Times BendSession::pose(bool full) {
     }
     times.solve = 1000 * watch.Seconds();
     watch = {};
-    writeVertices();
+    writeVertices(*last);
     if (full) {
         computeFaceNormals(layer.cm, {});
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
@@ -501,12 +503,12 @@ BendSession::Times BendSession::pose(bool full) {
     return times;
 }
 
-/// Positions and normals of the last pose, in one pass.
-void BendSession::writeVertices() {
+/// Positions and normals, in one pass.
+void BendSession::writeVertices(const vcg::fcd::Deformer::Pose &pose) {
     CMeshO &mesh = layer.cm;
     isPosed = true;
     deformer->Apply(
-        *last, [&](std::size_t i) { return toVector(position[i]); },
+        pose, [&](std::size_t i) { return toVector(position[i]); },
         [&] {
             return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
                 CVertexO &vertex = mesh.vert[i];

@@ -138,7 +138,7 @@ class BendSession {
     void keepRest();
     void updateTags();
     void take(std::vector<BendState> &states);
-    void writeVertices();
+    void writeVertices(const vcg::fcd::Deformer::Pose &pose);
     void restoreVertices();
     template <class Param>
     void setUp(Param &param) const;

@@ -139,7 +139,7 @@ bool BendTool::start(MeshDocument &document, GLArea *area) {
     try {
         open(*document.mm());
     } catch (...) {
-        refused = int(document.mm()->id());
+        refused = document.mm()->id();
         close();
         throw;
     }
@@ -154,7 +154,7 @@ bool BendTool::start(MeshDocument &document, GLArea *area) {
 void BendTool::end() { close(); }
 
 void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
-    if (isEnding || (document.mm() && int(document.mm()->id()) == layerId && layer()))
+    if (isEnding || (document.mm() && document.mm()->id() == layerId && layer()))
         return;
     refused = -1;
     close();
@@ -166,7 +166,7 @@ void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
 void BendTool::open(MeshModel &newModel) {
     session = std::make_unique<BendSession>(newModel);
     model = &newModel;
-    layerId = int(newModel.id());
+    layerId = newModel.id();
     before = MLRenderingData();
     view->getSceneGLSharedContext()->getRenderInfoPerMeshView(layerId, view->context(), before);
     isBare = session->isMarked();
@@ -251,7 +251,7 @@ void BendTool::showLayer() {
     if (!isBare)
         for (const auto name :
              {MLRenderingData::ATT_NAMES::ATT_WEDGETEXTURE, MLRenderingData::ATT_NAMES::ATT_VERTTEXTURE})
-            atts[name] = bool(had[name]);
+            atts[name] = had[name];
     if (marked)
         showVertexColors(options);
     data.set(primitive, atts);
@@ -998,7 +998,7 @@ void BendTool::draw() {
                 if (session || isEnding || !view || !view->md() || !view->md()->mm())
                     return;
                 const MeshModel &current = *view->md()->mm();
-                if (current.cm.vn > 0 && int(current.id()) != refused)
+                if (current.cm.vn > 0 && current.id() != refused)
                     start(*view->md(), view);
             });
         });

@@ -71,8 +71,7 @@ count() {
     fi
 }
 
-# unit CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME. Sources compiled as one: each would compile what
-# they include again.
+# unit CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME.
 unit() {
     local directory=$build/$name arguments
     arguments="$root $*"
@@ -83,7 +82,7 @@ unit() {
         echo "$arguments" >"$directory/arguments"
     fi
     if ! { cmake -G Ninja -S . -B "$directory" -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" \
-        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 "$@" && nice ninja -C "$directory" -j 1; } >"$results/$name.log" 2>&1; then
+        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" && nice ninja -C "$directory" -j 1; } >"$results/$name.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"
         fail "building $name, see $results/$name.log"
         return
@@ -183,17 +182,15 @@ once() {
     fi
 }
 
-# Of the plugin's sources one by one, as no build compiles them.
+# tidy PLUGIN HOST: of the sources as they are compiled, as one. Ninja knows what they include.
 tidy() {
-    local arguments
-    mapfile -t arguments <"$build/cmake/pymeshlab-2025.7/arguments"
-    if ! { cmake -G Ninja -S . -B "$build/cmake/clang-tidy" "${arguments[@]:1}" -DCMAKE_UNITY_BUILD=OFF &&
-        ninja -C "$build/cmake/clang-tidy" filter_fcd_autogen; } >"$results/$name-cmake.log"; then
-        fail "configuring, see $results/$name-cmake.log"
-        return 1
-    fi
-    check clang-tidy "$tools/run-clang-tidy.py" -clang-tidy-binary "$tools/clang-tidy" -p "$build/cmake/clang-tidy" -quiet -j 1 \
-        '/filter_fcd/[a-z_]+\.cpp$'
+    local directory=$build/cmake/$2 source=CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx included
+    mapfile -t included < <(ninja -C "$directory" -t deps "$source.o" | sed -n 's/^    //p')
+    [ ${#included[@]} -gt 0 ] || fail "ninja does not know what $1 includes"
+    (cd "$directory" && sha256sum "$root"/.clang-tidy arguments "$build/venv-tools/requirements" "${included[@]}") \
+        >"$results/$name.input"
+    once check "$name" "$build/venv-tools/bin/clang-tidy" --checks=-bugprone-suspicious-include -quiet -p "$directory" \
+        "$directory/$source"
 }
 
 hosts() {
@@ -213,27 +210,21 @@ fi
 start hosts hosts
 hosts=$!
 start unit-sanitized sanitized
-start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
+start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
 start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
 start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 wait "$hosts"
 name=setup
 
-# What the checks read. Ninja knows what the plugin includes.
-plugin=$build/cmake/pymeshlab-2025.7
-mapfile -t included < <(cd "$plugin" && ninja -t deps CMakeFiles/filter_fcd.dir/Unity/unity_0_cxx.cxx.o | sed -n 's/^    //p')
-[ ${#included[@]} -gt 0 ] || fail "ninja does not know what the plugin includes"
-(cd "$plugin" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,tests/run.sh} arguments "$build/venv-tools/requirements" \
-    "${included[@]}") >"$results/clang-tidy.input"
 (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 
-tools=$build/venv-tools/bin
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
 start window-2020.09 window
 start python-package python_package
-start clang-tidy once tidy
+start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
+start clang-tidy-edit tidy edit_fcd meshlab-2025.07
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h filter_fcd/*.cpp edit_fcd/*.cpp
 wait

@@ -158,13 +158,12 @@ environment "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7
 # --- plugins ------------------------------------------------------------------------------------------------------------
 
 plugins=() # to build
-# plugin HOST SOURCE LIBRARY SCALAR: without LIBRARY, for a MeshLab that is not here. Its sources compiled as one, since most of
-# their time goes to what they include.
+# plugin HOST SOURCE LIBRARY SCALAR: without LIBRARY, for a MeshLab that is not here. By clang, which takes two thirds of the
+# time of GCC for a plugin that is as fast; the unit tests are GCC's.
 plugin() {
     local directory=$build/cmake/$1
     step="configuring the plugin for $1"
-    local arguments=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
-        -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0
+    local arguments=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
         -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" ${3:+"-DFCD_MESHLAB_LIBRARY=$3"}
         -DFCD_MESHLAB_SCALAR="$4" -DFCD_MESHLAB_VERSION="$2" -DFCD_OUTPUT_DIR="$build/plugins/$1")
     if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$(printf '%s\n' "$root" "${arguments[@]}")" ]; then

@@ -76,6 +76,7 @@ class GraphMapping {
         struct Scratch {
             detail::Blending blending;
             std::vector<float> weight, shareWeight, strainTerm;
+            std::vector<std::uint32_t> active, shareActive;
             alignas(64) float strain[detail::terms][detail::lanes];
         };
 
@@ -101,6 +102,10 @@ class GraphMapping {
             b.m = nearby.size();
             b.weight = rows(scratch.weight, b.n);
             b.shareWeight = rows(scratch.shareWeight, b.m);
+            scratch.active.resize(std::max(scratch.active.size(), b.n));
+            scratch.shareActive.resize(std::max(scratch.shareActive.size(), b.m));
+            b.active = scratch.active.data();
+            b.shareActive = scratch.shareActive.data();
             for (int l = 0; l < lanes; ++l)
                 for (int d = 0; d < 3; ++d)
                     b.x[d][l] = mapping.surface.position(d, node[std::min(l, count - 1)]);
@@ -164,10 +169,11 @@ class GraphMapping {
         /// How the nodes stretch the surface, weighed as they were.
         void SumStrain(Scratch &scratch) const {
             const detail::Blending &b = scratch.blending;
-            scratch.strainTerm.assign(b.n * detail::terms, 0);
-            for (std::size_t c = 0; c < b.n; ++c)
-                std::copy_n(nodeStrain[b.ball[c].node].data(), 9, &scratch.strainTerm[c * detail::terms]);
-            detail::SumTerms(b.weight, reinterpret_cast<const float(*)[detail::terms]>(scratch.strainTerm.data()), b.n,
+            scratch.strainTerm.resize(std::max(scratch.strainTerm.size(), b.n * detail::terms));
+            for (std::size_t a = 0; a < b.used; ++a)
+                std::copy_n(nodeStrain[b.ball[b.active[a]].node].data(), 9,
+                            &scratch.strainTerm[std::size_t(b.active[a]) * detail::terms]);
+            detail::SumTerms(b, reinterpret_cast<const float(*)[detail::terms]>(scratch.strainTerm.data()),
                              scratch.strain);
         }
 

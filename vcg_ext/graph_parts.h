@@ -49,9 +49,6 @@ inline std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &gra
 
 /// The graph that \p nodes, ascending, form in \p graph.
 inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes) {
-    std::vector<Index> newIndex(graph.Size(), -1);
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-        newIndex[nodes[i]] = Index(i);
     DeformationGraph part;
     std::vector<std::uint32_t> item;
     part.graph.position.resize(3, Eigen::Index(nodes.size()));
@@ -60,12 +57,15 @@ inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<
         part.graph.position.col(Eigen::Index(i)) = graph.graph.position.col(node);
         part.radius.push_back(graph.radius[node]);
         part.held.push_back(graph.IsHeld(node));
-        for (std::uint32_t e = graph.graph.adjacency.begin[node]; e < graph.graph.adjacency.begin[node + 1]; ++e)
-            if (newIndex[graph.graph.adjacency.item[e]] >= 0) {
-                part.graph.adjacency.item.push_back(newIndex[graph.graph.adjacency.item[e]]);
+        for (std::uint32_t e = graph.graph.adjacency.begin[node]; e < graph.graph.adjacency.begin[node + 1]; ++e) {
+            const Index neighbour = graph.graph.adjacency.item[e];
+            const auto found = std::lower_bound(nodes.begin(), nodes.end(), neighbour);
+            if (found != nodes.end() && *found == neighbour) {
+                part.graph.adjacency.item.push_back(Index(found - nodes.begin()));
                 part.weight.push_back(graph.weight[e]);
                 item.push_back(e);
             }
+        }
         part.graph.adjacency.begin.push_back(std::uint32_t(item.size()));
     }
     part.edge.resize(3, Eigen::Index(item.size()));

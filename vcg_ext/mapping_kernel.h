@@ -3,6 +3,7 @@
 #define VCG_FCD_MAPPING_KERNEL_H
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 /// \file
@@ -35,9 +36,14 @@ struct Blending {
     const Ball *shareBall;      ///< m: ... which is known at their centres
     const float *share;         ///< (n - whole) x m
     std::size_t m;
-    alignas(64) float x[3][lanes];       ///< the vertices
-    float (*weight)[lanes];              ///< n, out
+    alignas(64) float x[3][lanes]; ///< the vertices
+    /// Rows for n, out: the weights of candidates active[0], ... active[used - 1], ascending. Those that are left out
+    /// weigh nothing at any of the vertices.
+    float (*weight)[lanes];
+    std::uint32_t *active;
+    std::size_t used;
     float (*shareWeight)[lanes];         ///< m, scratch
+    std::uint32_t *shareActive;          ///< m, scratch
     alignas(64) float sum[terms][lanes]; ///< out: the terms times the weights
 };
 
@@ -74,9 +80,9 @@ inline bool IsWide() {
 /// Weighs the candidates at each vertex, and sums up their terms.
 inline void Blend(Blending &b) { FCD_DISPATCH(Blend(b)); }
 
-/// Sums up other terms by the same weights. \param weight n x lanes \param term n x terms \param sum terms x lanes
-inline void SumTerms(const float (*weight)[lanes], const float (*term)[terms], std::size_t n, float (*sum)[lanes]) {
-    FCD_DISPATCH(SumTerms(weight, term, n, sum));
+/// Sums up other terms of the same candidates by the same weights. \param sum terms x lanes
+inline void SumTerms(const Blending &b, const float (*term)[terms], float (*sum)[lanes]) {
+    FCD_DISPATCH(SumTerms(b.weight, b.active, b.used, term, sum));
 }
 #undef FCD_DISPATCH
 

@@ -44,17 +44,12 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     std::sort(place.begin(), place.end());
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
-    const auto areNeighbours = [&](Index u, Index v) { // or have one in common
-        const auto isBeside = [&](Index a, Index b) {
-            const Csr::Row row = graph.adjacency[a];
-            return std::binary_search(row.begin(), row.end(), b);
-        };
-        if (isBeside(u, v))
-            return true;
-        for (Index w : graph.adjacency[u])
-            if (isBeside(w, v))
-                return true;
-        return false;
+    const auto areNeighbours = [&](Index u, Index v) {                // or have one in common
+        Csr::Row few = graph.adjacency[u], many = graph.adjacency[v]; // around the middle of a fan are all the others
+        if (few.size() > many.size())
+            std::swap(few, many), std::swap(u, v);
+        return std::any_of(few.begin(), few.end(),
+                           [&](Index w) { return w == v || std::binary_search(many.begin(), many.end(), w); });
     };
     struct Pair {
         Index u, v;

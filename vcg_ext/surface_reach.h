@@ -20,7 +20,7 @@ inline std::vector<Index> NodesWithin(const Graph &graph, Index seed, double rad
     std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
     std::unordered_map<Index, double> distance{{seed, 0}};
     std::vector<Index> found;
-    queue.push({0, seed});
+    queue.emplace(0, seed);
     while (!queue.empty()) {
         const auto [d, u] = queue.top();
         queue.pop();
@@ -34,7 +34,7 @@ inline std::vector<Index> NodesWithin(const Graph &graph, Index seed, double rad
             const auto at = distance.emplace(v, there);
             if (at.second || there < at.first->second) {
                 at.first->second = there;
-                queue.push({there, v});
+                queue.emplace(there, v);
             }
         }
     }

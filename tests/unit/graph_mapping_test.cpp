@@ -314,6 +314,7 @@ struct BlendRig {
     std::vector<detail::Ball> ball, shareBall;
     std::vector<float> share = std::vector<float>((n - whole) * m);
     float term[n][detail::terms], weight[n][detail::lanes], shareWeight[m][detail::lanes];
+    std::uint32_t active[n], shareActive[m];
     detail::Blending blending;
 
     BlendRig() {
@@ -328,6 +329,8 @@ struct BlendRig {
         }
         for (std::size_t q = 0; q < m; ++q)
             shareBall.push_back(ballHere());
+        for (detail::Ball *far : {&ball[1], &ball[6], &shareBall[1]}) // from all vertices
+            far->center[2] = 9;
         for (float &s : share)
             s = number(random);
         for (int l = 0; l < detail::lanes; ++l)
@@ -342,15 +345,19 @@ struct BlendRig {
         blending.m = m;
         blending.weight = weight;
         blending.shareWeight = shareWeight;
+        blending.active = active;
+        blending.shareActive = shareActive;
     }
 };
 
 TEST(GraphMapping, WeightsFallFromOneToZero) {
-    detail::Ball ball{{0, 0, 0}, 1, 0};
-    float x[3][detail::lanes] = {}, weight[1][detail::lanes];
+    const detail::Ball ball[2] = {{{0, 5, 0}, 1, 0}, {{0, 0, 0}, 1, 0}};
+    float x[3][detail::lanes] = {}, weight[2][detail::lanes];
+    std::uint32_t active[2];
     for (int l = 0; l < detail::lanes; ++l)
         x[1][l] = float(l) / (detail::lanes - 1);
-    detail::plain::WeighBalls(x, &ball, 1, weight);
+    ASSERT_EQ(detail::plain::WeighBalls(x, ball, 0, 2, weight, active, 0), 1u); // the other does not reach them
+    EXPECT_EQ(active[0], 1u);
     EXPECT_EQ(weight[0][0], 1);
     EXPECT_EQ(weight[0][detail::lanes - 1], 0);
     for (int l = 1; l < detail::lanes; ++l)
@@ -384,6 +391,12 @@ TEST(GraphMapping, BlendsAsWrittenDown) {
             EXPECT_NEAR(rig.blending.sum[t][l], sum[t], 1e-5);
     }
     EXPECT_GT(shared, 0);
+    EXPECT_GT(rig.blending.used, 0u);
+    EXPECT_LT(rig.blending.used, rig.n);
+    for (std::size_t a = 0, c = 0; a < rig.blending.used; ++a, ++c) // those that are left out reach no vertex
+        for (; c < rig.blending.active[a]; ++c)
+            for (int l = 0; l < detail::lanes; ++l)
+                EXPECT_EQ(weigh(rig.ball[c], l), 0);
 }
 
 TEST(GraphMapping, BlendsToTheSameBitsOnAnyProcessor) {

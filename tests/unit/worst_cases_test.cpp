@@ -166,7 +166,7 @@ TEST(WorstCases, AFanOfAPatchPerVertex) {
 }
 
 TEST(WorstCases, FacesWithoutArea) {
-    constexpr int n = sanitized ? 40 : 150;
+    constexpr int n = sanitized ? 40 : 70;
     const Shape shape = NoArea(n);
     ExpectGraph(shape);
     ExpectDeforms(shape, TagsInTurn(shape.position.size()));
