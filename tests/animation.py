@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A loop over the parameter "pose": the demo's bunny looks aside and back, as an animated GIF.
 
-  build/venv/bin/python tests/animation.py meshes/gallery/bunny.gif
+  build/venv/bin/python tests/animation.py docs/pictures/bunny.gif
 """
 import sys
 import tempfile

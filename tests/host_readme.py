@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What README.md tells its readers to type, as it is printed there. Needs what tests/setup.sh makes, and a display."""
+"""What README.md and the manual tell their readers to type, as it is printed there, and that the manual tells of all there is. Needs
+what tests/setup.sh makes, and a display."""
 import os
 import re
 import subprocess
@@ -9,18 +10,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]}
 VCGLIB = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fcd/meshlab-2025.07/src/vcglib"
 LIMIT = 1800  # seconds, for what hangs
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
-
-
-def commands(program):
-    """The indented lines that begin with it."""
-    return re.findall(rf"^    ({program} .*)$", README, re.MULTILINE)
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGES[page], re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
@@ -37,16 +33,48 @@ def run(folder, *command):
     return done.stdout
 
 
-def test_python_in_one_session(folder):
-    assert len(blocks("python")) == 7
-    printed = run(folder, sys.executable, "-c", "\n".join(blocks("python")))
-    assert "'nodes': " in printed and "'converged': True" in printed
-    assert (folder / "bar_deformed.ply").stat().st_size > 10000
-    assert (folder / "bend.ply").read_bytes().startswith(b"ply\n")
+@pytest.mark.parametrize("page, count, made", [("README.md", 1, "cylinder_deformed.ply"), ("scripts.md", 4, "bar_deformed.ply"),
+                                               ("layers.md", 3, "bend.ply")])
+def test_python_of_a_page_in_one_session(folder, page, count, made):
+    assert len(blocks(page, "python")) == count
+    printed = run(folder, sys.executable, "-c", "\n".join(blocks(page, "python")))
+    assert ("'nodes': " in printed and "'converged': True" in printed) == ("print(" in PAGES[page])
+    assert (folder / made).stat().st_size > 10000
+    assert (folder / made).read_bytes().startswith(b"ply\n")
+
+
+@pytest.mark.parametrize("host, place, names", [
+    ("meshlab-2020.09", "/usr/lib/*/meshlab/plugins", ["libedit_fcd.so", "libfilter_fcd.so"]),
+    ("meshlab-2025.07", "/usr/lib/*/meshlab/plugins", ["libedit_fcd.so", "libfilter_fcd.so"]),
+    ("pymeshlab-2025.7", f"{ROOT}/build/venv/lib/python3*/site-packages/pymeshlab/lib/plugins", ["libfilter_fcd.so"])])
+def test_cmake_installs_where_the_host_looks(folder, host, place, names):
+    run(ROOT, "env", f"DESTDIR={folder}", "cmake", "--install", f"build/cmake/{host}")
+    installed = sorted(folder.glob(f".{place}/*"))
+    assert [path.name for path in installed] == names
+    for path in installed:
+        assert path.read_bytes() == (ROOT / "build/plugins" / host / path.name).read_bytes()
+
+
+def test_links_of_the_readme_lead_somewhere():
+    links = [link for link in re.findall(r"\]\(([^)]+)\)", PAGES["README.md"]) if "://" not in link]
+    assert len(links) > 8 and [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_no_page_has_python_that_is_not_run():
+    assert {page for page in PAGES if blocks(page, "python")} == {"README.md", "scripts.md", "layers.md"}
+
+
+def test_the_manual_has_what_the_filters_say(folder):
+    """If not: the command below writes it."""
+    run(ROOT, "ninja", "-C", "build/cmake/pymeshlab-2025.7", "-j", "1", "filter_texts")
+    libraries = ROOT / "build/venv/lib/python3.11/site-packages/pymeshlab/lib"
+    printed = run(ROOT, "bash", "-c", f"LD_LIBRARY_PATH={libraries} build/cmake/pymeshlab-2025.7/filter_texts "
+                  f"{ROOT}/build/plugins/pymeshlab-2025.7/libfilter_fcd.so")
+    assert printed == PAGES["filters.md"]
 
 
 def test_a_filter_script_of_the_demo_in_meshlabserver(folder):
-    command, = commands("xvfb-run")
+    command, = re.findall(r"^    (xvfb-run .*)$", PAGES["scripts.md"], re.MULTILINE)
     case, = re.findall(r"-i build/demo/(\w+)\.ply", command)
     run(ROOT, sys.executable, "-B", "tests/demo.py", case)
     run(folder, "bash", "-c", command)
@@ -54,7 +82,7 @@ def test_a_filter_script_of_the_demo_in_meshlabserver(folder):
 
 
 def test_cpp_with_a_mesh(folder):
-    code, = blocks("cpp")
+    code, = blocks("scripts.md", "cpp")
     includes = re.findall(r"^#include .*$", code, re.MULTILINE)
     lines = [line for line in code.splitlines() if line not in includes]
     (folder / "program.cpp").write_text("\n".join([

@@ -223,6 +223,7 @@ start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
 start window-2020.09 window
 start python-package python_package
+start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
 start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
 start clang-tidy-edit tidy edit_fcd meshlab-2025.07
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
