@@ -25,7 +25,7 @@ double rounded(double x) {
     char text[32];
     const char *end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
     double y = x;
-    std::from_chars(text, end, y);
+    vcg::fcd::detail::ToNumber(text, end, y);
     return y == 0 ? 0 : y; // no -0
 }
 

@@ -57,13 +57,24 @@ inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<
         part.graph.position.col(Eigen::Index(i)) = graph.graph.position.col(node);
         part.radius.push_back(graph.radius[node]);
         part.held.push_back(graph.IsHeld(node));
-        for (std::uint32_t e = graph.graph.adjacency.begin[node]; e < graph.graph.adjacency.begin[node + 1]; ++e) {
-            const Index neighbour = graph.graph.adjacency.item[e];
-            const auto found = std::lower_bound(nodes.begin(), nodes.end(), neighbour);
-            if (found != nodes.end() && *found == neighbour) {
-                part.graph.adjacency.item.push_back(Index(found - nodes.begin()));
-                part.weight.push_back(graph.weight[e]);
-                item.push_back(e);
+        const auto take = [&](std::uint32_t e, std::size_t neighbour) {
+            part.graph.adjacency.item.push_back(Index(neighbour));
+            part.weight.push_back(graph.weight[e]);
+            item.push_back(e);
+        };
+        const Csr::Row row = graph.graph.adjacency[node];
+        const std::uint32_t begin = graph.graph.adjacency.begin[node];
+        if (row.size() <= nodes.size()) {
+            for (std::size_t r = 0; r < row.size(); ++r) {
+                const auto found = std::lower_bound(nodes.begin(), nodes.end(), row[r]);
+                if (found != nodes.end() && *found == row[r])
+                    take(begin + std::uint32_t(r), std::size_t(found - nodes.begin()));
+            }
+        } else { // a held node beside very many parts
+            for (std::size_t n = 0; n < nodes.size(); ++n) {
+                const Index *found = std::lower_bound(row.begin(), row.end(), nodes[n]);
+                if (found != row.end() && *found == nodes[n])
+                    take(begin + std::uint32_t(found - row.begin()), n);
             }
         }
         part.graph.adjacency.begin.push_back(std::uint32_t(item.size()));

@@ -7,10 +7,21 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
+#ifndef __cpp_lib_to_chars
+#include <cerrno>
+#include <clocale>
+#include <cstdlib>
+#include <cstring>
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+#endif
 
 namespace vcg {
 namespace fcd {
@@ -24,8 +35,24 @@ template <class Number>
 bool ToNumber(const char *first, const char *last, Number &value) {
     if (last - first > 1 && first[0] == '+' && first[1] != '-')
         ++first;
-    const std::from_chars_result r = std::from_chars(first, last, value);
-    return r.ec == std::errc() && r.ptr == last;
+#ifndef __cpp_lib_to_chars // libc++ has it for whole numbers only
+    if constexpr (!std::is_integral_v<Number>) {
+        static const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
+        const std::string word(first, last);
+        if (word.empty() || std::strchr("-.0123456789inIN", word[0]) == nullptr ||
+            word.find_first_of("xX") != std::string::npos)
+            return false;
+        char *end = nullptr;
+        errno = 0;
+        value = Number(strtod_l(word.c_str(), &end, plain));
+        const bool isInRange = errno != ERANGE || (std::isfinite(value) && value != 0);
+        return isInRange && end == word.c_str() + word.size();
+    } else
+#endif
+    {
+        const std::from_chars_result r = std::from_chars(first, last, value);
+        return r.ec == std::errc() && r.ptr == last;
+    }
 }
 
 /// Whether [first, last) is a number or, by how it begins, is meant as one.
@@ -48,6 +75,9 @@ inline std::string Excerpt(const std::string &text, std::size_t begin, std::size
 
 /// The bytes of a file. \param most how many there may be; of a larger file no more are read \throw Error naming it
 inline std::string ReadFile(const std::string &path, std::size_t most = std::string::npos) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
+        throw Error("Cannot read '" + path + "'.");
     std::ifstream file(path, std::ios::binary);
     if (!file)
         throw Error("Cannot open '" + path + "'.");

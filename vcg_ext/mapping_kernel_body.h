@@ -14,14 +14,14 @@ FCD_TARGET inline bool IsZero(const Numbers &v) {
 /// Weights of balls [first, end) that reach any of the vertices, from row \p used on. \return rows used then
 FCD_TARGET inline std::size_t WeighBalls(const float (*x)[lanes], const Ball *ball, std::size_t first, std::size_t end,
                                          float (*weight)[lanes], std::uint32_t *active, std::size_t used) {
-    constexpr int groups = lanes / each;
+    constexpr std::size_t groups = lanes / each;
     Numbers at[groups][3];
-    for (int g = 0; g < groups; ++g)
+    for (std::size_t g = 0; g < groups; ++g)
         for (int d = 0; d < 3; ++d)
             std::memcpy(&at[g][d], &x[d][g * each], sizeof(Numbers));
     for (std::size_t c = first; c < end; ++c) {
         Numbers sum = {};
-        for (int g = 0; g < groups; ++g) {
+        for (std::size_t g = 0; g < groups; ++g) {
             Numbers square = {};
             for (int d = 0; d < 3; ++d) {
                 const Numbers way = ball[c].center[d] - at[g][d];
