@@ -274,7 +274,7 @@ void BendSession::updateTags() {
         if (!effective || *made != *effective)
             effective = made;
     }
-    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return Eigen::Vector3d(toVector(position[i])); });
+    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return toVector(position[i]); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }

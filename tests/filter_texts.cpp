@@ -3,9 +3,9 @@
 // Prints what the filters tell their users as a page of the manual, docs/filters.md:
 //   filter_texts libfilter_fcd.so
 #include "../filter_fcd/meshlab_host.h"
+#include "load_plugin.h"
 
 #include <QCoreApplication>
-#include <QPluginLoader>
 
 #include <iostream>
 
@@ -26,12 +26,9 @@ static QString defaultOf(const RichParameter &parameter) {
 
 int main(int argc, char **argv) {
     QCoreApplication application(argc, argv);
-    QPluginLoader loader(argc > 1 ? argv[1] : "");
-    FilterPlugin *plugin = qobject_cast<FilterPlugin *>(loader.instance());
-    if (!plugin) {
-        std::cerr << loader.errorString().toStdString() << "\n";
+    FilterPlugin *plugin = loadPlugin<FilterPlugin>(argc > 1 ? argv[1] : "");
+    if (!plugin)
         return 2;
-    }
     MeshDocument document;
     document.addNewMesh("", "layer");
     std::cout

@@ -6,9 +6,9 @@
 //   MALLOC_ARENA_MAX=1 host_faults libfilter_fcd.so
 // One arena: the C library ends the process where a new thread finds no room for an arena of its own.
 #include "../filter_fcd/meshlab_host.h"
+#include "load_plugin.h"
 
 #include <QCoreApplication>
-#include <QPluginLoader>
 
 #include <cmath>
 #include <fstream>
@@ -178,12 +178,9 @@ static void runOutOfMemory(Plugin &plugin, QAction *action) {
 
 int main(int argc, char **argv) {
     QCoreApplication application(argc, argv);
-    QPluginLoader loader(argc > 1 ? argv[1] : "");
-    Plugin *plugin = qobject_cast<Plugin *>(loader.instance());
-    if (!plugin) {
-        std::cerr << loader.errorString().toStdString() << "\n";
+    Plugin *plugin = loadPlugin<Plugin>(argc > 1 ? argv[1] : "");
+    if (!plugin)
         return 2;
-    }
     for (QAction *action : plugin->actions())
         if (action->text() == "FCD: Build Deformation Graph" || action->text() == "FCD: Deform Mesh") {
             cancel(*plugin, action); // the other filters take no time, and do not report progress

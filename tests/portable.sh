@@ -16,7 +16,7 @@ build() {
         shift
     done
     shift
-    ls "$root"/tests/unit/*_test.cpp | grep -vE '(faults|build_types)_test' | sed 's/.*/#include "&"/' >tests.cpp
+    printf '#include "%s"\n' "$root"/tests/unit/*_test.cpp | grep -vE '(faults|build_types)_test' >tests.cpp
     mkdir -p include && ln -sfn /usr/include/eigen3 include/eigen3 # and nothing else of this system
     "${compiler[@]}" -std=c++17 -O1 -Wall -Wextra -Werror -I"$root" -I"$root/vcg_ext" -isystem include/eigen3 -isystem "$gtest/include" \
         -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib" -c tests.cpp -o tests.o

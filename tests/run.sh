@@ -188,7 +188,7 @@ tidy() {
     local directory=$build/cmake/$2 source=CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx included
     mapfile -t included < <(ninja -C "$directory" -t deps "$source.o" | sed -n 's/^    //p')
     [ ${#included[@]} -gt 0 ] || fail "ninja does not know what $1 includes"
-    (cd "$directory" && sha256sum "$root"/.clang-tidy arguments "$build/venv-tools/requirements" "${included[@]}") \
+    (cd "$directory" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt} arguments "$build/venv-tools/requirements" "${included[@]}") \
         >"$results/$name.input"
     once check "$name" "$build/venv-tools/bin/clang-tidy" --checks=-bugprone-suspicious-include -quiet -p "$directory" \
         "$directory/$source"

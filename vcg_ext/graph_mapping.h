@@ -78,6 +78,13 @@ class GraphMapping {
             std::vector<float> weight, shareWeight, strainTerm;
             std::vector<std::uint32_t> active, shareActive;
             alignas(64) float strain[detail::terms][detail::lanes];
+
+            template <class T>
+            static T *AtLeast(std::vector<T> &memory, std::size_t size) {
+                if (memory.size() < size)
+                    memory.resize(size);
+                return memory.data();
+            }
         };
 
         /// Maps \p count vertices, detail::lanes at most, at free nodes of one patch.
@@ -88,9 +95,7 @@ class GraphMapping {
             const std::uint32_t first = mapping.candidates.begin[patch], end = mapping.candidates.begin[patch + 1];
             const std::vector<detail::Ball> &nearby = mapping.nearby[patch];
             const auto rows = [](std::vector<float> &memory, std::size_t wanted) {
-                if (memory.size() < wanted * lanes)
-                    memory.resize(wanted * lanes);
-                return reinterpret_cast<float(*)[lanes]>(memory.data());
+                return reinterpret_cast<float(*)[lanes]>(Scratch::AtLeast(memory, wanted * lanes));
             };
             detail::Blending &b = scratch.blending;
             b.ball = mapping.ball.data() + first;
@@ -102,10 +107,8 @@ class GraphMapping {
             b.m = nearby.size();
             b.weight = rows(scratch.weight, b.n);
             b.shareWeight = rows(scratch.shareWeight, b.m);
-            scratch.active.resize(std::max(scratch.active.size(), b.n));
-            scratch.shareActive.resize(std::max(scratch.shareActive.size(), b.m));
-            b.active = scratch.active.data();
-            b.shareActive = scratch.shareActive.data();
+            b.active = Scratch::AtLeast(scratch.active, b.n);
+            b.shareActive = Scratch::AtLeast(scratch.shareActive, b.m);
             for (int l = 0; l < lanes; ++l)
                 for (int d = 0; d < 3; ++d)
                     b.x[d][l] = mapping.surface.position(d, node[std::min(l, count - 1)]);
@@ -169,12 +172,11 @@ class GraphMapping {
         /// How the nodes stretch the surface, weighed as they were.
         void SumStrain(Scratch &scratch) const {
             const detail::Blending &b = scratch.blending;
-            scratch.strainTerm.resize(std::max(scratch.strainTerm.size(), b.n * detail::terms));
+            auto *term =
+                reinterpret_cast<float(*)[detail::terms]>(Scratch::AtLeast(scratch.strainTerm, b.n * detail::terms));
             for (std::size_t a = 0; a < b.used; ++a)
-                std::copy_n(nodeStrain[b.ball[b.active[a]].node].data(), 9,
-                            &scratch.strainTerm[std::size_t(b.active[a]) * detail::terms]);
-            detail::SumTerms(b, reinterpret_cast<const float(*)[detail::terms]>(scratch.strainTerm.data()),
-                             scratch.strain);
+                std::copy_n(nodeStrain[b.ball[b.active[a]].node].data(), 9, term[b.active[a]]);
+            detail::SumTerms(b, term, scratch.strain);
         }
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion)

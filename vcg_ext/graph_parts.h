@@ -49,6 +49,13 @@ inline std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &gra
 
 /// The graph that \p nodes, ascending, form in \p graph.
 inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes) {
+    const auto forCommon = [](const auto &few, const auto &many, const auto &body) { // both ascending
+        for (std::size_t i = 0; i < few.size(); ++i) {
+            const auto found = std::lower_bound(many.begin(), many.end(), few[i]);
+            if (found != many.end() && *found == few[i])
+                body(i, std::size_t(found - many.begin()));
+        }
+    };
     DeformationGraph part;
     std::vector<std::uint32_t> item;
     part.graph.position.resize(3, Eigen::Index(nodes.size()));
@@ -57,26 +64,17 @@ inline DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<
         part.graph.position.col(Eigen::Index(i)) = graph.graph.position.col(node);
         part.radius.push_back(graph.radius[node]);
         part.held.push_back(graph.IsHeld(node));
-        const auto take = [&](std::uint32_t e, std::size_t neighbour) {
+        const auto take = [&](std::size_t r, std::size_t neighbour) {
+            const std::uint32_t e = graph.graph.adjacency.begin[node] + std::uint32_t(r);
             part.graph.adjacency.item.push_back(Index(neighbour));
             part.weight.push_back(graph.weight[e]);
             item.push_back(e);
         };
         const Csr::Row row = graph.graph.adjacency[node];
-        const std::uint32_t begin = graph.graph.adjacency.begin[node];
-        if (row.size() <= nodes.size()) {
-            for (std::size_t r = 0; r < row.size(); ++r) {
-                const auto found = std::lower_bound(nodes.begin(), nodes.end(), row[r]);
-                if (found != nodes.end() && *found == row[r])
-                    take(begin + std::uint32_t(r), std::size_t(found - nodes.begin()));
-            }
-        } else { // a held node beside very many parts
-            for (std::size_t n = 0; n < nodes.size(); ++n) {
-                const Index *found = std::lower_bound(row.begin(), row.end(), nodes[n]);
-                if (found != row.end() && *found == nodes[n])
-                    take(begin + std::uint32_t(found - row.begin()), n);
-            }
-        }
+        if (row.size() <= nodes.size())
+            forCommon(row, nodes, take);
+        else // a held node beside very many parts
+            forCommon(nodes, row, [&](std::size_t neighbour, std::size_t r) { take(r, neighbour); });
         part.graph.adjacency.begin.push_back(std::uint32_t(item.size()));
     }
     part.edge.resize(3, Eigen::Index(item.size()));

@@ -44,10 +44,10 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     std::sort(place.begin(), place.end());
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
-    const auto areNeighbours = [&](Index u, Index v) {                // or have one in common
-        Csr::Row few = graph.adjacency[u], many = graph.adjacency[v]; // around the middle of a fan are all the others
-        if (few.size() > many.size())
-            std::swap(few, many), std::swap(u, v);
+    const auto areNeighbours = [&](Index u, Index v) { // or have one in common
+        if (graph.adjacency[u].size() > graph.adjacency[v].size())
+            std::swap(u, v); // around the middle of a fan are all the others
+        const Csr::Row few = graph.adjacency[u], many = graph.adjacency[v];
         return std::any_of(few.begin(), few.end(),
                            [&](Index w) { return w == v || std::binary_search(many.begin(), many.end(), w); });
     };
