@@ -507,16 +507,15 @@ BendSession::Times BendSession::pose(bool full) {
 void BendSession::writeVertices(const vcg::fcd::Deformer::Pose &pose) {
     CMeshO &mesh = layer.cm;
     isPosed = true;
-    deformer->Apply(
-        pose, [&](std::size_t i) { return toVector(position[i]); },
+    deformer->ApplyWithNormals(
+        pose, [&](std::size_t i) { return toVector(position[i]); }, [&](std::size_t i) { return toVector(normal[i]); },
         [&] {
-            return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
-                CVertexO &vertex = mesh.vert[i];
-                vertex.P() = toPoint(p);
-                vertex.N() = turned(map, normal[i]);
+            return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Vector3d &n) {
+                mesh.vert[i].P() = toPoint(p);
+                mesh.vert[i].N() = toPoint(n);
             };
         },
-        true, vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
+        vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
 }
 
 void BendSession::restoreVertices() {

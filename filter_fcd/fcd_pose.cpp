@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_pose.h"
-#include "fcd_rest.h"
 
 #include <vcg/complex/algorithms/update/normal.h>
 
@@ -55,29 +54,27 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
     std::mutex lock;
     Sum all;
     struct Taker {
-        Taker(CMeshO &mesh, const RestShape &rest, std::mutex &lock, Sum &all)
-            : mesh(mesh), rest(rest), lock(lock), all(all) {}
+        Taker(CMeshO &mesh, std::mutex &lock, Sum &all) : mesh(mesh), lock(lock), all(all) {}
         Taker(const Taker &) = delete;
         Taker &operator=(const Taker &) = delete;
         ~Taker() {
             const std::lock_guard<std::mutex> guard(lock);
             all.add(sum);
         }
-        void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Matrix3f &map) {
+        void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Vector3d &normal) {
             CVertexO &vertex = mesh.vert[slot];
             vertex.P() = toPoint(position);
-            vertex.N() = turned(map, rest.normals()[slot]);
+            vertex.N() = toPoint(normal);
             sum.add(slot, vertex.cP());
         }
         CMeshO &mesh;
-        const RestShape &rest;
         std::mutex &lock;
         Sum &all, sum;
     };
-    prepared.deformer->Apply(
+    prepared.deformer->ApplyWithNormals(
         pose, [&](std::size_t slot) { return toVector(rest.positions()[slot]); },
-        [&] { return Taker(mesh, rest, lock, all); }, true, Progress(),
-        [&](std::size_t slot) { prefetch(rest.positions()[slot], rest.normals()[slot], mesh.vert[slot]); });
+        [&](std::size_t slot) { return toVector(rest.normals()[slot]); }, [&] { return Taker(mesh, lock, all); },
+        Progress(), [&](std::size_t slot) { prefetch(rest.positions()[slot], rest.normals()[slot], mesh.vert[slot]); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         Sum still;
         for (std::size_t i = first; i < last; ++i)
@@ -95,13 +92,6 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
 }
 
 } // namespace
-
-Point3m turned(const Eigen::Matrix3f &map, const Point3m &normal) {
-    const Eigen::Vector3d before = toVector(normal);
-    const Eigen::Vector3d after = (vcg::fcd::Cofactors(map) * before.cast<float>()).cast<double>();
-    const double square = after.squaredNorm();
-    return square > 0 && !map.isIdentity(0) ? toPoint(after * std::sqrt(before.squaredNorm() / square)) : normal;
-}
 
 PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam &param, PreparedLayers &preparedLayers,
                        const Remark &remark, const Progress &progress) {

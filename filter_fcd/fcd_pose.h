@@ -4,6 +4,7 @@
 
 #include "fcd_layers.h"
 #include "fcd_prepared.h"
+#include "fcd_rest.h"
 
 /// What posing a layer in place did.
 struct PoseResult {
@@ -25,19 +26,12 @@ PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam
 /// shape. \throw vcg::fcd::Error when the layer has no rest shape
 void resetPose(MeshModel &layer, bool presentShape);
 
-/// What \p map of the surface makes of a normal, which keeps its length.
-Point3m turned(const Eigen::Matrix3f &map, const Point3m &normal);
-
 /// Begins to read what a vertex, which will soon be written, has at rest, and the vertex itself.
 inline void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &vertex) {
-#ifdef __GNUC__
-    for (const void *memory :
-         {static_cast<const void *>(&position), static_cast<const void *>(&normal), static_cast<const void *>(&vertex),
-          static_cast<const void *>(reinterpret_cast<const char *>(&vertex + 1) - 1)})
-        __builtin_prefetch(memory);
-#else
-    (void)position, (void)normal, (void)vertex;
-#endif
+    prefetch(&position);
+    prefetch(&normal);
+    prefetch(&vertex);
+    prefetch(reinterpret_cast<const char *>(&vertex + 1) - 1);
 }
 
 #endif

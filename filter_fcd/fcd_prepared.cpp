@@ -56,10 +56,10 @@ PreparedLayers::Key PreparedLayers::keyOf(const MeshModel &layer, const Point3m 
     const CMeshO &mesh = layer.cm;
     Bytes bytes;
     constexpr std::size_t place = 3 * sizeof(Scalarm);
+    const bool isCompact = std::size_t(mesh.vn) == mesh.vert.size(); // vertices are large, and need not be read
     addHashes<place + sizeof(int)>(bytes, mesh.vert.size(), [&](std::size_t i, unsigned char *to) {
-        const CVertexO &vertex = mesh.vert[i];
-        const int tag = vertex.IsD() ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
-        std::memcpy(to, rest ? &rest[i][0] : &vertex.cP()[0], place);
+        const int tag = !isCompact && mesh.vert[i].IsD() ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
+        std::memcpy(to, rest ? &rest[i][0] : &mesh.vert[i].cP()[0], place);
         std::memcpy(to + place, &tag, sizeof tag);
     });
     const auto addElements = [&](const auto &elements, auto corners) {

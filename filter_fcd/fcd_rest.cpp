@@ -103,6 +103,8 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             CFaceO &face = mesh.face[f];
+            for (int k = 0; k < 3; ++k)
+                prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
             bool moves = moving.empty();
             for (int k = 0; k < 3 && !moves; ++k)
                 moves = moving[std::size_t(face.cV(k) - mesh.vert.data())] != 0;

@@ -8,6 +8,7 @@
 #include "graph_parts.h"
 #include "held_nodes.h"
 #include "loose_parts.h"
+#include "normals.h"
 
 #include <utility>
 
@@ -191,33 +192,50 @@ class Deformer {
     template <class Rest, class Taker, class Ahead>
     void Apply(const Pose &pose, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
                const Ahead &ahead) const {
-        const Carrier carrier(*this, pose);
-        const char *stage = "Mapping to the mesh";
-        const std::size_t all = bent.size() + carried.size();
-        const double share = all > 0 ? double(bent.size()) / double(all) : 1;
-        ApplyToBent(carrier, rest, taker, maps, progress.Slice(0, share), ahead);
-        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-            auto &&take = taker();
-            Eigen::Matrix3f map;
-            for (std::size_t c = first; c < last; ++c) {
-                const Eigen::Vector3d p = carrier(carried[c], rest(carried[c]), map);
-                take(carried[c], p, map);
-            }
-        });
-        progress(1, stage);
+        ApplyBlocks(
+            pose, rest, maps, progress, ahead, taker,
+            [&](auto &take, const Bent *vertex, int count, detail::Vertices &moved) {
+                for (int l = 0; l < count; ++l)
+                    take(vertex[l].slot, moved.Moved(l), maps ? moved.Linear(l) : Eigen::Matrix3f::Identity());
+            },
+            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
+                take(slot, p, map);
+            });
+    }
+
+    /// The same with normals, which turn with the surface and keep their lengths: normal(slot) gives that at rest, and
+    /// what takes is called with (slot, position, normal).
+    template <class Rest, class Normal, class Taker, class Ahead>
+    void ApplyWithNormals(const Pose &pose, const Rest &rest, const Normal &normal, const Taker &taker,
+                          const Progress &progress, const Ahead &ahead) const {
+        ApplyBlocks(
+            pose, rest, true, progress, ahead, taker,
+            [&](auto &take, const Bent *vertex, int count, detail::Vertices &moved) {
+                Eigen::Vector3d before[detail::lanes];
+                for (int l = 0; l < detail::lanes; ++l) {
+                    before[l] = normal(vertex[std::min(l, count - 1)].slot);
+                    moved.SetNormal(l, before[l]);
+                }
+                detail::TurnNormals(moved);
+                for (int l = 0; l < count; ++l)
+                    take(vertex[l].slot, moved.Moved(l), moved.turns[l] != 0 ? moved.Normal(l) : before[l]);
+            },
+            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
+                take(slot, p, Turned(map, normal(slot)));
+            });
     }
 
     /// Where a pose takes points that are not the surface's own vertices: as a vertex of it moves.
     class Carrier {
       public:
         Carrier(const Deformer &deformer, const Pose &pose)
-            : deformer(deformer), pose(pose), mapped(deformer.mapping->At(pose.graph, pose.motion)),
+            : deformer(deformer), pose(pose),
+              mapped(deformer.mapping->At(pose.graph, pose.motion, deformer.surface.frame)),
               looseMotion(deformer.LooseMotions(pose, mapped)), moves(pose.given.Moves()) {}
 
         /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
         /// \param linear how the surface turns and stretches there, mesh units
         Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
-            const Frame &frame = deformer.surface.frame;
             const Index node = deformer.surface.nodeOf[slot];
             linear.setIdentity();
             if (!moves || deformer.slotTag[slot] == noVertex)
@@ -226,9 +244,7 @@ class Deformer {
                 if (deformer.param.weights == MappingWeights::Surface &&
                     pose.graph.rests[deformer.patches.patchOf[node]])
                     return p;
-                const Eigen::Vector3d there = mapped(node, frame.ToFrame(p), &linear);
-                linear = (frame.inverseMetric * linear.cast<double>() * frame.metric).cast<float>();
-                return frame.FromFrame(there);
+                return mapped(node, p, &linear);
             }
             if (node >= 0 && deformer.held.IsFixed(deformer.held.tag[node]))
                 return p;
@@ -267,7 +283,7 @@ class Deformer {
 
     /// The motion of each loose part, mesh units.
     std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose) const {
-        return LooseMotions(pose, mapping->At(pose.graph, pose.motion));
+        return LooseMotions(pose, mapping->At(pose.graph, pose.motion, surface.frame));
     }
 
     /// The motion of a vertex that is no node of the surface, mesh units. \param looseMotion of each loose part
@@ -372,19 +388,19 @@ class Deformer {
                                                 });
     }
 
-    template <class Rest, class Taker, class Ahead>
-    void ApplyToBent(const Carrier &carrier, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
-                     const Ahead &ahead) const {
+    /// Maps what may move: blocks of free vertices, for takeBlock(take, ...), and the others one by one, for takeOne.
+    template <class Rest, class Ahead, class Taker, class TakeBlock, class TakeOne>
+    void ApplyBlocks(const Pose &pose, const Rest &rest, bool maps, const Progress &progress, const Ahead &ahead,
+                     const Taker &taker, const TakeBlock &takeBlock, const TakeOne &takeOne) const {
+        const char *stage = "Mapping to the mesh";
+        const Carrier carrier(*this, pose);
         const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
-        const Frame &frame = surface.frame;
-        const bool isSame = frame.metric.isIdentity(0);
-        const std::size_t lanes = detail::lanes;
-        ParallelFor(progress, "Mapping to the mesh", bent.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        const std::size_t all = bent.size() + carried.size(), lanes = detail::lanes;
+        const double share = all > 0 ? double(bent.size()) / double(all) : 1;
+        ParallelFor(progress.Slice(0, share), stage, bent.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
             auto &&take = taker();
             GraphMapping::Posed::Scratch scratch;
             Index node[detail::lanes];
-            Eigen::Vector3d p[detail::lanes], there[detail::lanes];
-            Eigen::Matrix3f map[detail::lanes];
             for (std::size_t i = first; i < last;) {
                 const Index patch = patches.patchOf[bent[i].node];
                 int count = 0;
@@ -394,25 +410,25 @@ class Deformer {
                     node[count] = bent[i + count].node;
                     if (patches.patchOf[node[count]] != patch)
                         break;
-                    p[count] = rest(bent[i + count].slot);
+                    scratch.vertices.SetRest(count, rest(bent[i + count].slot));
                 }
-                if (!carrier.moves || (isSurface && carrier.pose.graph.rests[patch])) {
-                    for (int l = 0; l < count; ++l)
-                        take(bent[i + l].slot, p[l], Eigen::Matrix3f::Identity());
-                } else {
-                    for (int l = 0; l < count; ++l)
-                        p[l] = frame.ToFrame(p[l]);
-                    carrier.mapped.Map(node, p, count, there, maps ? map : nullptr, scratch);
-                    for (int l = 0; l < count; ++l)
-                        take(bent[i + l].slot, frame.FromFrame(there[l]),
-                             maps && !isSame
-                                 ? Eigen::Matrix3f(
-                                       (frame.inverseMetric * map[l].cast<double>() * frame.metric).cast<float>())
-                                 : map[l]);
-                }
+                if (!carrier.moves || (isSurface && pose.graph.rests[patch]))
+                    scratch.vertices.Stay();
+                else
+                    carrier.mapped.Map(node, count, maps, scratch);
+                takeBlock(take, &bent[i], count, scratch.vertices);
                 i += count;
             }
         });
+        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+            auto &&take = taker();
+            Eigen::Matrix3f map;
+            for (std::size_t c = first; c < last; ++c) {
+                const Eigen::Vector3d p = carrier(carried[c], rest(carried[c]), map);
+                takeOne(take, carried[c], p, map);
+            }
+        });
+        progress(1, stage);
     }
 
     /// The motion of a held vertex, or of a free one at the place of one.
@@ -435,7 +451,7 @@ class Deformer {
             const Index node = surface.nodeOf[i];
             if (node >= 0 && surface.tag[node] == 1) {
                 there.linear() = detail::RotationOf(pose.graph.linear[patches.patchOf[node]]);
-                there.translation() = mapped(node, p) - there.linear() * p;
+                there.translation() = surface.frame.ToFrame(mapped(node, leaderRest[part])) - there.linear() * p;
             } else {
                 const Eigen::Matrix4d &given = GivenAt(pose, i);
                 if (given.isIdentity(0))
@@ -453,7 +469,6 @@ class Deformer {
     /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
     Eigen::Vector3d Followed(const Pose &pose, const GraphMapping::Posed &mapped, const LooseFollowing::Vertex &vertex,
                              const Eigen::Vector3d &p) const {
-        const Eigen::Vector3d x = surface.frame.ToFrame(p);
         Eigen::Vector3d way = Eigen::Vector3d::Zero();
         for (int i = 0; i < Places::several; ++i) {
             if (!(vertex.weight[i] > 0))
@@ -461,10 +476,10 @@ class Deformer {
             const std::size_t slot = std::size_t(vertex.place[i]);
             const Index node = surface.nodeOf[slot];
             const Eigen::Vector3d there =
-                node >= 0 ? mapped(node, x) : Eigen::Vector3d(surface.frame.ToFrame(GivenAt(pose, slot)) * x);
-            way += double(vertex.weight[i]) * (there - x);
+                node >= 0 ? mapped(node, p) : Eigen::Vector3d((GivenAt(pose, slot) * p.homogeneous()).head<3>());
+            way += double(vertex.weight[i]) * (there - p);
         }
-        return way.isZero(0) ? p : surface.frame.FromFrame(Eigen::Vector3d(x + way));
+        return way.isZero(0) ? p : p + way;
     }
 
     std::vector<std::size_t> point;

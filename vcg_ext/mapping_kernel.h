@@ -2,6 +2,8 @@
 #ifndef VCG_FCD_MAPPING_KERNEL_H
 #define VCG_FCD_MAPPING_KERNEL_H
 
+#include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -47,6 +49,65 @@ struct Blending {
     alignas(64) float sum[terms][lanes]; ///< out: the terms times the weights
 };
 
+/// How a patch's node moves: x by shift + turn (x - center).
+struct PatchMotion {
+    double center[3], shift[3], turn[9]; ///< mesh units; columns of the linear map minus the identity
+};
+
+/// From mesh units to those of the blended terms, the frame's, and back.
+struct Space {
+    double toFrame[9], fromFrame[9];    ///< of ways; columns
+    bool isSame;                        ///< directions are the same in both, ...
+    double metric[9], inverseMetric[9]; ///< ... or turned and stretched so
+};
+
+/// Some vertices of one patch that are mapped together.
+struct Vertices {
+    alignas(64) double rest[3][lanes];  ///< mesh units
+    alignas(64) double moved[3][lanes]; ///< out
+    alignas(64) float linear[9][lanes]; ///< out: how the surface turns and stretches around each; columns
+    alignas(64) float normal[3][lanes]; ///< in: at rest; out: turned
+    float turns[lanes];                 ///< out: 0 where the normal keeps its bits
+
+    Eigen::Vector3d Rest(int l) const { return {rest[0][l], rest[1][l], rest[2][l]}; }
+    Eigen::Vector3d Moved(int l) const { return {moved[0][l], moved[1][l], moved[2][l]}; }
+    Eigen::Matrix3f Linear(int l) const {
+        Eigen::Matrix3f map;
+        for (int d = 0; d < 9; ++d)
+            map.data()[d] = linear[d][l];
+        return map;
+    }
+    Eigen::Vector3d Normal(int l) const { return {normal[0][l], normal[1][l], normal[2][l]}; }
+    void SetNormal(int l, const Eigen::Vector3d &n) {
+        for (int d = 0; d < 3; ++d)
+            normal[d][l] = float(n[d]);
+    }
+    void SetRest(int l, const Eigen::Vector3d &p) {
+        for (int d = 0; d < 3; ++d)
+            rest[d][l] = p[d];
+    }
+    void SetMoved(int l, const Eigen::Vector3d &p) {
+        for (int d = 0; d < 3; ++d)
+            moved[d][l] = p[d];
+    }
+    void SetLinear(int l, const Eigen::Matrix3f &map) {
+        for (int d = 0; d < 9; ++d)
+            linear[d][l] = map.data()[d];
+    }
+    /// Lets lanes from \p count on be like the first.
+    void Fill(int count) {
+        for (int l = count; l < lanes; ++l)
+            SetRest(l, Rest(0));
+    }
+    /// Lets all stay where they are.
+    void Stay() {
+        std::memcpy(moved, rest, sizeof moved);
+        for (int d = 0; d < 9; ++d)
+            for (float &entry : linear[d])
+                entry = d % 4 == 0;
+    }
+};
+
 #define FCD_TARGET
 namespace plain {
 #ifdef __GNUC__
@@ -84,6 +145,15 @@ inline void Blend(Blending &b) { FCD_DISPATCH(Blend(b)); }
 inline void SumTerms(const Blending &b, const float (*term)[terms], float (*sum)[lanes]) {
     FCD_DISPATCH(SumTerms(b.weight, b.active, b.used, term, sum));
 }
+
+/// Moves vertices as the blend of their patch's candidates does.
+/// \param linear whether to give their linear maps, too
+inline void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool linear, Vertices &v) {
+    FCD_DISPATCH(Carry(b, own, space, linear, v));
+}
+
+/// Turns their normals with the surface; each keeps its length.
+inline void TurnNormals(Vertices &v) { FCD_DISPATCH(TurnNormals(v)); }
 #undef FCD_DISPATCH
 
 } // namespace detail

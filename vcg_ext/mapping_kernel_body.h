@@ -93,3 +93,109 @@ FCD_TARGET inline void Blend(Blending &b) {
     }
     SumTerms(b.weight, b.active, b.used, b.term, b.sum);
 }
+
+FCD_TARGET inline void MoveByBlend(const Blending &b, const float *inverse, const PatchMotion &own, const Space &space,
+                                   Vertices &v) {
+    // What the candidates' motions differ by from that of the patch is small, and float is enough.
+    double way[3][lanes], moved[3][lanes];
+    float local[3][lanes], offset[3][lanes];
+    for (int d = 0; d < 3; ++d) {
+        const double center = own.center[d];
+        for (int l = 0; l < lanes; ++l)
+            way[d][l] = v.rest[d][l] - center;
+    }
+    for (int d = 0; d < 3; ++d) {
+        const double x = space.toFrame[d], y = space.toFrame[3 + d], z = space.toFrame[6 + d];
+        for (int l = 0; l < lanes; ++l)
+            local[d][l] = float(x * way[0][l] + y * way[1][l] + z * way[2][l]) - 0.5f * b.sum[12 + d][l] * inverse[l];
+    }
+    for (int d = 0; d < 3; ++d)
+        for (int l = 0; l < lanes; ++l)
+            offset[d][l] = (local[0][l] * b.sum[d][l] + local[1][l] * b.sum[3 + d][l] + local[2][l] * b.sum[6 + d][l] +
+                            b.sum[9 + d][l]) *
+                           inverse[l];
+    for (int d = 0; d < 3; ++d) {
+        const double shift = own.shift[d], x = own.turn[d], y = own.turn[3 + d], z = own.turn[6 + d];
+        const double i = space.fromFrame[d], j = space.fromFrame[3 + d], k = space.fromFrame[6 + d];
+        for (int l = 0; l < lanes; ++l)
+            moved[d][l] =
+                v.rest[d][l] + (shift + (x * way[0][l] + y * way[1][l] + z * way[2][l]) +
+                                (i * double(offset[0][l]) + j * double(offset[1][l]) + k * double(offset[2][l])));
+    }
+    std::memcpy(v.moved, moved, sizeof moved);
+}
+
+FCD_TARGET inline void MapsOfBlend(const Blending &b, const float *inverse, const PatchMotion &own, const Space &space,
+                                   Vertices &v) {
+    float more[9][lanes];
+    for (int d = 0; d < 9; ++d)
+        for (int l = 0; l < lanes; ++l)
+            more[d][l] = b.sum[d][l] * inverse[l];
+    if (!space.isSame) {
+        double half[9][lanes];
+        for (int row = 0; row < 3; ++row)
+            for (int column = 0; column < 3; ++column) {
+                const double *m = space.metric + 3 * column;
+                for (int l = 0; l < lanes; ++l)
+                    half[3 * column + row][l] =
+                        double(more[row][l]) * m[0] + double(more[3 + row][l]) * m[1] + double(more[6 + row][l]) * m[2];
+            }
+        for (int row = 0; row < 3; ++row)
+            for (int column = 0; column < 3; ++column) {
+                const double *m = space.inverseMetric + row;
+                for (int l = 0; l < lanes; ++l)
+                    more[3 * column + row][l] = float(m[0] * half[3 * column][l] + m[3] * half[3 * column + 1][l] +
+                                                      m[6] * half[3 * column + 2][l]);
+            }
+    }
+    for (int d = 0; d < 9; ++d) {
+        const float mine = float(own.turn[d] + (d % 4 == 0));
+        for (int l = 0; l < lanes; ++l)
+            v.linear[d][l] = mine + more[d][l];
+    }
+}
+
+FCD_TARGET inline void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool linear, Vertices &v) {
+    float inverse[lanes];
+    for (int l = 0; l < lanes; ++l) { // 0 where no ball reaches, as around an isolated vertex
+        const float total = b.sum[15][l];
+        inverse[l] = total > 0 ? 1 / total : 0;
+    }
+    MoveByBlend(b, inverse, own, space, v);
+    if (linear)
+        MapsOfBlend(b, inverse, own, space, v);
+}
+
+FCD_TARGET inline void TurnNormals(Vertices &v) {
+    const auto &m = v.linear;
+    const auto &n = v.normal;
+    float after[3][lanes], turns[lanes];
+    double factor[lanes];
+    for (int d = 0; d < 3; ++d) { // by the cofactors
+        const int i = (d + 1) % 3, j = (d + 2) % 3;
+        for (int l = 0; l < lanes; ++l)
+            after[d][l] = (m[3 + i][l] * m[6 + j][l] - m[3 + j][l] * m[6 + i][l]) * n[0][l] +
+                          (m[6 + i][l] * m[j][l] - m[6 + j][l] * m[i][l]) * n[1][l] +
+                          (m[i][l] * m[3 + j][l] - m[j][l] * m[3 + i][l]) * n[2][l];
+    }
+    for (int l = 0; l < lanes; ++l) {
+        double before = 0, square = 0;
+        for (int d = 0; d < 3; ++d) {
+            before += double(n[d][l]) * double(n[d][l]);
+            square += double(after[d][l]) * double(after[d][l]);
+        }
+        factor[l] = square > 0 ? before / square : 0;
+    }
+    for (double &each : factor)
+        each = std::sqrt(each);
+    for (int l = 0; l < lanes; ++l) {
+        float off = 0;
+        for (int d = 0; d < 9; ++d)
+            off += std::abs(m[d][l] - float(d % 4 == 0));
+        turns[l] = factor[l] > 0 ? off : 0;
+    }
+    for (int d = 0; d < 3; ++d)
+        for (int l = 0; l < lanes; ++l)
+            v.normal[d][l] = float(double(after[d][l]) * factor[l]);
+    std::memcpy(v.turns, turns, sizeof turns);
+}

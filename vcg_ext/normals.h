@@ -3,6 +3,7 @@
 #define VCG_FCD_NORMALS_H
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace vcg {
 namespace fcd {
@@ -14,6 +15,15 @@ Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
     for (int i = 0; i < 3; ++i)
         c.col(i) = map.col((i + 1) % 3).cross(map.col((i + 2) % 3));
     return c;
+}
+
+/// A normal after a map of points, as long as it was: the same where the map flattens, and to the bit where it is the
+/// identity.
+inline Eigen::Vector3d Turned(const Eigen::Matrix3f &map, const Eigen::Vector3d &normal) {
+    const Eigen::Vector3d after = (Cofactors(map) * normal.cast<float>()).cast<double>();
+    const double square = after.squaredNorm();
+    return square > 0 && !map.isIdentity(0) ? Eigen::Vector3d(after * std::sqrt(normal.squaredNorm() / square))
+                                            : normal;
 }
 
 } // namespace fcd

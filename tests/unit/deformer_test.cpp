@@ -16,12 +16,13 @@ struct DeformerRig {
     Matrix3Xd rest;
     std::unique_ptr<Deformer> deformer;
 
-    explicit DeformerRig(const Affine3d &motion)
+    explicit DeformerRig(const Affine3d &motion, const Eigen::Matrix3d &world = Eigen::Matrix3d::Identity())
         : bend(CaseOf(
               Tube(24, 60), [](const Vector3d &p) { return p[2] < 0.7   ? 0
                                                            : p[2] > 5.2 ? 2
                                                                         : 1; }, motion)),
           mesh(bend.shape) {
+        bend.handles.world.linear() = world;
         param.graph.initialPatches = 50;
         deformer = vcg::tri::PrepareDeformer(mesh, bend.handles, param, rest);
     }
@@ -63,6 +64,39 @@ TEST(Deformer, GivesWhatMayMoveOnceAndNothingElse) {
         for (std::size_t i = 0; i < taken.size(); ++i) {
             ASSERT_EQ(taken[i], moving[i]);
             ASSERT_EQ(moving[i], rig.bend.handles.tag[i] != 0);
+        }
+    }
+}
+
+TEST(Deformer, TurnsNormalsWithTheSurface) {
+    for (const Eigen::Matrix3d &world : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
+                                         Eigen::Matrix3d(RandomRigid(5).linear() * Vector3d(1, 2, 0.5).asDiagonal())}) {
+        DeformerRig rig(BentEnd(), world);
+        const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
+        Matrix3Xd expected = rig.rest;
+        std::vector<Eigen::Matrix3f> linear;
+        rig.deformer->Apply(pose, expected, &linear);
+        Matrix3Xd normal(3, rig.rest.cols()), position = rig.rest;
+        for (Eigen::Index i = 0; i < normal.cols(); ++i) // of several lengths, one of them 0
+            normal.col(i) = double(i % 7) * RandomRigid(unsigned(i)).linear().col(0);
+        Matrix3Xd turned = normal;
+        rig.deformer->ApplyWithNormals(
+            pose, [&](std::size_t i) { return Vector3d(rig.rest.col(Eigen::Index(i))); },
+            [&](std::size_t i) { return Vector3d(normal.col(Eigen::Index(i))); },
+            [&] {
+                return [&](std::size_t i, const Vector3d &p, const Vector3d &n) {
+                    position.col(Eigen::Index(i)) = p;
+                    turned.col(Eigen::Index(i)) = n;
+                };
+            },
+            Progress(), [](std::size_t) {});
+        EXPECT_TRUE(SameBits(position, expected));
+        for (std::size_t i = 0; i < linear.size(); ++i) {
+            const Vector3d before = normal.col(Eigen::Index(i)), after = turned.col(Eigen::Index(i));
+            if (linear[i].isIdentity(0))
+                ASSERT_EQ(after, before);
+            ASSERT_LE((after - Turned(linear[i], before)).norm(), 1e-5);
+            ASSERT_NEAR(after.norm(), before.norm(), 1e-5);
         }
     }
 }
