@@ -507,15 +507,16 @@ BendSession::Times BendSession::pose(bool full) {
 void BendSession::writeVertices(const vcg::fcd::Deformer::Pose &pose) {
     CMeshO &mesh = layer.cm;
     isPosed = true;
-    deformer->ApplyWithNormals(
-        pose, [&](std::size_t i) { return toVector(position[i]); }, [&](std::size_t i) { return toVector(normal[i]); },
-        [&] {
-            return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Vector3d &n) {
-                mesh.vert[i].P() = toPoint(p);
-                mesh.vert[i].N() = toPoint(n);
-            };
-        },
-        vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
+    vcg::fcd::Carrier(*deformer, pose)
+        .ApplyWithNormals([&](std::size_t i) { return toVector(position[i]); },
+                          [&](std::size_t i) { return toVector(normal[i]); },
+                          [&] {
+                              return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Vector3d &n) {
+                                  mesh.vert[i].P() = toPoint(p);
+                                  mesh.vert[i].N() = toPoint(n);
+                              };
+                          },
+                          vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
 }
 
 void BendSession::restoreVertices() {

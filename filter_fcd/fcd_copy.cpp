@@ -45,7 +45,7 @@ class Source {
 using Displacement = std::function<Eigen::Vector3d(const Eigen::Vector3d &, Eigen::Matrix3f &)>;
 
 /// As the nearest place of the source's surface goes. The arguments must outlive it.
-Displacement displacementOf(const Source &source, const vcg::fcd::Deformer::Carrier &carrier) {
+Displacement displacementOf(const Source &source, const vcg::fcd::Carrier &carrier) {
     return [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
         const vcg::fcd::SurfacePlace place = (*source.places)(x);
         Eigen::Vector3d way = Eigen::Vector3d::Zero();
@@ -137,14 +137,14 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
                     const Remark &remark, const Progress &progress) {
     progress(0, "Reading the source");
     std::unique_ptr<const Source> source;
-    std::unique_ptr<const vcg::fcd::Deformer::Carrier> carrier;
+    std::unique_ptr<const vcg::fcd::Carrier> carrier;
     std::unique_ptr<const DeformationField> field;
     Displacement displacement;
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
         source = std::make_unique<Source>(*param.source);
-        carrier = std::make_unique<vcg::fcd::Deformer::Carrier>(*deformation.prepared->deformer, deformation.pose);
+        carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
         displacement = displacementOf(*source, *carrier);
         matrix = source->matrix;
     } else {

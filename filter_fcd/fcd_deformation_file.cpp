@@ -63,7 +63,8 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const 
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
     Eigen::Matrix3Xd rest = restPositionsOf(*param.source), deformed = rest;
     std::vector<Eigen::Matrix3f> linear;
-    deformation.prepared->deformer->Apply(deformation.pose, deformed, &linear, progress.Slice(0, 0.1));
+    vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
+        .Apply(deformed, &linear, progress.Slice(0, 0.1));
     toWorld(matrix, rest, deformed, linear);
     vcg::fcd::SampledField field =
         vcg::tri::SampleField(param.source->cm, rest, deformed, linear, {}, progress.Slice(0.1, 0.95), matrix.linear());

@@ -71,10 +71,12 @@ Sum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared, con
         std::mutex &lock;
         Sum &all, sum;
     };
-    prepared.deformer->ApplyWithNormals(
-        pose, [&](std::size_t slot) { return toVector(rest.positions()[slot]); },
-        [&](std::size_t slot) { return toVector(rest.normals()[slot]); }, [&] { return Taker(mesh, lock, all); },
-        Progress(), [&](std::size_t slot) { prefetch(rest.positions()[slot], rest.normals()[slot], mesh.vert[slot]); });
+    vcg::fcd::Carrier(*prepared.deformer, pose)
+        .ApplyWithNormals(
+            [&](std::size_t slot) { return toVector(rest.positions()[slot]); },
+            [&](std::size_t slot) { return toVector(rest.normals()[slot]); }, [&] { return Taker(mesh, lock, all); },
+            Progress(),
+            [&](std::size_t slot) { prefetch(rest.positions()[slot], rest.normals()[slot], mesh.vert[slot]); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         Sum still;
         for (std::size_t i = first; i < last; ++i)

@@ -103,10 +103,8 @@ inline float DegreesOf(const Eigen::Vector4d &q) {
 }
 
 /// Stretch and rotation of the surface at each vertex, from its edges; what they leave open is as the patch turned.
-/// \param looseMotion of each loose part
-inline void Measure(const Deformer &deformer, const Deformer::Pose &pose,
-                    const std::vector<Eigen::Matrix4d> &looseMotion, const Progress &progress,
-                    DeformationResult &result) {
+inline void Measure(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
+                    const Progress &progress, DeformationResult &result) {
     const SurfaceGraph &surface = deformer.surface;
     const Patches &patches = deformer.patches;
     const std::size_t slots = surface.nodeOf.size();
@@ -145,7 +143,7 @@ inline void Measure(const Deformer &deformer, const Deformer::Pose &pose,
             result.stretch[i] = stretch[surface.nodeOf[i]];
             result.rotation[i] = rotation[surface.nodeOf[i]];
         } else if (deformer.slotTag[i] != noVertex) {
-            const Eigen::Matrix3d linear = deformer.MatrixAt(pose, looseMotion, i).topLeftCorner<3, 3>();
+            const Eigen::Matrix3d linear = carrier.MatrixAt(i).topLeftCorner<3, 3>();
             if (linear == Eigen::Matrix3d::Identity())
                 continue;
             result.stretch[i] = float(linear.norm() / std::sqrt(3.0));
@@ -313,10 +311,11 @@ void PoseMesh(const MeshType &m, const fcd::Handles &handles, fcd::Deformer &def
     result.secondsSolve = watch.Seconds();
 
     watch = {};
-    deformer.Apply(pose, result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.4, 0.8));
+    const fcd::Carrier carrier(deformer, pose);
+    carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.4, 0.8));
     result.check = fcd::detail::Check(m, handles, deformer, pose, result.position, progress.Slice(0.8, 0.9));
     if (param.measure)
-        fcd::detail::Measure(deformer, pose, deformer.LooseMotions(pose), progress.Slice(0.9, 0.96), result);
+        fcd::detail::Measure(deformer, pose, carrier, progress.Slice(0.9, 0.96), result);
     result.secondsMap = watch.Seconds();
     fcd::detail::ShowGraph(m, deformer, pose, progress.Slice(0.96, 1), result);
     progress(1, "Mapping to the mesh");

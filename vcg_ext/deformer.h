@@ -2,15 +2,10 @@
 #ifndef VCG_FCD_DEFORMER_H
 #define VCG_FCD_DEFORMER_H
 
+#include "carrier.h"
 #include "deformation_param.h"
 #include "given_nodes.h"
-#include "graph_mapping.h"
 #include "graph_parts.h"
-#include "held_nodes.h"
-#include "loose_parts.h"
-#include "normals.h"
-
-#include <utility>
 
 namespace vcg {
 namespace fcd {
@@ -44,18 +39,9 @@ inline Patches Sample(const SurfaceGraph &surface, const std::vector<Index> &tag
 /// A surface that is prepared to be deformed: built once from the surface and its regions (tags, places of point
 /// handles, parameters), it owns patches, graph, factorisation and mapping. Then each pose is solved from the motions
 /// alone, and carried to the vertices.
-class Deformer {
+class Deformer : public MovingSurface {
   public:
-    /// One pose.
-    struct Pose {
-        HeldMotions given;
-        GraphPose solved;                        ///< of the graph
-        GraphPose graph;                         ///< the same with linear maps (FitLinear)
-        std::vector<Eigen::Affine3d> nodeMotion; ///< k, of constrained nodes, frame units
-        /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
-        std::map<Index, Eigen::Affine3d> motion;
-        int iterations = 0; ///< of the solver, with those of the poses on the way
-    };
+    using Pose = SurfacePose;
 
     /// \param surface the free surface without its loose parts, and what holds it
     /// \param slotTag one per vertex slot, noVertex where it is deleted \param point slots of the point handles
@@ -64,8 +50,9 @@ class Deformer {
     Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface looseSurface, std::vector<int> slotTag,
              const std::vector<std::size_t> &point, const Eigen::Matrix3Xd &rest, const DeformerParam &param,
              const Progress &progress = {})
-        : surface(std::move(surface)), held(std::move(heldNodes)), loose(std::move(looseSurface)),
-          slotTag(std::move(slotTag)), point(point), param(param) {
+        : MovingSurface(std::move(surface), std::move(heldNodes), std::move(looseSurface), std::move(slotTag)),
+          point(point), param(param) {
+        weights = param.weights;
         Stopwatch watch;
         for (std::size_t i : point)
             pointRest.emplace_back(rest.col(Eigen::Index(i)));
@@ -82,11 +69,9 @@ class Deformer {
         for (std::size_t i : following.leader)
             leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero()
                                                            : Eigen::Vector3d(rest.col(Eigen::Index(i))));
-        FindMoving(progress.Slice(1, 1));
+        FindMoving(point, progress.Slice(1, 1));
         secondsMap = watch.Seconds();
     }
-    Deformer(const Deformer &) = delete; // its parts refer to each other
-    Deformer &operator=(const Deformer &) = delete;
 
     /// The motions of \p handles at \p percent of their way; its tags are not read, nor which vertices its points are.
     /// \throw Error a motion by more than 1e30 times the mesh, or a target that is not finite
@@ -166,144 +151,10 @@ class Deformer {
         return pose;
     }
 
-    /// \param position 3 x vertex slots, mesh units; in: at rest, out: deformed. Held vertices are exact: what is fixed
-    ///        keeps its bits.
-    /// \param linear if given: how the surface turns and stretches around each vertex, mesh units, one per slot
-    void Apply(const Pose &pose, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear = nullptr,
-               const Progress &progress = {}) const {
-        if (linear)
-            linear->assign(slotTag.size(), Eigen::Matrix3f::Identity());
-        Apply(
-            pose, [&](std::size_t i) { return Eigen::Vector3d(position.col(Eigen::Index(i))); },
-            [&] {
-                return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
-                    position.col(Eigen::Index(i)) = p;
-                    if (linear)
-                        (*linear)[i] = map;
-                };
-            },
-            linear != nullptr, progress, [](std::size_t) {});
-    }
-
-    /// The same for any layout: rest(slot) gives the position at rest; taker() gives what takes, by a call with (slot,
-    /// position, map), the deformed ones and, where \p maps are wanted, how the surface turns and stretches there.
-    /// There is a taker for some slots each, called from several threads; it gets each slot that may move in some pose
-    /// once, and no other. ahead(slot) tells which slots come soon, for memory that is far away.
-    template <class Rest, class Taker, class Ahead>
-    void Apply(const Pose &pose, const Rest &rest, const Taker &taker, bool maps, const Progress &progress,
-               const Ahead &ahead) const {
-        ApplyBlocks(
-            pose, rest, maps, progress, ahead, taker,
-            [&](auto &take, const Bent *vertex, int count, detail::Vertices &moved) {
-                for (int l = 0; l < count; ++l)
-                    take(vertex[l].slot, moved.Moved(l), maps ? moved.Linear(l) : Eigen::Matrix3f::Identity());
-            },
-            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
-                take(slot, p, map);
-            });
-    }
-
-    /// The same with normals, which turn with the surface and keep their lengths: normal(slot) gives that at rest, and
-    /// what takes is called with (slot, position, normal).
-    template <class Rest, class Normal, class Taker, class Ahead>
-    void ApplyWithNormals(const Pose &pose, const Rest &rest, const Normal &normal, const Taker &taker,
-                          const Progress &progress, const Ahead &ahead) const {
-        ApplyBlocks(
-            pose, rest, true, progress, ahead, taker,
-            [&](auto &take, const Bent *vertex, int count, detail::Vertices &moved) {
-                Eigen::Vector3d before[detail::lanes];
-                for (int l = 0; l < detail::lanes; ++l) {
-                    before[l] = normal(vertex[std::min(l, count - 1)].slot);
-                    moved.SetNormal(l, before[l]);
-                }
-                detail::TurnNormals(moved);
-                for (int l = 0; l < count; ++l)
-                    take(vertex[l].slot, moved.Moved(l), moved.turns[l] != 0 ? moved.Normal(l) : before[l]);
-            },
-            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
-                take(slot, p, Turned(map, normal(slot)));
-            });
-    }
-
-    /// Where a pose takes points that are not the surface's own vertices: as a vertex of it moves.
-    class Carrier {
-      public:
-        Carrier(const Deformer &deformer, const Pose &pose)
-            : deformer(deformer), pose(pose),
-              mapped(deformer.mapping->At(pose.graph, pose.motion, deformer.surface.frame)),
-              looseMotion(deformer.LooseMotions(pose, mapped)), moves(pose.given.Moves()) {}
-
-        /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
-        /// \param linear how the surface turns and stretches there, mesh units
-        Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
-            const Index node = deformer.surface.nodeOf[slot];
-            linear.setIdentity();
-            if (!moves || deformer.slotTag[slot] == noVertex)
-                return p;
-            if (node >= 0 && deformer.held.tag[node] == 1) {
-                if (deformer.param.weights == MappingWeights::Surface &&
-                    pose.graph.rests[deformer.patches.patchOf[node]])
-                    return p;
-                return mapped(node, p, &linear);
-            }
-            if (node >= 0 && deformer.held.IsFixed(deformer.held.tag[node]))
-                return p;
-            const auto told = pose.given.pointMotion.find(slot);
-            const auto &follows = deformer.following.vertex;
-            const auto follower =
-                std::lower_bound(follows.begin(), follows.end(), slot,
-                                 [](const LooseFollowing::Vertex &vertex, std::size_t s) { return vertex.slot < s; });
-            const Eigen::Matrix4d &matrix =
-                node >= 0 ? pose.given.motion.at(deformer.held.tag[node]) : deformer.MatrixAt(pose, looseMotion, slot);
-            linear = matrix.topLeftCorner<3, 3>().cast<float>();
-            if (told != pose.given.pointMotion.end())
-                return p + told->second.topRightCorner<3, 1>();
-            if (follower != follows.end() && follower->slot == slot)
-                return deformer.Followed(pose, mapped, *follower, p);
-            return matrix.isIdentity(0) ? p : Eigen::Vector3d((matrix * p.homogeneous()).head<3>());
-        }
-
-      private:
-        friend class Deformer;
-        const Deformer &deformer;
-        const Pose &pose;
-        const GraphMapping::Posed mapped;
-        const std::vector<Eigen::Matrix4d> looseMotion;
-        const bool moves;
-    };
-
-    /// body(slot) for each slot that may move in some pose, once.
-    template <class Body>
-    void ForMoving(const Body &body) const {
-        for (const Bent &vertex : bent)
-            body(std::size_t(vertex.slot));
-        for (std::uint32_t i : carried)
-            body(std::size_t(i));
-    }
-
-    /// The motion of each loose part, mesh units.
-    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose) const {
-        return LooseMotions(pose, mapping->At(pose.graph, pose.motion, surface.frame));
-    }
-
-    /// The motion of a vertex that is no node of the surface, mesh units. \param looseMotion of each loose part
-    const Eigen::Matrix4d &MatrixAt(const Pose &pose, const std::vector<Eigen::Matrix4d> &looseMotion,
-                                    std::size_t slot) const {
-        if (slotTag[slot] == 1 && !loose.partOf.empty() && loose.partOf[slot] >= 0)
-            return looseMotion[loose.partOf[slot]];
-        return pose.given.motion.at(slotTag[slot] == 1 ? 0 : std::max(0, slotTag[slot]));
-    }
-
-    const SurfaceGraph surface;
-    const HeldNodes held;
-    const LooseSurface loose;
-    const std::vector<int> slotTag;
     std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
-    Patches patches;
-    DeformationGraph graph;
-    Index placedNodes = 0;   ///< how many of the given nodes lie on the surface, and are used
-    double secondsGraph = 0; ///< that preparing patches and graph took ...
-    double secondsMap = 0;   ///< ... and the mapping
+    Index placedNodes = 0;                   ///< how many of the given nodes lie on the surface, and are used
+    double secondsGraph = 0;                 ///< that preparing patches and graph took ...
+    double secondsMap = 0;                   ///< ... and the mapping
 
   private:
     void BuildGraph(const Eigen::Matrix3Xd &rest, const Progress &progress) {
@@ -329,171 +180,13 @@ class Deformer {
                 nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
     }
 
-    /// A free vertex of the surface.
-    struct Bent {
-        std::uint32_t slot;
-        Index node;
-    };
-
-    /// Lists what may move, free vertices of one patch beside each other.
-    void FindMoving(const Progress &progress) {
-        const char *stage = "Preparing the mapping";
-        const std::size_t grain = 1 << 14, count = surface.slots.size(), chunks = (count + grain - 1) / grain;
-        std::vector<std::size_t> begin(chunks + 1, 0);
-        const auto isBent = [&](std::size_t i) {
-            const Index node = surface.nodeOf[surface.slots[i]];
-            return node >= 0 && held.tag[node] == 1;
-        };
-        ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                begin[first / grain + 1] += isBent(i);
-        });
-        for (std::size_t c = 0; c < chunks; ++c)
-            begin[c + 1] += begin[c];
-        AssignLarge(bent, begin[chunks], Bent{0, 0});
-        ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
-            std::vector<std::pair<Index, Bent>> here; // by patch
-            here.reserve(last - first);
-            std::map<Index, std::size_t> next; // of each patch: where its next one goes
-            for (std::size_t i = first; i < last; ++i)
-                if (isBent(i)) {
-                    const Index node = surface.nodeOf[surface.slots[i]];
-                    here.push_back({patches.patchOf[node], {surface.slots[i], node}});
-                    ++next[here.back().first];
-                }
-            std::size_t at = begin[first / grain];
-            for (auto &each : next)
-                each.second = std::exchange(at, at + each.second);
-            for (const auto &each : here)
-                bent[next[each.first]++] = each.second;
-        });
-
-        std::vector<char> isPoint; // one per slot, where there is any
-        for (std::size_t i : point) {
-            isPoint.resize(slotTag.size(), 0);
-            isPoint[i] = 1;
-        }
-        const auto isCarried = [&](std::size_t i) {
-            const Index node = surface.nodeOf[i];
-            if (node >= 0)
-                return held.tag[node] != 1 && !held.IsFixed(held.tag[node]);
-            if (slotTag[i] != 1)
-                return slotTag[i] > 1;
-            return (!loose.partOf.empty() && loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
-        };
-        carried = CollectInOrder<std::uint32_t>(progress, stage, Index(slotTag.size()),
-                                                [&](Index i, std::vector<std::uint32_t> &found) {
-                                                    if (isCarried(std::size_t(i)))
-                                                        found.push_back(std::uint32_t(i));
-                                                });
-    }
-
-    /// Maps what may move: blocks of free vertices, for takeBlock(take, ...), and the others one by one, for takeOne.
-    template <class Rest, class Ahead, class Taker, class TakeBlock, class TakeOne>
-    void ApplyBlocks(const Pose &pose, const Rest &rest, bool maps, const Progress &progress, const Ahead &ahead,
-                     const Taker &taker, const TakeBlock &takeBlock, const TakeOne &takeOne) const {
-        const char *stage = "Mapping to the mesh";
-        const Carrier carrier(*this, pose);
-        const bool isSurface = param.weights == MappingWeights::Surface; // no other part has an influence
-        const std::size_t all = bent.size() + carried.size(), lanes = detail::lanes;
-        const double share = all > 0 ? double(bent.size()) / double(all) : 1;
-        ParallelFor(progress.Slice(0, share), stage, bent.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-            auto &&take = taker();
-            GraphMapping::Posed::Scratch scratch;
-            Index node[detail::lanes];
-            for (std::size_t i = first; i < last;) {
-                const Index patch = patches.patchOf[bent[i].node];
-                int count = 0;
-                for (std::size_t next = i + 2 * lanes; next < std::min(last, i + 3 * lanes); ++next)
-                    ahead(bent[next].slot);
-                for (; count < detail::lanes && i + count < last; ++count) {
-                    node[count] = bent[i + count].node;
-                    if (patches.patchOf[node[count]] != patch)
-                        break;
-                    scratch.vertices.SetRest(count, rest(bent[i + count].slot));
-                }
-                if (!carrier.moves || (isSurface && pose.graph.rests[patch]))
-                    scratch.vertices.Stay();
-                else
-                    carrier.mapped.Map(node, count, maps, scratch);
-                takeBlock(take, &bent[i], count, scratch.vertices);
-                i += count;
-            }
-        });
-        ParallelFor(progress.Slice(share, 1), stage, carried.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-            auto &&take = taker();
-            Eigen::Matrix3f map;
-            for (std::size_t c = first; c < last; ++c) {
-                const Eigen::Vector3d p = carrier(carried[c], rest(carried[c]), map);
-                takeOne(take, carried[c], p, map);
-            }
-        });
-        progress(1, stage);
-    }
-
-    /// The motion of a held vertex, or of a free one at the place of one.
-    const Eigen::Matrix4d &GivenAt(const Pose &pose, std::size_t slot) const {
-        const Index node = surface.nodeOf[slot];
-        if (node >= 0)
-            return pose.given.motion.at(held.tag[node]);
-        return slotTag[slot] == 1 ? pose.given.pointMotion.at(slot) : pose.given.motion.at(std::max(0, slotTag[slot]));
-    }
-
-    /// The motion of each loose part, mesh units: the rigid one of its leader.
-    std::vector<Eigen::Matrix4d> LooseMotions(const Pose &pose, const GraphMapping::Posed &mapped) const {
-        std::vector<Eigen::Matrix4d> result(loose.parts, Eigen::Matrix4d::Identity());
-        for (Index part = 0; part < loose.parts; ++part) {
-            const std::size_t i = following.leader[part];
-            if (i == LooseFollowing::none)
-                continue;
-            const Eigen::Vector3d p = surface.frame.ToFrame(leaderRest[part]);
-            Eigen::Affine3d there;
-            const Index node = surface.nodeOf[i];
-            if (node >= 0 && surface.tag[node] == 1) {
-                there.linear() = detail::RotationOf(pose.graph.linear[patches.patchOf[node]]);
-                there.translation() = surface.frame.ToFrame(mapped(node, leaderRest[part])) - there.linear() * p;
-            } else {
-                const Eigen::Matrix4d &given = GivenAt(pose, i);
-                if (given.isIdentity(0))
-                    continue;
-                const Eigen::Affine3d moved = surface.frame.ToFrame(given);
-                there.linear() = detail::RotationOf(moved.linear());
-                there.translation() = moved * p - there.linear() * p;
-            }
-            result[part] = surface.frame.FromFrame(there);
-            result[part].row(3) << 0, 0, 0, 1;
-        }
-        return result;
-    }
-
-    /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
-    Eigen::Vector3d Followed(const Pose &pose, const GraphMapping::Posed &mapped, const LooseFollowing::Vertex &vertex,
-                             const Eigen::Vector3d &p) const {
-        Eigen::Vector3d way = Eigen::Vector3d::Zero();
-        for (int i = 0; i < Places::several; ++i) {
-            if (!(vertex.weight[i] > 0))
-                continue;
-            const std::size_t slot = std::size_t(vertex.place[i]);
-            const Index node = surface.nodeOf[slot];
-            const Eigen::Vector3d there =
-                node >= 0 ? mapped(node, p) : Eigen::Vector3d((GivenAt(pose, slot) * p.homogeneous()).head<3>());
-            way += double(vertex.weight[i]) * (there - p);
-        }
-        return way.isZero(0) ? p : p + way;
-    }
-
     std::vector<std::size_t> point;
     std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
     DeformerParam param;
     double D = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
-    std::unique_ptr<GraphMapping> mapping;
-    LooseFollowing following;
-    std::vector<Eigen::Vector3d> leaderRest; // of each loose part, mesh units
-    std::vector<Bent> bent;                  // the free vertices of the surface
-    std::vector<std::uint32_t> carried;      // slots of handles, and of loose parts
-    std::vector<bool> turns;                 // those that parts is made for
+    std::vector<bool> turns;      // those that parts is made for
     std::unique_ptr<PartsDeformer> parts;
 };
 

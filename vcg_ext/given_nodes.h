@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_GIVEN_NODES_H
 #define VCG_FCD_GIVEN_NODES_H
 
+#include "graph_deformer.h"
 #include "surface_graph.h"
 
 #include <sstream>

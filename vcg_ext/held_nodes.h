@@ -3,6 +3,7 @@
 #define VCG_FCD_HELD_NODES_H
 
 #include "graph_deformer.h"
+#include "graph_parts.h"
 #include "handles.h"
 #include "patch_sampling.h"
 #include "shape_constants.h"

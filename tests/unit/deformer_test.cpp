@@ -35,7 +35,8 @@ TEST(Deformer, EachPoseIsThatOfADeformationAnew) {
     for (double pose : {30.0, 100.0, -50.0, 30.0, 0.0}) {
         rig.param.pose = pose;
         Matrix3Xd position = rig.rest;
-        rig.deformer->Apply(rig.deformer->Solve(rig.bend.handles, rig.param), position);
+        const Deformer::Pose solved = rig.deformer->Solve(rig.bend.handles, rig.param);
+        Carrier(*rig.deformer, solved).Apply(position);
         EXPECT_TRUE(SameBits(position, vcg::tri::DeformCentroidal(rig.mesh, rig.bend.handles, rig.param).position));
     }
 }
@@ -48,16 +49,16 @@ TEST(Deformer, GivesWhatMayMoveOnceAndNothingElse) {
         progress.threads = threads;
         std::vector<std::atomic<int>> taken(rig.mesh.vert.size());
         Matrix3Xd position = rig.rest, applied = rig.rest;
-        rig.deformer->Apply(pose, applied);
-        rig.deformer->Apply(
-            pose, [&](std::size_t i) { return Vector3d(rig.rest.col(Eigen::Index(i))); },
-            [&] {
-                return [&](std::size_t i, const Vector3d &p, const Eigen::Matrix3f &) {
-                    ++taken[i];
-                    position.col(Eigen::Index(i)) = p;
-                };
-            },
-            true, progress, [](std::size_t) {});
+        Carrier(*rig.deformer, pose).Apply(applied);
+        Carrier(*rig.deformer, pose)
+            .Apply([&](std::size_t i) { return Vector3d(rig.rest.col(Eigen::Index(i))); },
+                   [&] {
+                       return [&](std::size_t i, const Vector3d &p, const Eigen::Matrix3f &) {
+                           ++taken[i];
+                           position.col(Eigen::Index(i)) = p;
+                       };
+                   },
+                   true, progress, [](std::size_t) {});
         EXPECT_TRUE(SameBits(position, applied));
         std::vector<int> moving(taken.size(), 0);
         rig.deformer->ForMoving([&](std::size_t i) { ++moving[i]; });
@@ -75,21 +76,21 @@ TEST(Deformer, TurnsNormalsWithTheSurface) {
         const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
         Matrix3Xd expected = rig.rest;
         std::vector<Eigen::Matrix3f> linear;
-        rig.deformer->Apply(pose, expected, &linear);
+        Carrier(*rig.deformer, pose).Apply(expected, &linear);
         Matrix3Xd normal(3, rig.rest.cols()), position = rig.rest;
         for (Eigen::Index i = 0; i < normal.cols(); ++i) // of several lengths, one of them 0
             normal.col(i) = double(i % 7) * RandomRigid(unsigned(i)).linear().col(0);
         Matrix3Xd turned = normal;
-        rig.deformer->ApplyWithNormals(
-            pose, [&](std::size_t i) { return Vector3d(rig.rest.col(Eigen::Index(i))); },
-            [&](std::size_t i) { return Vector3d(normal.col(Eigen::Index(i))); },
-            [&] {
-                return [&](std::size_t i, const Vector3d &p, const Vector3d &n) {
-                    position.col(Eigen::Index(i)) = p;
-                    turned.col(Eigen::Index(i)) = n;
-                };
-            },
-            Progress(), [](std::size_t) {});
+        Carrier(*rig.deformer, pose)
+            .ApplyWithNormals([&](std::size_t i) { return Vector3d(rig.rest.col(Eigen::Index(i))); },
+                              [&](std::size_t i) { return Vector3d(normal.col(Eigen::Index(i))); },
+                              [&] {
+                                  return [&](std::size_t i, const Vector3d &p, const Vector3d &n) {
+                                      position.col(Eigen::Index(i)) = p;
+                                      turned.col(Eigen::Index(i)) = n;
+                                  };
+                              },
+                              Progress(), [](std::size_t) {});
         EXPECT_TRUE(SameBits(position, expected));
         for (std::size_t i = 0; i < linear.size(); ++i) {
             const Vector3d before = normal.col(Eigen::Index(i)), after = turned.col(Eigen::Index(i));
@@ -106,8 +107,8 @@ TEST(Deformer, CarriesItsOwnVerticesWhereTheyGo) {
     const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
     Matrix3Xd position = rig.rest;
     std::vector<Eigen::Matrix3f> linear;
-    rig.deformer->Apply(pose, position, &linear);
-    const Deformer::Carrier carrier(*rig.deformer, pose);
+    const Carrier carrier(*rig.deformer, pose);
+    carrier.Apply(position, &linear);
     Eigen::Matrix3f map;
     for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i) {
         const Vector3d p = rig.rest.col(Eigen::Index(i));
@@ -125,7 +126,7 @@ TEST(Deformer, CarriesPointsBesideItRigidlyWhereAllMovesSo) {
     DeformationParam param;
     const auto deformer = vcg::tri::PrepareDeformer(mesh, c.handles, param, rest);
     const Deformer::Pose pose = deformer->Solve(c.handles, param);
-    const Deformer::Carrier carrier(*deformer, pose);
+    const Carrier carrier(*deformer, pose);
     Eigen::Matrix3f map;
     for (std::size_t i = 0; i < mesh.vert.size(); i += 5) {
         const Vector3d p = rest.col(Eigen::Index(i)) + Vector3d(0.3, -0.2, 0.1);

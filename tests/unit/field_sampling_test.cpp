@@ -20,7 +20,8 @@ struct SampledCase {
         param.graph.initialPatches = 50;
         const auto deformer = vcg::tri::PrepareDeformer(mesh, handles, param, rest);
         deformed = rest;
-        deformer->Apply(deformer->Solve(handles, param), deformed, &linear);
+        const SurfacePose pose = deformer->Solve(handles, param);
+        Carrier(*deformer, pose).Apply(deformed, &linear);
     }
     SampledField Sample(const FieldParam &param = {}, const Progress &progress = {}) const {
         return vcg::tri::SampleField(mesh, rest, deformed, linear, param, progress);
