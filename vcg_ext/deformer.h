@@ -6,8 +6,11 @@
 #include "given_nodes.h"
 #include "graph_mapping.h"
 #include "graph_parts.h"
+#include "graph_pose.h"
 #include "held_nodes.h"
 #include "loose_parts.h"
+#include "patch_sampling.h"
+#include "rotation_fit.h"
 
 #include <utility>
 

@@ -2,6 +2,8 @@
 #ifndef VCG_FCD_GIVEN_NODES_H
 #define VCG_FCD_GIVEN_NODES_H
 
+#include "handles.h"
+#include "node_tree.h"
 #include "surface_graph.h"
 
 #include <sstream>

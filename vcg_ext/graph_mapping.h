@@ -2,9 +2,14 @@
 #ifndef VCG_FCD_GRAPH_MAPPING_H
 #define VCG_FCD_GRAPH_MAPPING_H
 
-#include "graph_deformer.h"
+#include "deformation_graph.h"
+#include "graph_pose.h"
 #include "handles.h"
 #include "mapping_kernel.h"
+#include "node_tree.h"
+#include "patch_sampling.h"
+#include "rotation_fit.h"
+#include "shape_constants.h"
 
 #include <functional>
 #include <tuple>
