@@ -6,6 +6,7 @@
 #include "held_nodes.h"
 #include "loose_parts.h"
 #include "normals.h"
+#include "rotation_fit.h"
 
 #include <utility>
 

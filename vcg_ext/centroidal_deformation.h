@@ -5,6 +5,7 @@
 #include "deformation_check.h"
 #include "deformer.h"
 #include "normals.h"
+#include "rotation_fit.h"
 
 #include <array>
 #include <sstream>

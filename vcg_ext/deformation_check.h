@@ -2,8 +2,9 @@
 #ifndef VCG_FCD_DEFORMATION_CHECK_H
 #define VCG_FCD_DEFORMATION_CHECK_H
 
-#include "graph_deformer.h"
 #include "handles.h"
+#include "rotation_fit.h"
+#include "surface_graph.h"
 
 #include <Eigen/Geometry>
 #include <atomic>

@@ -2,11 +2,17 @@
 #ifndef VCG_FCD_DEFORMATION_GRAPH_H
 #define VCG_FCD_DEFORMATION_GRAPH_H
 
+#include "graph.h"
 #include "patch_sampling.h"
+#include "progress.h"
 #include "shape_constants.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
+#include <vector>
 #include <vcg/space/color4.h>
 
 namespace vcg {

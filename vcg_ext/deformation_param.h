@@ -2,7 +2,11 @@
 #ifndef VCG_FCD_DEFORMATION_PARAM_H
 #define VCG_FCD_DEFORMATION_PARAM_H
 
+#include "deformation_graph.h"
+#include "graph_deformer.h"
 #include "graph_mapping.h"
+#include "shape_constants.h"
+#include "surface_graph.h"
 
 namespace vcg {
 namespace fcd {

@@ -6,6 +6,9 @@
 #include "deformation_param.h"
 #include "given_nodes.h"
 #include "graph_parts.h"
+#include "graph_deformer.h"
+#include "graph_pose.h"
+#include "patch_sampling.h"
 
 namespace vcg {
 namespace fcd {

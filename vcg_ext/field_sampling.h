@@ -3,6 +3,7 @@
 #define VCG_FCD_FIELD_SAMPLING_H
 
 #include "deformation_field.h"
+#include "lloyd.h"
 #include "patch_sampling.h"
 #include "surface_graph.h"
 

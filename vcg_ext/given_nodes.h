@@ -2,7 +2,8 @@
 #ifndef VCG_FCD_GIVEN_NODES_H
 #define VCG_FCD_GIVEN_NODES_H
 
-#include "graph_deformer.h"
+#include "handles.h"
+#include "node_tree.h"
 #include "surface_graph.h"
 
 #include <sstream>

@@ -2,9 +2,10 @@
 #ifndef VCG_FCD_GRAPH_MAPPING_H
 #define VCG_FCD_GRAPH_MAPPING_H
 
-#include "graph_deformer.h"
+#include "graph_pose.h"
 #include "mapping_candidates.h"
 #include "mapping_kernel.h"
+#include "rotation_fit.h"
 #include "run_over.h"
 #include "surface_graph.h"
 

@@ -2,7 +2,10 @@
 #ifndef VCG_FCD_GRAPH_PARTS_H
 #define VCG_FCD_GRAPH_PARTS_H
 
+#include "deformation_graph.h"
 #include "graph_deformer.h"
+#include "graph_pose.h"
+#include "shape_constants.h"
 
 #include <memory>
 

@@ -2,10 +2,11 @@
 #ifndef VCG_FCD_HELD_NODES_H
 #define VCG_FCD_HELD_NODES_H
 
-#include "graph_deformer.h"
+#include "deformation_graph.h"
 #include "graph_parts.h"
 #include "handles.h"
 #include "patch_sampling.h"
+#include "rotation_fit.h"
 #include "shape_constants.h"
 #include "surface_graph.h"
 

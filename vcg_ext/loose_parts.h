@@ -2,11 +2,13 @@
 #ifndef VCG_FCD_LOOSE_PARTS_H
 #define VCG_FCD_LOOSE_PARTS_H
 
-#include "graph_deformer.h"
 #include "handles.h"
 #include "surface_graph.h"
 
+#include <Eigen/Geometry>
 #include <memory>
+#include <vcg/space/index/kdtree/kdtree.h>
+#include <vcg/space/point3.h>
 
 namespace vcg {
 namespace fcd {

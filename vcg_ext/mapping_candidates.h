@@ -3,11 +3,16 @@
 #define VCG_FCD_MAPPING_CANDIDATES_H
 
 #include "deformation_graph.h"
-#include "graph_deformer.h"
 #include "mapping_kernel.h"
+#include "node_tree.h"
+#include "patch_sampling.h"
 #include "shape_constants.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
 #include <tuple>
 
 namespace vcg {

@@ -3,7 +3,8 @@
 #define VCG_FCD_RUN_OVER_H
 
 #include "deformation_graph.h"
-#include "graph_deformer.h"
+#include "node_tree.h"
+#include "patch_sampling.h"
 #include "shape_constants.h"
 
 #include <algorithm>

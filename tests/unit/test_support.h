@@ -85,6 +85,15 @@ inline std::vector<Index> RandomGroups(Index n, Index groups, unsigned seed) {
     return groupOf;
 }
 
+/// From 0 to 1, a fifth of them 0.
+inline std::vector<float> RandomMasses(Index n, unsigned seed) {
+    std::mt19937 random(seed);
+    std::vector<float> mass(n);
+    for (float &m : mass)
+        m = random() % 5 ? float(random() % 1000) * 1e-3f : 0;
+    return mass;
+}
+
 /// Symmetric, ascending rows without a repetition or the node itself.
 inline void ExpectAdjacencyInOrder(const Csr &csr) {
     for (Index u = 0; u < csr.Size(); ++u)
