@@ -4,6 +4,7 @@
 
 #include "graph_deformer.h"
 #include "handles.h"
+#include "surface_graph.h"
 
 #include <Eigen/Geometry>
 #include <atomic>

@@ -3,6 +3,7 @@
 #define VCG_FCD_DEFORMATION_PARAM_H
 
 #include "graph_mapping.h"
+#include "seams.h"
 
 namespace vcg {
 namespace fcd {

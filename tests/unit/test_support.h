@@ -4,6 +4,7 @@
 
 #include "deformation_graph.h"
 #include "handles.h"
+#include "surface_graph.h"
 #include "test_mesh.h"
 
 #include <clocale>
