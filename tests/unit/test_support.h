@@ -213,6 +213,15 @@ inline Eigen::Affine3d RandomRigid(unsigned seed) {
     return motion;
 }
 
+/// tag(position) of each vertex.
+template <class Tag>
+std::vector<int> TagsOf(const Shape &shape, const Tag &tag) {
+    std::vector<int> result;
+    for (const Eigen::Vector3d &p : shape.position)
+        result.push_back(tag(p));
+    return result;
+}
+
 /// tag(position) of each node.
 template <class Tag>
 std::vector<Index> TagNodes(const vcg::fcd::SurfaceGraph &s, const Tag &tag) {
