@@ -4,9 +4,9 @@
 
 #include "deformation_graph.h"
 #include "graph_deformer.h"
-#include "graph_mapping.h"
+#include "mapping_candidates.h"
+#include "seams.h"
 #include "shape_constants.h"
-#include "surface_graph.h"
 
 namespace vcg {
 namespace fcd {

@@ -2,12 +2,16 @@
 #ifndef VCG_FCD_HANDLES_H
 #define VCG_FCD_HANDLES_H
 
-#include "surface_graph.h"
+#include "graph.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace vcg {
 namespace fcd {

@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_LOOSE_PARTS_H
 #define VCG_FCD_LOOSE_PARTS_H
 
+#include "free_region.h"
 #include "handles.h"
 #include "surface_graph.h"
 

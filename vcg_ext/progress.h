@@ -13,6 +13,9 @@
 namespace vcg {
 namespace fcd {
 
+/// What Progress calls the time in which a mesh is read.
+constexpr const char *readingStage = "Reading the mesh";
+
 /// Thrown out of a computation whose progress callback returned false.
 struct Cancelled : std::runtime_error {
     Cancelled() : std::runtime_error("Cancelled.") {}

@@ -3,12 +3,23 @@
 #define VCG_FCD_SEAMS_H
 
 #include "graph.h"
+#include "progress.h"
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 namespace vcg {
 namespace fcd {
+
+/// Vertices on open borders at most so far apart are one, frame units: what rounding to single precision moves by (1e-7
+/// of the coordinates), some times over, and a hundredth of what lies between the vertices of the largest scans.
+constexpr double defaultWeldDistance = 1e-6;
 
 /// Open borders of a surface that run along each other.
 struct Seams {
@@ -56,7 +67,7 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         bool same;
     };
     const std::vector<Pair> pairs =
-        CollectInOrder<Pair>(progress, "Reading the mesh", Index(place.size()), [&](Index i, std::vector<Pair> &found) {
+        CollectInOrder<Pair>(progress, readingStage, Index(place.size()), [&](Index i, std::vector<Pair> &found) {
             const Place &a = place[i];
             const Eigen::Vector3f p = graph.position.col(a.node);
             const float reach = std::max(a.reach, float(distance)) + 2e-7f; // rounding

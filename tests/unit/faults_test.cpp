@@ -89,7 +89,12 @@ TEST(OutOfMemory, InAllThreadsAtOnce) {
     for (long k = 0; k < 90; ++k) { // of 100 allocations at least
         const long liveBefore = live;
         countdown = k;
-        EXPECT_THROW(ParallelFor(7, 100, 1, [](std::size_t i, std::size_t) { std::vector<int> memory(i + 100); }),
+        EXPECT_THROW(ParallelFor(7, 100, 1,
+                                 [](std::size_t i, std::size_t) {
+                                     const std::vector<int> memory(i + 100);
+                                     const int *volatile used = memory.data(); // or else there would be none
+                                     (void)used;
+                                 }),
                      std::bad_alloc);
         countdown = never;
         ASSERT_EQ(live, liveBefore) << k;

@@ -303,20 +303,6 @@ TEST(SurfaceGraph, WeldsWhereRangesOfVerticesMeet) {
     EXPECT_EQ(soup.graph.adjacency.item, welded.graph.adjacency.item);
 }
 
-TEST(SurfaceGraph, JoinsMoreNodesThanAThousandBlocksOfTheSmallestSizeHold) {
-    const Index n = 5000000;
-    const std::vector<Index> corner{0, 1, n - 1, n / 2, n / 2 + 1, n - 1};
-    const vcg::fcd::detail::TriangleGraph g =
-        vcg::fcd::detail::ConnectTriangles(Eigen::Matrix3Xf::Zero(3, n), corner.data(), 2, Threads(2));
-    ASSERT_EQ(g.adjacency.Size(), n);
-    EXPECT_EQ(g.adjacency.item,
-              (std::vector<Index>{1, n - 1, 0, n - 1, n / 2 + 1, n - 1, n / 2, n - 1, 0, 1, n / 2, n / 2 + 1}));
-    const std::vector<std::pair<Index, std::uint32_t>> firstItemOf{
-        {0, 0}, {1, 2}, {2, 4}, {n / 2, 4}, {n / 2 + 1, 6}, {n / 2 + 2, 8}, {n - 1, 8}, {n, 12}};
-    for (const auto &[node, item] : firstItemOf)
-        EXPECT_EQ(g.adjacency.begin[node], item) << node;
-}
-
 TEST(SurfaceGraph, RefusesAMeshWithoutVertices) {
     EXPECT_EQ(MessageOf<Error>([] { BuildSurfaceGraph(MeshD()); }), "The mesh has no vertices.");
     MeshD mesh(Points(Triangle()));
@@ -510,88 +496,6 @@ template <class Mesh>
 static SurfaceGraph RegionOf(const Mesh &mesh, const std::vector<int> &tag, unsigned threads = 0) {
     const vcg::tri::Region region = vcg::tri::FreeRegion(mesh, tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
     return BuildSurfaceGraph(mesh, &region, tag, Eigen::Matrix3d::Identity(), Threads(threads));
-}
-
-template <class Tag>
-static std::vector<int> TagsOf(const Shape &shape, const Tag &tagAt) {
-    std::vector<int> tag;
-    for (const Eigen::Vector3d &p : shape.position)
-        tag.push_back(tagAt(p));
-    return tag;
-}
-
-TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
-    using vcg::tri::Region;
-    for (bool wires : {false, true})
-        for (unsigned seed = 0; seed < 5; ++seed) {
-            Shape shape = wires ? Wireframe(20, 15) : Grid(20, 15);
-            shape.position.insert(shape.position.end(), 3, Eigen::Vector3d(50, 50, 0)); // isolated
-            std::vector<int> tag;
-            for (Index t : RandomGroups(shape.Size() - 3, 12, seed))
-                tag.push_back(seed ? (t > 3 ? 0 : int(t)) : -1);
-            if (!seed)
-                std::fill(tag.begin(), tag.begin() + 100, 1);
-            tag.insert(tag.end(), {0, 1, 2});
-            MeshD mesh(shape);
-            mesh.DeleteVertex(7);
-            const Region region = vcg::tri::FreeRegion(mesh, tag, {});
-            std::vector<unsigned char> expected;
-            for (int t : tag)
-                expected.push_back(t == 1 ? Region::none : Region::candidate);
-            const auto join = [&](const auto &corners) {
-                bool any = false, all = true;
-                for (int c : corners) {
-                    any |= tag[c] == 1;
-                    all &= c != 7;
-                }
-                for (int c : corners)
-                    if (any && all)
-                        expected[c] = Region::part;
-            };
-            for (const auto &f : shape.face)
-                join(f);
-            for (const auto &e : shape.edge)
-                join(e);
-            expected[7] = Region::none;
-            EXPECT_EQ(region.flag, expected);
-        }
-}
-
-TEST(FreeRegion, LeavesOutWhatIsExcluded) {
-    using vcg::tri::Region;
-    const Shape shape = TwoSheets(6, 1);
-    std::vector<int> tag(72, 1);
-    std::vector<char> excluded(72, 0);
-    std::fill(excluded.begin() + 36, excluded.end(), 1);
-    for (const Shape &s : {shape, Points(shape)}) {
-        const Region region = vcg::tri::FreeRegion(MeshD(s), tag, excluded);
-        for (int i = 0; i < 72; ++i)
-            EXPECT_EQ(region.flag[i], i < 36 ? Region::part : Region::none);
-    }
-}
-
-TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
-    using vcg::tri::Region;
-    const Shape shape = PointCloud(400);
-    const std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) {
-        return p[0] < 0.6 ? 0 : p[0] < 0.8 ? 1 : 2;
-    });
-    const Region region = vcg::tri::FreeRegion(MeshD(shape), tag, {});
-    std::vector<unsigned char> expected;
-    for (int t : tag)
-        expected.push_back(t == 1 ? Region::part : Region::candidate);
-    for (int i = 0; i < shape.Size(); ++i) {
-        if (tag[i] != 1)
-            continue;
-        std::vector<std::pair<double, int>> others;
-        for (int j = 0; j < shape.Size(); ++j)
-            if (j != i)
-                others.emplace_back((shape.position[i] - shape.position[j]).norm(), j);
-        std::sort(others.begin(), others.end());
-        for (int j = 0; j < vcg::fcd::detail::cloudNeighbours; ++j)
-            expected[others[j].second] = Region::part;
-    }
-    EXPECT_EQ(region.flag, expected);
 }
 
 TEST(SurfaceGraphOfARegion, OfAllFreeIsThatOfTheMesh) {
@@ -840,19 +744,4 @@ TEST(SurfaceGraph, CanBeCancelledAnywhere) {
             EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(1)), Cancelled);
         }
     }
-}
-
-TEST(Frame, MeasuresInTheWorld) {
-    Frame frame;
-    frame.SetMetric((Eigen::Matrix3d() << 2, 0.5, 0, 0, 1, 0, 0, 0, 3).finished());
-    frame.origin = Eigen::Vector3d(1, 2, 3);
-    frame.scale = 4;
-    const Eigen::Vector3d p(5, -6, 7);
-    EXPECT_LE((frame.FromFrame(frame.ToFrame(p)) - p).norm(), 1e-14);
-    Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
-    motion.topRows<3>() << 0.1, 0.9, 0, 1, -0.8, 0, 0.2, 2, 0, 0, 1, 3;
-    const Eigen::Vector3d moved = (motion * p.homogeneous()).head<3>();
-    EXPECT_LE((frame.ToFrame(motion) * frame.ToFrame(p) - frame.ToFrame(moved)).norm(), 1e-13);
-    EXPECT_LE((frame.FromFrame(frame.ToFrame(motion)) - motion).norm(), 1e-13);
-    EXPECT_NE(MessageOf<Error>([&] { frame.SetMetric(Eigen::Matrix3d::Zero()); }).find("flattens"), std::string::npos);
 }

@@ -4,6 +4,7 @@
 
 #include "deformation_graph.h"
 #include "handles.h"
+#include "surface_graph.h"
 #include "test_mesh.h"
 
 #include <clocale>
@@ -219,6 +220,15 @@ inline Eigen::Affine3d RandomRigid(unsigned seed) {
     motion.linear() = RandomRotation(random);
     motion.translation() = RandomVector(random);
     return motion;
+}
+
+/// tag(position) of each vertex.
+template <class Tag>
+std::vector<int> TagsOf(const Shape &shape, const Tag &tag) {
+    std::vector<int> result;
+    for (const Eigen::Vector3d &p : shape.position)
+        result.push_back(tag(p));
+    return result;
 }
 
 /// tag(position) of each node.
