@@ -5,6 +5,7 @@
 
 #include "fcd_aside.h"
 #include "fcd_layers.h"
+#include "fcd_normals.h"
 #include "fcd_points.h"
 #include "fcd_rest.h"
 
@@ -574,7 +575,7 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
                 vertex->Q() = CVertexO::QualityType(quality[i]);
             ++vertex;
         }
-    host::updateBoxAndNormals(layer);
+    computeBoxAndNormals(layer.cm);
     if (linear.empty())
         return layer;
     const bool ownNormals = hasOwnNormals(base), directions = base.hasDataMask(MeshModel::MM_VERTCURVDIR);
@@ -602,39 +603,6 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
 
 bool hasDirections(const MeshModel &layer) {
     return layer.hasDataMask(MeshModel::MM_VERTCURVDIR) || hasOwnNormals(layer);
-}
-
-bool hasOwnNormals(const MeshModel &layer) {
-    const CMeshO &mesh = layer.cm;
-    if (mesh.fn == 0)
-        return std::any_of(mesh.vert.begin(), mesh.vert.end(),
-                           [](const CVertexO &v) { return !v.IsD() && v.cN().SquaredNorm() > 0; });
-    // At a sample of vertices: the sums of the normals of the faces, weighed by area and by angle, as programs do.
-    const std::size_t step = mesh.vert.size() / 4096 + 1;
-    std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
-    for (const CFaceO &face : mesh.face)
-        for (int k = 0; !face.IsD() && k < 3; ++k) {
-            const std::size_t i = std::size_t(face.cV(k) - mesh.vert.data());
-            if (i % step != 0)
-                continue;
-            const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
-                                  a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
-                                  b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
-            byArea[i / step] += n;
-            byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
-        }
-    const double near = std::cos(5 * double(EIGEN_PI) / 180); // rounding and other weights stay below
-    std::size_t all = 0, other = 0;
-    for (std::size_t i = 0; i < mesh.vert.size(); i += step) {
-        const auto &n = mesh.vert[i].cN();
-        const Eigen::Vector3d own = Eigen::Vector3d(n[0], n[1], n[2]).stableNormalized();
-        if (mesh.vert[i].IsD() || byArea[i / step].isZero(0) || own.isZero(0))
-            continue;
-        ++all;
-        other +=
-            own.dot(byArea[i / step].stableNormalized()) < near && own.dot(byAngle[i / step].stableNormalized()) < near;
-    }
-    return 2 * other > all;
 }
 
 MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,

@@ -21,9 +21,7 @@ using Remark = std::function<void(const std::string &)>;
 /// The matrix of \p layer, which leads from its coordinates to those of the world. \throw vcg::fcd::Error when it is
 /// not finite, or not affine
 Eigen::Affine3d matrixOf(const MeshModel &layer);
-/// Whether \p layer has normals that cannot be computed from its faces: a cloud's, or others than the faces'.
-bool hasOwnNormals(const MeshModel &layer);
-/// Whether \p layer has such normals, or principal directions, which turn with the surface.
+/// Whether \p layer has normals of its own (hasOwnNormals), or principal directions, which turn with the surface.
 bool hasDirections(const MeshModel &layer);
 /// The linear part of the matrix of \p layer, by which lengths are measured; the identity where it has no inverse.
 Eigen::Matrix3d metricOf(const MeshModel &layer);

@@ -156,7 +156,7 @@ PoseResult poseInPlace(MeshDocument &document, MeshModel &layer, const PoseParam
 
     watch = {};
     if (param.exactNormals && mesh.fn > 0)
-        host::updateBoxAndNormals(layer);
+        computeBoxAndNormals(mesh);
     else
         computeFaceNormals(mesh, prepared->moving);
     result.secondsNormals = watch.Seconds();

@@ -3,6 +3,7 @@
 #define FCD_POSE_H
 
 #include "fcd_layers.h"
+#include "fcd_normals.h"
 #include "fcd_prepared.h"
 #include "fcd_rest.h"
 

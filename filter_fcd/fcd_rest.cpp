@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/graph.h> // before Qt
 
+#include "fcd_normals.h"
 #include "fcd_rest.h"
 
 #include <vcg/complex/allocate.h>
@@ -97,19 +98,4 @@ std::uint64_t shapeOf(const CMeshO &mesh) {
         sums[first / grain] = sum;
     });
     return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
-}
-
-void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
-    ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f) {
-            CFaceO &face = mesh.face[f];
-            for (int k = 0; k < 3; ++k)
-                prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
-            bool moves = moving.empty();
-            for (int k = 0; k < 3 && !moves; ++k)
-                moves = moving[std::size_t(face.cV(k) - mesh.vert.data())] != 0;
-            if (moves && !face.IsD())
-                face.N() = vcg::TriangleNormal(face).Normalize();
-        }
-    });
 }

@@ -53,16 +53,4 @@ std::uint64_t shapeOf(const CMeshO &mesh);
 /// What a vertex at a slot adds to it.
 std::uint64_t shapeTerm(std::size_t slot, const Point3m &position);
 
-/// Computes the normals of the faces that have a vertex with \p moving (flags per vertex slot; empty: all).
-void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving);
-
-/// Begins to read memory that is needed soon.
-inline void prefetch(const void *memory) {
-#ifdef __GNUC__
-    __builtin_prefetch(memory);
-#else
-    (void)memory;
-#endif
-}
-
 #endif

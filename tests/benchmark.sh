@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds deformation graphs over synthetic meshes of 35 thousand to 20 million vertices, and over the meshes given, and prints
-# a CSV line for each (see tests/benchmark/graph_benchmark.cpp).
+# a CSV line for each (see tests/benchmark/graph_benchmark.cpp); then what posing some of them costs (see tests/poses.py).
 #
 #   bash tests/benchmark.sh [MESH.ply ...]
 set -euo pipefail
@@ -18,3 +18,4 @@ for size in 35000 450000 1400000 3600000 20000000; do
     meshes+=("$mesh")
 done
 build/benchmark/tests/graph_benchmark "${meshes[@]}" "$@"
+build/venv/bin/python tests/poses.py build/plugins/pymeshlab-2025.7/libfilter_fcd.so build/benchmark/cactus_{450000,1400000,3600000}.ply

@@ -218,6 +218,36 @@ def test_deformed_layers_and_handle():
     assert (ms.current_mesh().vertex_scalar_array() == ms.mesh(0).vertex_scalar_array()).all()
 
 
+def test_normals_of_a_deformed_layer_are_those_that_meshlab_computes():
+    """Of faces: unit; of vertices: their sums by angle, not of unit length; a vertex without a face keeps its own."""
+    rng = np.random.default_rng(3)
+    sheets = two_sheets(0.01).current_mesh()
+    v, f, tags = sheets.vertex_matrix(), sheets.face_matrix(), sheets.vertex_scalar_array()
+    v = np.vstack([v + rng.normal(0, 0.05, v.shape), [[0.3, 0.3, 50]]])
+    order = rng.permutation(len(v))
+    place = np.argsort(order)
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(v[order], place[f], v_scalar_array=np.append(tags, 1)[order]))
+    before = ms.current_mesh().vertex_normal_matrix()
+    ms.apply_filter("generate_fcd_deformed_mesh", transforms="2: rotate 0 1 0 50", graph_layers=False)
+    mesh = ms.current_mesh()
+    p, face = mesh.vertex_matrix(), mesh.face_matrix()
+    expected = np.zeros_like(p)
+    corner = p[face]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    for k in range(3):
+        a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
+        cosine = np.einsum("ij,ij->i", a, b) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1)
+        np.add.at(expected, face[:, k], normal * np.arccos(cosine)[:, None])
+    alone = place[len(v) - 1]
+    expected[alone] = before[alone]
+    assert np.abs(mesh.face_normal_matrix() - normal).max() < 1e-12
+    assert np.abs(mesh.vertex_normal_matrix() - expected).max() < 1e-12
+    box = mesh.bounding_box()
+    assert (box.min() == p.min(axis=0)).all() and (box.max() == p.max(axis=0)).all()
+
+
 def test_rotation_centers_and_matrix():
     point = np.array([0.5, 0.25, -0.125])
     turn = rotation([1, 0, 0], 30)

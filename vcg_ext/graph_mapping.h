@@ -152,27 +152,28 @@ class GraphMapping {
         /// Blends the motion of a vertex with those of the held regions nearby. \pre SumStrain
         void RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const {
             detail::Vertices &vertices = scratch.vertices;
-            const float total = scratch.blending.sum[15][lane], inverse = total > 0 ? 1 / total : 0;
+            const float blended = scratch.blending.sum[15][lane], inverse = blended > 0 ? 1 / blended : 0;
             Eigen::Matrix3f strain;
             for (int d = 0; d < 9; ++d)
                 strain.data()[d] = scratch.strain[d][lane] * inverse;
             const Eigen::Vector3d rest = vertices.Rest(lane);
             const Eigen::Map<const Eigen::Matrix3d> fromFrame(space.fromFrame);
-            Eigen::Vector3d sum = vertices.Moved(lane);
-            double weight = 1;
-            Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
+            double total = 1;
+            for (std::uint32_t h = mapping.runOver.begin[node]; h < mapping.runOver.begin[node + 1]; ++h)
+                total += mapping.runOver.held[h].share;
+            Eigen::Vector3d moved = vertices.Moved(lane) / total;
+            Eigen::Matrix3d map = vertices.Linear(lane).cast<double>() / total;
             for (std::uint32_t h = mapping.runOver.begin[node]; h < mapping.runOver.begin[node + 1]; ++h) {
                 // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
                 const RunOver::Held &held = mapping.runOver.held[h];
                 const Eigen::Affine3d &its = *heldMotion[held.index];
-                const double share = held.share;
-                sum += share * (its * (rest + fromFrame * (strain * held.away).cast<double>()));
-                turns += share * its.linear();
-                weight += share;
+                const double share = held.share / total;
+                moved += share * (its * (rest + fromFrame * (strain * held.away).cast<double>()));
+                map += share * its.linear();
             }
-            vertices.SetMoved(lane, sum / weight);
+            vertices.SetMoved(lane, moved);
             if (linear)
-                vertices.SetLinear(lane, ((vertices.Linear(lane).cast<double>() + turns) / weight).cast<float>());
+                vertices.SetLinear(lane, map.cast<float>());
         }
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
