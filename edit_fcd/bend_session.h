@@ -76,6 +76,7 @@ class BendSession {
     Eigen::Affine3d mirror() const;                                  ///< of the world; the identity where there is none
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const; ///< at rest
     Eigen::Vector3d positionOf(std::size_t slot) const;              ///< in the pose
+    bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
     /// The vertices within \p radius of \p slot along the surface, in the rest shape.
     const std::vector<std::size_t> &reach(std::size_t slot, double radius);
     double diagonal() const { return size; } ///< of the bounding box
