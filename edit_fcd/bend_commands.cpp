@@ -16,9 +16,19 @@ void BendTool::makePanel() {
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     if (window)
         window->addDockWidget(Qt::LeftDockWidgetArea, panel);
+    panel->allowStretch(model->cm.fn > 0);
     panel->show();
     if (session->isMarked())
         panel->setRole(BendPanel::Handle, session->unusedTag());
+}
+
+void BendTool::takeOptions() {
+    BendOptions &options = session->options;
+    options.smoothness = panel->smoothness();
+    options.initialPatches = panel->patches();
+    options.weights = panel->weights();
+    options.mirror = panel->mirror();
+    options.pose = panel->pose();
 }
 
 void BendTool::onOptions() {
@@ -26,18 +36,25 @@ void BendTool::onOptions() {
         return;
     if (panel->mode() != BendPanel::Polyline)
         marking.reset();
-    BendOptions options = session->options;
-    options.smoothness = panel->smoothness();
-    options.initialPatches = panel->patches();
-    options.mirror = panel->mirror();
-    options.pose = panel->pose();
-    const bool same = options.smoothness == session->options.smoothness && options.pose == session->options.pose &&
-                      options.initialPatches == session->options.initialPatches;
-    session->options = options;
-    if (!same)
+    const BendOptions before = session->options;
+    takeOptions();
+    showStretch();
+    if (!session->options.givesSameShape(before))
         solve(true);
     refresh();
     view->update();
+}
+
+void BendTool::setMode(BendPanel::Mode mode) {
+    panel->setMode(mode);
+    showStretch();
+}
+
+void BendTool::beginApply() {
+    if (!session->moves())
+        throw Error("Nothing was moved, so there is nothing to apply.");
+    panel->setStretch(false);
+    showStretch();
 }
 
 void BendTool::onCommand(int which) {
@@ -87,8 +104,7 @@ void BendTool::onCommand(int which) {
         solve(true);
         break;
     case BendPanel::ApplyInPlace:
-        if (!session->moves())
-            throw Error("Nothing was moved, so there is nothing to apply.");
+        beginApply();
         try {
             say(session->applyInPlace(*view->md(), remark));
         } catch (...) {
@@ -99,8 +115,7 @@ void BendTool::onCommand(int which) {
         showVertices(true);
         break;
     case BendPanel::ApplyToNewLayer: {
-        if (!session->moves())
-            throw Error("Nothing was moved, so there is nothing to apply.");
+        beginApply();
         try {
             say(session->applyToNewLayer(*view->md(), panel->graphLayers(), remark));
         } catch (...) {

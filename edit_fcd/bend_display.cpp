@@ -61,15 +61,24 @@ void BendDisplay::bare() {
     show();
 }
 
+void BendDisplay::setColored(bool colored) {
+    if (isColored == colored)
+        return;
+    isColored = colored;
+    show();
+}
+
 void BendDisplay::updateColors(bool colored) {
     isColored = colored;
     show();
     update({Names::ATT_VERTCOLOR});
 }
 
-void BendDisplay::updateShape(bool full) {
+void BendDisplay::updateShape(bool full, bool recolored) {
     if (full)
         update({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL, Names::ATT_FACENORMAL, Names::ATT_VERTCOLOR});
+    else if (recolored)
+        update({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL, Names::ATT_VERTCOLOR});
     else
         update({Names::ATT_VERTPOSITION, Names::ATT_VERTNORMAL});
 }
@@ -86,5 +95,5 @@ void BendDisplay::end(bool colored) {
         before.set(options);
     }
     view.getSceneGLSharedContext()->setRenderingDataPerMeshView(layer.id(), view.context(), before);
-    updateShape(true);
+    updateShape(true, true);
 }

@@ -15,10 +15,13 @@ class BendDisplay {
 
     /// Leaves textures away, which slow down what moves.
     void bare();
+    /// Whether the colours of vertices tell something from now on.
+    void setColored(bool colored);
     /// Takes the layer's colours, and whether it has some.
     void updateColors(bool colored);
-    /// Takes the layer's shape. \param full also what does not change while it is dragged
-    void updateShape(bool full);
+    /// Takes the layer's shape. \param full also what does not change while it is dragged \param recolored its colours
+    /// have changed, too
+    void updateShape(bool full, bool recolored);
     /// Shows the layer as it was before, but with its colours if they tell something.
     void end(bool colored);
 

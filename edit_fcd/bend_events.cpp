@@ -259,10 +259,10 @@ void BendTool::pressKey(QKeyEvent *event) {
             return;
         dragByKey(key == Qt::Key_G ? BendDrag::Move : key == Qt::Key_R ? BendDrag::Turn : BendDrag::Scale);
         break;
-    case Qt::Key_M: panel->setMode(BendPanel::Bend); break;
-    case Qt::Key_B: panel->setMode(BendPanel::Brush); break;
-    case Qt::Key_V: panel->setMode(BendPanel::Rectangle); break;
-    case Qt::Key_L: panel->setMode(BendPanel::Polyline); break;
+    case Qt::Key_M: setMode(BendPanel::Bend); break;
+    case Qt::Key_B: setMode(BendPanel::Brush); break;
+    case Qt::Key_V: setMode(BendPanel::Rectangle); break;
+    case Qt::Key_L: setMode(BendPanel::Polyline); break;
     case Qt::Key_F: panel->setRole(BendPanel::Fixed, 2); break;
     case Qt::Key_U: panel->setRole(BendPanel::Free, 2); break;
     case Qt::Key_O: panel->setRole(BendPanel::Outside, 2); break;

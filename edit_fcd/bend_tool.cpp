@@ -80,6 +80,7 @@ void BendTool::close() {
     if (layer()) {
         if (isLive || session->isUpToDate())
             session->restore();
+        session->hideStretch();
         display->end(session->isMarked());
         isPainted = false;
     }
@@ -109,8 +110,12 @@ bool BendTool::isReady() {
     }
     if (current == model && (isLive || session->isUpToDate()))
         return true;
+    if (current == model)
+        session->hideStretch();
     session.reset();
     open(*current);
+    takeOptions();
+    showStretch();
     refresh();
     return true;
 }
@@ -255,13 +260,25 @@ void BendTool::endMarking() {
 void BendTool::showVertices(bool full) {
     if (!layer())
         return;
-    display->updateShape(full);
+    display->setColored(isColored());
+    display->updateShape(full, session->isStretchShown());
     isPainted = false;
 }
 
 void BendTool::showColors() {
-    if (layer())
-        display->updateColors(session->isMarked() || marking);
+    if (!layer())
+        return;
+    session->updateStretch();
+    display->updateColors(isColored());
+}
+
+/// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
+void BendTool::showStretch() {
+    const bool wanted = panel->showsStretch() && panel->mode() == BendPanel::Bend;
+    if (session->options.stretch == wanted)
+        return;
+    session->options.stretch = wanted;
+    showColors();
 }
 
 void BendTool::draw() {

@@ -47,8 +47,11 @@ class BendTool : public HostEditTool {
     void close();
     bool isReady();
     void makePanel();
+    void takeOptions();
     void onOptions();
+    void setMode(BendPanel::Mode mode);
     void onCommand(int which);
+    void beginApply();
     void refresh();
 
     Eigen::Vector3d windowOf(const QPointF &place) const;
@@ -73,8 +76,10 @@ class BendTool : public HostEditTool {
     void brush();
     void endMarking();
 
+    bool isColored() const { return session->isMarked() || marking || session->isStretchShown(); }
     void showVertices(bool full);
     void showColors();
+    void showStretch();
     void drawOverlay() const;
 
     QAction *action;
