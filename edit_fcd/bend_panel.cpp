@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_panel.h"
 
+#include "../filter_fcd/fcd_parameters.h"
+
 #include <initializer_list>
 
 #include <QFormLayout>
@@ -80,6 +82,11 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     patchCount->setRange(1, 20000);
     patchCount->setValue(300);
     form->addRow("Initial patches", patchCount);
+    const EnumText weightsWords = weightsText();
+    weightsChoice = new QComboBox;
+    weightsChoice->addItems(weightsWords.values);
+    weightsChoice->setToolTip(weightsWords.help);
+    form->addRow(weightsWords.label, weightsChoice);
     auto *poseRow = new QHBoxLayout;
     poseSlider = new QSlider(Qt::Horizontal);
     poseSlider->setRange(0, 200);
@@ -88,6 +95,8 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     poseRow->addWidget(poseSlider);
     poseRow->addWidget(poseLabel);
     form->addRow("Pose", poseRow);
+    stretch = new QCheckBox("Show stretch");
+    form->addRow(stretch);
     column->addLayout(form);
 
     motionText = new QPlainTextEdit;
@@ -133,7 +142,8 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     scroll->setMinimumWidth(content->minimumSizeHint().width() + 20);
     setWidget(scroll);
 
-    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, through, graphs, poseSlider})
+    for (QWidget *widget : std::initializer_list<QWidget *>{scroll, role, mirrorAxis, weightsChoice, through, stretch,
+                                                            graphs, poseSlider})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     for (QAbstractButton *button : modes->buttons())
         button->setFocusPolicy(Qt::NoFocus);
@@ -143,7 +153,9 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     });
     connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
-    connect(mirrorAxis, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
+    for (const QComboBox *choice : {mirrorAxis, weightsChoice})
+        connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
+    connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
     connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &BendPanel::optionsChanged);
 }
 
@@ -167,6 +179,21 @@ void BendPanel::setPose(int percent) {
     poseSlider->setValue(percent);
     poseSlider->blockSignals(blocked);
     poseLabel->setText(QString("%1 %").arg(percent));
+}
+
+void BendPanel::setStretch(bool shown) {
+    const bool blocked = stretch->blockSignals(true);
+    stretch->setChecked(shown);
+    stretch->blockSignals(blocked);
+}
+
+void BendPanel::allowStretch(bool allowed) {
+    stretch->setEnabled(allowed);
+    stretch->setToolTip(
+        allowed ? "Colours the layer by how much its surface is stretched against the rest shape: red where "
+                  "it is twice as long or more, blue where it is half as long or less, grey where it is as "
+                  "long as it was. While you mark, the marks are shown."
+                : "A layer without faces has no surface that could be stretched.");
 }
 
 void BendPanel::showMotions(const QString &text) {

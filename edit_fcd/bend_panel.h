@@ -38,9 +38,14 @@ class BendPanel : public QDockWidget {
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
     double smoothness() const { return smoothnessValue->value(); }
     int patches() const { return patchCount->value(); }
+    vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
     int pose() const { return poseSlider->value(); }              ///< percent
     void setPose(int percent);
+    bool showsStretch() const { return stretch->isChecked(); }
+    void setStretch(bool shown);
+    /// Whether there is a surface whose stretch can be shown.
+    void allowStretch(bool allowed);
     bool graphLayers() const { return graphs->isChecked(); }
     QString motions() const { return motionText->toPlainText(); }
 
@@ -49,15 +54,15 @@ class BendPanel : public QDockWidget {
     void showState(const QString &text) { state->setText(text); }
 
   signals:
-    void optionsChanged(); ///< pose, smoothness, patches, mirror
+    void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, stretch
     void command(int which);
 
   private:
     QButtonGroup *modes;
-    QComboBox *role, *mirrorAxis;
+    QComboBox *role, *mirrorAxis, *weightsChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue;
-    QCheckBox *through, *graphs;
+    QCheckBox *through, *stretch, *graphs;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     QLabel *state, *poseLabel;

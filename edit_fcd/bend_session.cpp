@@ -280,6 +280,7 @@ void BendSession::updateTags() {
 }
 
 void BendSession::showTags() {
+    hideStretch();
     if (now.marks) {
         writeTags(layer, *effective, target);
         return;
@@ -338,6 +339,7 @@ void BendSession::cancel() {
 
 void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
     if (!marking) {
+        hideStretch();
         marking = std::make_shared<BendTags>(*effective);
         now.points.clear(); // they are marks from now on
         if (!now.marks || !layer.hasDataMask(MeshModel::MM_VERTCOLOR))
@@ -432,13 +434,16 @@ void BendSession::setUp(Param &param) const {
     param.deformation.smoothness = options.smoothness;
     param.deformation.pose = options.pose;
     param.deformation.graph.initialPatches = options.initialPatches;
+    param.deformation.weights = options.weights;
 }
 
 PoseParam BendSession::poseParamNow() const {
     PoseParam param;
     setUp(param);
     const MeshDocument none; // hosts hand numbers over in single precision
-    return poseParam(toRichParameters(param, none), none);
+    PoseParam given = poseParam(toRichParameters(param, none), none);
+    given.deformation.weights = options.weights; // not in every host's dialog
+    return given;
 }
 
 vcg::fcd::Handles BendSession::handlesNow() const {
@@ -458,7 +463,8 @@ bool BendSession::moves() const {
 }
 
 double BendSession::prepare() {
-    if (deformer && (preparedFor == effective) && preparedPatches == options.initialPatches)
+    if (deformer && preparedFor == effective && preparedPatches == options.initialPatches &&
+        preparedWeights == options.weights)
         return 0;
     const vcg::fcd::Stopwatch watch;
     restoreVertices();
@@ -471,13 +477,15 @@ double BendSession::prepare() {
     deformer = vcg::tri::PrepareDeformer(layer.cm, held, poseParamNow().deformation, rest);
     preparedFor = effective;
     preparedPatches = options.initialPatches;
+    preparedWeights = options.weights;
     return 1000 * watch.Seconds();
 }
 
 BendSession::Times BendSession::pose(bool full) {
     Times times;
     if (!moves()) {
-        restore();
+        restoreShape();
+        updateStretch();
         return times;
     }
     times.prepare = prepare();
@@ -499,6 +507,7 @@ BendSession::Times BendSession::pose(bool full) {
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
         shape = shapeOf(layer.cm);
     }
+    updateStretch();
     times.write = 1000 * watch.Seconds();
     return times;
 }
@@ -532,6 +541,11 @@ void BendSession::restoreVertices() {
 }
 
 void BendSession::restore() {
+    hideStretch();
+    restoreShape();
+}
+
+void BendSession::restoreShape() {
     if (layer.cm.vert.size() != position.size() || layer.cm.face.size() != faceNormal.size())
         return; // another mesh by now
     restoreVertices();
@@ -540,6 +554,22 @@ void BendSession::restore() {
     layer.cm.bbox = box;
     shape = shapeOf(layer.cm);
     last.reset();
+}
+
+void BendSession::updateStretch() {
+    if (!options.stretch || marking || layer.cm.fn == 0) {
+        hideStretch();
+        return;
+    }
+    if (!stretch)
+        stretch = std::make_unique<StretchColors>(layer);
+    stretch->show(position, world.linear());
+}
+
+void BendSession::hideStretch() {
+    if (stretch)
+        stretch->bringBack();
+    stretch.reset();
 }
 
 // --- apply ---
@@ -556,6 +586,8 @@ std::string BendSession::filterCall(const std::string &script, const std::string
         call += ", pose=" + digits(double(Scalarm(options.pose)));
     if (options.initialPatches != defaults.initialPatches)
         call += ", initial_patches=" + std::to_string(options.initialPatches);
+    if (options.weights != defaults.weights)
+        call += ", weights=" + std::to_string(int(options.weights));
     return call + more + ")";
 }
 

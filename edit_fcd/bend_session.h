@@ -7,6 +7,7 @@
 #include <vcg_ext/motion_text.h>
 
 #include "../filter_fcd/fcd_tags.h"
+#include "stretch_colors.h"
 
 #include <cstdint>
 #include <map>
@@ -39,7 +40,15 @@ struct BendOptions {
     double smoothness = vcg::fcd::SolverParam().smoothness;
     double pose = 100; ///< percent of the motions
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
-    int mirror = -1; ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
+    int mirror = -1;      ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    bool stretch = false; ///< the layer's colours show how much it is stretched
+
+    /// Whether the same marks and motions give the same shape.
+    bool givesSameShape(const BendOptions &other) const {
+        return smoothness == other.smoothness && pose == other.pose && initialPatches == other.initialPatches &&
+               weights == other.weights;
+    }
 };
 
 /// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
@@ -76,6 +85,7 @@ class BendSession {
     Eigen::Affine3d mirror() const;                                  ///< of the world; the identity where there is none
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const; ///< at rest
     Eigen::Vector3d positionOf(std::size_t slot) const;              ///< in the pose
+    bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
     /// The vertices within \p radius of \p slot along the surface, in the rest shape.
     const std::vector<std::size_t> &reach(std::size_t slot, double radius);
     double diagonal() const { return size; } ///< of the bounding box
@@ -123,8 +133,14 @@ class BendSession {
     bool moves() const; ///< whether anything leads away from rest
     int nodes() const { return deformer ? int(deformer->graph.Size()) : 0; }
 
-    /// The rest shape again, to the bit.
+    /// The rest shape again, to the bit, with the layer's own colours.
     void restore();
+
+    /// Colours the layer by its stretch where the options say so, and nothing is being marked; otherwise it has its own
+    /// colours, or those of the tags, as after all that changes tags. Each pose() ends with it.
+    void updateStretch();
+    void hideStretch();
+    bool isStretchShown() const { return stretch != nullptr; }
 
     /// The layer at rest gets the present pose as FCD: Pose in Place gives it, and that becomes the rest shape. \return
     /// the filter calls
@@ -140,6 +156,7 @@ class BendSession {
     void take(std::vector<BendState> &states);
     void writeVertices(const vcg::fcd::Deformer::Pose &pose);
     void restoreVertices();
+    void restoreShape();
     template <class Param>
     void setUp(Param &param) const;
     PoseParam poseParamNow() const;
@@ -171,7 +188,10 @@ class BendSession {
     std::unique_ptr<vcg::fcd::Deformer> deformer; ///< for `preparedFor`
     std::shared_ptr<const BendTags> preparedFor;
     int preparedPatches = 0;
+    vcg::fcd::MappingWeights preparedWeights = options.weights;
     std::optional<vcg::fcd::Deformer::Pose> last;
+
+    std::unique_ptr<StretchColors> stretch; ///< while it is shown
 
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface; ///< of the rest shape, once it was asked for
     std::vector<std::size_t> reached;

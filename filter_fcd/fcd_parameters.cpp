@@ -205,14 +205,9 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
         "their border and the closer their centres, so that the shape hardly depends on where the "
         "patches lie. <i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and the patches are balanced by "
         "their number of vertices instead of their area, so that denser parts get more of them.");
-    addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights),
-                           QStringList() << "Along the surface"
-                                         << "Euclidean",
-                           "Distances",
-                           "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close "
-                           "in space but not connected "
-                           "(fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: as in the paper, by "
-                           "straight distance.");
+    const EnumText weights = weightsText();
+    addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights), weights.values, weights.label,
+                           weights.help);
     addParameter<RichFloat>(list, Shown::Advanced, "influence", Scalarm(deformation.influence), "Influence",
                             "A node moves vertices up to this many times the radius of its patch. <b>Raising it</b> "
                             "blends over more nodes: "
@@ -284,6 +279,14 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
 }
 
 } // namespace
+
+EnumText weightsText() {
+    return {"Distances",
+            {"Along the surface", "Euclidean"},
+            "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close in space but "
+            "not connected (fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: as in the paper, by "
+            "straight distance."};
+}
 
 int enumValue(const RichParameterList &list, const char *name, int count) {
     const int value = list.getEnum(name);

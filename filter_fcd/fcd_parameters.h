@@ -82,6 +82,16 @@ RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &d
 RichParameterList toRichParameters(const ResetPoseParam &param);
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
 
+/// An enum parameter as people read it.
+struct EnumText {
+    QString label;
+    QStringList values;
+    QString help;
+};
+
+/// That of "weights"; its values stand in the order of vcg::fcd::MappingWeights.
+EnumText weightsText();
+
 /// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
 int enumValue(const RichParameterList &list, const char *name, int count);
 

@@ -29,6 +29,8 @@ pytestmark = [
 
 # In the window, maximised on a screen of 1366 x 768: the middle of the view, with the tool's panel to the left of it.
 MIDDLE = (662, 411)
+# In the panel.
+DISTANCES, SHOW_STRETCH = (235, 327), (14, 376)
 
 
 def tube(rows, columns):
@@ -67,6 +69,12 @@ def load(path):
     ms = pymeshlab.MeshSet()
     ms.load_new_mesh(str(path))
     return ms.current_mesh().vertex_matrix(), ms.current_mesh().vertex_scalar_array()
+
+
+def colors_of(path):
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(path))
+    return np.round(255 * ms.current_mesh().vertex_color_matrix()[:, :3])
 
 
 class Window:
@@ -124,6 +132,10 @@ class Window:
     def drag(self, start, end, button=1):
         self.press_and_move(start, end, button)
         self.do("mouseup", button, pause=0.5)
+
+    def click(self, *places, count=1, pause=0.2):
+        for place in places:
+            self.do("mousemove", *place, "click", "--repeat", count, "--delay", 50, 1, pause=pause)
 
     def toggle_tool(self):
         """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
@@ -187,8 +199,8 @@ def mark_two_regions(w):
     w.key("m")
 
 
-def transforms_of(w, script):
-    found = re.findall(rf"FCD: Bend: .*ms\.apply_filter\('{script}', handles=0, transforms='([^']*)'", w.text())
+def transforms_of(w, script, more=""):
+    found = re.findall(rf"FCD: Bend: .*ms\.apply_filter\('{script}', handles=0, transforms='([^']*)'{more}", w.text())
     assert len(found) == 1, w.text()[-2000:]
     return found[0]
 
@@ -227,6 +239,122 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
     moved = np.linalg.norm(expected - points, axis=1)
     assert moved.max() > 0.1 and np.all(moved[tags == 0] == 0)
     assert np.array_equal(bent, expected)
+
+
+def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    mark_two_regions(w)
+    x, y = MIDDLE
+    w.drag((x + 180, y), (x + 120, y - 150))
+    surface = load(w.save("surface.ply"))[0]
+    w.do("mousemove", *DISTANCES, "click", 5, pause=0.7) # the wheel: the next choice
+    w.shot("euclidean")
+    w.do("mousemove", *MIDDLE)
+    w.key("shift+Return", pause=1.5)
+    w.wait("ms.apply_filter")
+    bent, tags = load(w.save("bent.ply"))
+    assert np.abs(bent - surface).max() > 1e-4
+
+    rest = write_ply(tmp_path / "rest.ply", points, faces, tags)
+    folder = tmp_path / "server"
+    folder.mkdir()
+    transforms = transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
+    run = Run(folder, rest, deform_filter(transforms=transforms, weights=1))
+    assert np.array_equal(bent, run.meshes["restdeformed"].vertex_matrix())
+
+
+def test_polylines_mark_what_rectangles_mark(window, tmp_path):
+    w = window(write_ply(tmp_path / "tube.ply", *tube(80, 64)))
+    w.start_tool()
+    mark_two_regions(w)
+    expected = load(w.save("rectangles.ply"))[1]
+    expect_tags(expected)
+    w.key("ctrl+z", "ctrl+z")
+    x, y = MIDDLE
+    w.key("l", "f")
+    w.click((x - 280, y - 200), (x - 110, y - 200), (x - 110, y + 200), (x - 280, y + 200))
+    w.shot("polyline")
+    w.key("Return", "h")
+    w.click((x + 280, y + 200), (x + 280, y - 200), (x + 110, y - 200))
+    w.click((x + 110, y + 200), count=2) # ends it
+    w.shot("polylines")
+    assert np.array_equal(load(w.save("polylines.ply"))[1], expected)
+    w.key("o") # a triangle: its two legs are beside the tube
+    w.click((x - 60, y - 200), (x + 60, y - 200), (x, y + 5))
+    w.key("Return")
+    w.shot("triangle")
+    points, tags = load(w.save("triangle.ply"))
+    outside = points[tags == -1]
+    assert 0 < len(outside) < np.count_nonzero(tags == 1) and outside[:, 1].min() > -0.05
+    width = [np.ptp(outside[(outside[:, 1] > low) & (outside[:, 1] < low + 0.1), 0]) for low in (0, 0.14)]
+    assert 0 < width[0] < width[1]
+
+
+def stretch_colors(rest, now, faces):
+    """The colours that show the stretch: the principal stretches of the triangles are the singular values of their maps."""
+    def edges(points):
+        return np.stack([points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]], 2)
+
+    e = edges(np.float64(rest))
+    q, r = np.linalg.qr(e)
+    exponent = np.log2(np.linalg.svd(edges(np.float64(now)) @ np.linalg.inv(r), compute_uv=False))
+    exponent = np.where(exponent[:, 0] >= -exponent[:, 1], exponent[:, 0], exponent[:, 1])
+    area = np.abs(np.linalg.det(r)) / 2
+    weight = np.bincount(faces.ravel(), np.repeat(area, 3))
+    mean = np.clip(np.bincount(faces.ravel(), np.repeat(area * exponent, 3)) / weight, -1, 1)[:, None]
+    grey, red, blue = np.array([225, 225, 225]), np.array([215, 35, 35]), np.array([30, 80, 220])
+    return grey + np.abs(mean) * (np.where(mean < 0, blue, red) - grey)
+
+
+def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    w.click(SHOW_STRETCH)
+    x, y = MIDDLE
+    w.press_and_move((x + 40, y), (x + 60, y - 120))
+    w.shot("dragging")
+    w.do("mouseup", 1, pause=0.5)
+    shown = w.save("shown.ply")
+    now, colors = load(shown)[0], colors_of(shown)
+    assert np.abs(colors - stretch_colors(points, now, faces)).max() <= 1
+    assert len(np.unique(colors, axis=0)) > 100
+    w.click(SHOW_STRETCH)
+    w.save("bent.ply")
+    assert len(np.unique(colors_of(tmp_path / "bent.ply"), axis=0)) == 1
+    assert np.array_equal(load(tmp_path / "bent.ply")[0], now)
+    w.click(SHOW_STRETCH, MIDDLE)
+    w.toggle_tool()
+    time.sleep(1)
+    w.shot("left")
+    assert w.save("left.ply").read_bytes() == before
+
+
+def test_stretch_and_marks(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    mark_two_regions(w)
+    x, y = MIDDLE
+    w.drag((x + 180, y), (x + 250, y - 100))
+    marked = w.save("marked.ply").read_bytes()
+    w.click(SHOW_STRETCH)
+    w.shot("stretch")
+    shown = w.save("shown.ply")
+    (now, tags), colors = load(shown), colors_of(shown)
+    assert np.abs(colors - stretch_colors(points, now, faces)).max() <= 1
+    expect_tags(tags)
+    w.key("b") # who marks sees the marks
+    assert w.save("marking.ply").read_bytes() == marked
+    w.key("m")
+    assert w.save("again.ply").read_bytes() == shown.read_bytes()
+    w.key("Return", pause=1.5)
+    w.wait("ms.apply_filter")
+    w.shot("applied")
+    assert w.save("applied.ply").read_bytes() == marked
 
 
 def test_drag_on_the_surface_bends_and_leaving_restores(window, tmp_path):

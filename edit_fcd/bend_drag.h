@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_DRAG_H
+#define FCD_BEND_DRAG_H
+
+#include <vcg_ext/motion_text.h> // before Qt
+
+#include "bend_view.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A handle that is being moved: what a way of the mouse, or a typed number, makes of its motion.
+struct BendDrag {
+    enum Kind { Move, Turn, Scale };
+
+    int tag = 0;
+    Kind kind = Move;
+    int axis = -1;               ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: x, y, z
+    bool modal = false;          ///< begun by a key: the mouse moves it without a button
+    std::string typed;           ///< a number
+    Eigen::Vector3d pivot, from; ///< the handle's middle as it begins, world, and where the mouse was, window
+    double angle = 0;            ///< that the mouse went about the pivot, degrees
+    Eigen::Vector3d last;        ///< where the mouse is, window
+    std::vector<vcg::fcd::MotionStep> begin; ///< the motion before it
+
+    void moveTo(const BendView &view, const Eigen::Vector3d &window);
+    /// What it adds to the motion, none where that is nothing.
+    std::optional<vcg::fcd::MotionStep> step(const BendView &view) const;
+    /// The motion, with that. Numbers are as people would write them.
+    std::vector<vcg::fcd::MotionStep> motion(const BendView &view) const;
+};
+
+#endif

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_overlay.h"
+
+#include "edit_host.h"
+
+#include <cmath>
+
+namespace {
+
+const int arrowPixels = 80, ringPixels = 60;
+const int ringParts = 48;
+
+/// A point of the ring that turns about an axis. \param part of ringParts
+Eigen::Vector3d onRing(const Eigen::Vector3d &center, int axis, double radius, int part) {
+    const double angle = part * (360.0 / ringParts) * degree;
+    Eigen::Vector3d p = center;
+    p[(axis + 1) % 3] += radius * std::cos(angle);
+    p[(axis + 2) % 3] += radius * std::sin(angle);
+    return p;
+}
+
+/// Draws flat and over all else, as long as it lives.
+class FlatDrawing {
+  public:
+    FlatDrawing() {
+        glPushAttrib(GL_ALL_ATTRIB_BITS);
+        glDisable(GL_LIGHTING);
+        glDisable(GL_TEXTURE_2D);
+        glDisable(GL_DEPTH_TEST);
+        glDepthMask(GL_FALSE);
+    }
+    FlatDrawing(const FlatDrawing &) = delete;
+    FlatDrawing &operator=(const FlatDrawing &) = delete;
+    ~FlatDrawing() { glPopAttrib(); }
+};
+
+void put(const Eigen::Vector3d &p) { glVertex3d(p[0], p[1], p[2]); }
+
+void drawPoint(const Eigen::Vector3d &p, float size) {
+    glPointSize(size);
+    glBegin(GL_POINTS);
+    put(p);
+    glEnd();
+}
+
+} // namespace
+
+std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &center, const Eigen::Vector2d &window) {
+    const auto flat = [&](const Eigen::Vector3d &p) { return Eigen::Vector2d(view.toWindow(p).head<2>()); };
+    if ((flat(center) - window).norm() < 15) // rings that are seen from the side go through it
+        return GizmoPart();
+    const double pixel = view.pixelAt(center);
+    std::optional<GizmoPart> hit;
+    double least = 8;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d arrow = arrowPixels * pixel * Eigen::Vector3d::Unit(axis);
+        const Eigen::Vector2d a = flat(center + arrow * 0.3), b = flat(center + arrow);
+        if (const double d = distanceToSegment(window, a, b); d < least && (b - a).norm() > 10) {
+            least = d;
+            hit = GizmoPart{BendDrag::Move, axis};
+        }
+        for (int i = 0; i < ringParts; ++i) {
+            const Eigen::Vector2d p = flat(onRing(center, axis, ringPixels * pixel, i)),
+                                  q = flat(onRing(center, axis, ringPixels * pixel, i + 1));
+            if (const double d = distanceToSegment(window, p, q); d < least) {
+                least = d;
+                hit = GizmoPart{BendDrag::Turn, axis};
+            }
+        }
+    }
+    return hit;
+}
+
+void drawPoints(const BendSession &session, const BendDrag *drag) {
+    const FlatDrawing flat;
+    if (!session.isMarked() && drag) { // some of the vertices
+        const BendTags &tags = session.tags();
+        glPointSize(2);
+        glColor3ub(240, 197, 60);
+        glBegin(GL_POINTS);
+        const std::size_t some = tags.size() / 20000 + 1;
+        for (std::size_t i = 0; i < tags.size(); i += some)
+            if (tags[i] == 1)
+                put(session.positionOf(i));
+        glEnd();
+    }
+    glColor3ub(210, 60, 50);
+    for (const auto &point : session.state().points)
+        drawPoint(session.positionOf(point.second.slot), 9);
+}
+
+void drawGizmo(const BendView &view, const Eigen::Vector3d &center, const BendDrag *drag) {
+    const FlatDrawing flat;
+    const double pixel = view.pixelAt(center);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis) * pixel;
+        const bool used = drag && drag->axis == axis, isLine = used && drag->kind == BendDrag::Move;
+        glLineWidth(used ? 4 : 2);
+        glColor3ub(axis == 0 ? 230 : 40, axis == 1 ? 190 : 40, axis == 2 ? 240 : 40);
+        glBegin(GL_LINES);
+        put(isLine ? center - 2000 * along : center);
+        put(center + (isLine ? 2000 : arrowPixels) * along);
+        glEnd();
+        drawPoint(center + arrowPixels * along, 8);
+        glBegin(GL_LINE_LOOP);
+        for (int i = 0; i < ringParts; ++i)
+            put(onRing(center, axis, ringPixels * pixel, i));
+        glEnd();
+    }
+    glColor3ub(250, 250, 250);
+    drawPoint(center, 14);
+}
+
+void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon) {
+    const FlatDrawing flat;
+    glMatrixMode(GL_PROJECTION);
+    glPushMatrix();
+    glLoadIdentity();
+    glOrtho(0, view.width, 0, view.height, -1, 1);
+    glMatrixMode(GL_MODELVIEW);
+    glPushMatrix();
+    glLoadIdentity();
+    glLineWidth(2);
+    glColor3ub(20, 20, 20);
+    glBegin(GL_LINE_LOOP);
+    for (const Eigen::Vector2d &corner : polygon)
+        put({corner[0], corner[1], 0});
+    glEnd();
+    glPopMatrix();
+    glMatrixMode(GL_PROJECTION);
+    glPopMatrix();
+    glMatrixMode(GL_MODELVIEW);
+}

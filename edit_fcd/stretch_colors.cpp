@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/triangle_stretch.h> // before Qt
+
+#include "stretch_colors.h"
+
+#include "../filter_fcd/fcd_parameters.h"
+
+vcg::Color4b colorOfStretch(double exponent) {
+    const double pressed[] = {30, 80, 220}, none[] = {225, 225, 225}, stretched[] = {215, 35, 35};
+    const double *full = exponent < 0 ? pressed : stretched, part = std::min(1.0, std::abs(exponent));
+    const auto mixed = [&](int i) { return (unsigned char)(none[i] + part * (full[i] - none[i]) + 0.5); };
+    return vcg::Color4b(mixed(0), mixed(1), mixed(2), 255);
+}
+
+StretchColors::StretchColors(MeshModel &layer)
+    : layer(layer), hadColors(layer.hasDataMask(MeshModel::MM_VERTCOLOR)), own(layer.cm.vert.size()) {
+    for (std::size_t i = 0; i < own.size(); ++i)
+        own[i] = layer.cm.vert[i].cC();
+    shown = own;
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+}
+
+void StretchColors::show(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world) {
+    CMeshO &mesh = layer.cm;
+    const std::size_t grain = 1 << 13;
+    const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
+    exponent.assign(mesh.face.size(), 0);
+    area.assign(mesh.face.size(), 0);
+    vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f) {
+            const CFaceO &face = mesh.face[f];
+            if (face.IsD())
+                continue;
+            const auto edgeAtRest = [&](int k) -> Eigen::Vector3d {
+                return world * (toVector(rest[slotOf(face, k)]) - toVector(rest[slotOf(face, 0)]));
+            };
+            const auto edge = [&](int k) -> Eigen::Vector3d {
+                return world * (toVector(face.cP(k)) - toVector(face.cP(0)));
+            };
+            const auto stretch = vcg::fcd::StretchOf(edgeAtRest(1), edgeAtRest(2), edge(1), edge(2));
+            exponent[f] = stretch.Exponent();
+            area[f] = float(stretch.area);
+        }
+    });
+    std::vector<float> sum(mesh.vert.size()), weight(mesh.vert.size());
+    for (std::size_t f = 0; f < mesh.face.size(); ++f)
+        for (int k = 0; k < 3 && !mesh.face[f].IsD(); ++k) {
+            const std::size_t i = slotOf(mesh.face[f], k);
+            sum[i] += exponent[f] * area[f];
+            weight[i] += area[f];
+        }
+    vcg::fcd::ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                mesh.vert[i].C() = shown[i] = colorOfStretch(weight[i] > 0 ? double(sum[i] / weight[i]) : 0);
+    });
+}
+
+void StretchColors::bringBack() {
+    CMeshO &mesh = layer.cm;
+    for (std::size_t i = 0; i < own.size(); ++i)
+        if (mesh.vert.size() != own.size() || mesh.vert[i].cC() != shown[i])
+            return;
+    for (std::size_t i = 0; i < own.size(); ++i)
+        mesh.vert[i].C() = own[i];
+    if (!hadColors)
+        layer.clearDataMask(MeshModel::MM_VERTCOLOR);
+}
