@@ -155,24 +155,24 @@ bool BendTool::grab() {
             tag = point.first;
         }
     }
-    std::optional<std::size_t> slot;
     if (!tag) {
         const std::optional<Eigen::Vector3d> place = pick();
         double distance = 0;
-        slot = place ? session->nearest(*place, distance) : std::nullopt;
+        const std::optional<std::size_t> slot = place ? session->nearest(*place, distance) : std::nullopt;
         if (!slot || distance > 0.02 * session->diagonal())
             return false; // nothing, or another layer
-        const int there = session->tags()[*slot];
-        if (there >= 2) {
-            tag = there;
-        } else if (session->isMarked() && there != 1) {
-            panel->showState("This part is fixed. Mark it as free first, or clear the marks.");
-            return false;
+        tag = session->tags()[*slot];
+        if (tag < 2) {
+            if (session->isMarked() && tag != 1) {
+                panel->showState("This part is fixed. Mark it as free first, or clear the marks.");
+                return false;
+            }
+            session->change();
+            beginDrag(session->addPoint(*slot, panel->radius() * session->diagonal()), {}, false);
+            return true;
         }
     }
     session->change();
-    if (!tag)
-        tag = session->addPoint(*slot, panel->radius() * session->diagonal());
     beginDrag(tag, {}, false);
     return true;
 }

@@ -323,9 +323,9 @@ void BendTool::drawOverlay() const {
         const Eigen::Vector2d place =
             windowOf(marking ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()))).head<2>();
         const double radius = panel->brush() * view->devicePixelRatioF();
-        std::vector<Eigen::Vector2d> circle;
-        for (int i = 0; i < 40; ++i)
-            circle.push_back(place + radius * Eigen::Vector2d(std::cos(i * 9 * degree), std::sin(i * 9 * degree)));
+        std::vector<Eigen::Vector2d> circle(40, place);
+        for (std::size_t i = 0; i < circle.size(); ++i)
+            circle[i] += radius * Eigen::Vector2d(std::cos(double(i) * 9 * degree), std::sin(double(i) * 9 * degree));
         drawOutline(seen, circle);
     } else if (marking) {
         drawOutline(seen, marking->outline());

@@ -5,10 +5,13 @@
 
 #include "../filter_fcd/fcd_parameters.h"
 
+#include <algorithm>
+#include <cmath>
+
 vcg::Color4b colorOfStretch(double exponent) {
     const double pressed[] = {30, 80, 220}, none[] = {225, 225, 225}, stretched[] = {215, 35, 35};
     const double *full = exponent < 0 ? pressed : stretched, part = std::min(1.0, std::abs(exponent));
-    const auto mixed = [&](int i) { return (unsigned char)(none[i] + part * (full[i] - none[i]) + 0.5); };
+    const auto mixed = [&](int i) { return (unsigned char)std::lround(none[i] + part * (full[i] - none[i])); };
     return vcg::Color4b(mixed(0), mixed(1), mixed(2), 255);
 }
 
