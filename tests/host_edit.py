@@ -401,6 +401,7 @@ def test_monkey(window, tmp_path):
     place = lambda: (MIDDLE[0] + rng.randint(-200, 200), MIDDLE[1] + rng.randint(-150, 150))
     seconds = float(os.environ.get("FCD_MONKEY_SECONDS", "20"))
     layers, started, end = 1, None, time.time() + seconds
+    w.drag((MIDDLE[0] + 40, MIDDLE[1]), (MIDDLE[0] + 60, MIDDLE[1] - 80)) # whatever comes, it has bent something
     while time.time() < end:
         what = rng.random()
         if what < 0.45:

@@ -133,15 +133,15 @@ FCD_TARGET inline void MapsOfBlend(const Blending &b, const float *inverse, cons
             more[d][l] = b.sum[d][l] * inverse[l];
     if (!space.isSame) {
         double half[9][lanes];
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column) {
+        for (std::size_t row = 0; row < 3; ++row)
+            for (std::size_t column = 0; column < 3; ++column) {
                 const double *m = space.metric + 3 * column;
                 for (int l = 0; l < lanes; ++l)
                     half[3 * column + row][l] =
                         double(more[row][l]) * m[0] + double(more[3 + row][l]) * m[1] + double(more[6 + row][l]) * m[2];
             }
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column) {
+        for (std::size_t row = 0; row < 3; ++row)
+            for (std::size_t column = 0; column < 3; ++column) {
                 const double *m = space.inverseMetric + row;
                 for (int l = 0; l < lanes; ++l)
                     more[3 * column + row][l] = float(m[0] * half[3 * column][l] + m[3] * half[3 * column + 1][l] +
