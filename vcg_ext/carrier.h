@@ -174,7 +174,7 @@ class Carrier {
     void Apply(const Rest &rest, const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
         ApplyBlocks(
             rest, maps, progress, ahead, taker,
-            [&](auto &take, const MovingSurface::Bent *vertex, int count, detail::Vertices &moved) {
+            [&](auto &take, const MovingSurface::Bent *vertex, int count, const detail::Vertices &moved) {
                 for (int l = 0; l < count; ++l)
                     take(vertex[l].slot, moved.Moved(l), maps ? moved.Linear(l) : Eigen::Matrix3f::Identity());
             },

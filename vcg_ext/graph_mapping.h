@@ -53,12 +53,8 @@ class GraphMapping {
     class Posed {
       public:
         /// Vertices that are mapped, and memory that many calls of Map use again.
-        class Scratch {
-          public:
+        struct Scratch {
             detail::Vertices vertices;
-
-          private:
-            friend class Posed;
             detail::Blending blending;
             std::vector<float> weight, shareWeight, strainTerm;
             std::vector<std::uint32_t> active, shareActive;

@@ -104,7 +104,7 @@ struct Vertices {
         std::memcpy(moved, rest, sizeof moved);
         for (int d = 0; d < 9; ++d)
             for (float &entry : linear[d])
-                entry = d % 4 == 0;
+                entry = d % 4 == 0 ? 1 : 0;
     }
 };
 

@@ -186,8 +186,8 @@ FCD_TARGET inline void TurnNormals(Vertices &v) {
         }
         factor[l] = square > 0 ? before / square : 0;
     }
-    for (double &each : factor)
-        each = std::sqrt(each);
+    for (double &square : factor)
+        square = std::sqrt(square);
     for (int l = 0; l < lanes; ++l) {
         float off = 0;
         for (int d = 0; d < 9; ++d)
