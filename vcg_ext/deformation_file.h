@@ -94,7 +94,8 @@ inline FieldSamples ReadDeformationText(const std::string &text, const std::stri
         bool isAsExpected = text.compare(at, fixed, expected, 0, fixed) == 0 && end < text.size();
         if (isNumber && isAsExpected) {
             number.emplace_back();
-            isAsExpected = detail::ToNumber(text.data() + at + fixed, text.data() + end, number.back());
+            isAsExpected = detail::ToNumber(text.data() + at + fixed, text.data() + end, number.back()) &&
+                           text.compare(at + fixed, end - at - fixed, std::to_string(number.back())) == 0; // no 007
             if (number.size() == 1 && isAsExpected && number[0] != std::uint64_t(detail::deformationVersion))
                 Fail("is a deformation of version " + std::to_string(number[0]) + "; only version " +
                      std::to_string(detail::deformationVersion) + " is known here. Update the program that reads it.");

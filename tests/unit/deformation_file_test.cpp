@@ -84,6 +84,7 @@ TEST(DeformationFile, RefusesAnotherHeader) {
     EXPECT_SAYS(Refusal(Replaced(text, "vertex 4", "vertex four")),
                 "line 4: expected 'element vertex *', found 'element vertex four'");
     EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face -2")), "line 20");
+    EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face 02")), "line 20");
     EXPECT_SAYS(Refusal(Replaced(text, "property float uzz\n", "")), "line 19: expected 'property float uzz'");
     EXPECT_SAYS(Refusal(text.substr(0, text.find("end_header") + 10)), "line 22: expected 'end_header'");
     EXPECT_SAYS(Refusal(text.substr(0, text.find("uzz"))), "line 19");
