@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <QCoreApplication>
@@ -230,7 +229,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
     const std::vector<int> handles = session->handleTags();
     if (handles.empty())
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    if (!std::count(handles.begin(), handles.end(), active))
+    if (!hasGizmo())
         active = handles.front();
     mouse = view->mapFromGlobal(QCursor::pos());
     session->change();

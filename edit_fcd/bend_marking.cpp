@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_marking.h"
 
+#include <QPolygonF>
+
 using vcg::fcd::Index;
-
-namespace {
-
-/// Whether the way from \p p to the right crosses the polygon an odd number of times.
-bool isInPolygon(const std::vector<Eigen::Vector2d> &polygon, const Eigen::Vector2d &p) {
-    bool isIn = false;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-        if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
-            isIn = !isIn;
-    }
-    return isIn;
-}
-
-} // namespace
 
 std::vector<Eigen::Vector2d> BendMarking::outline() const {
     if (kind == Polygon)
@@ -27,8 +14,12 @@ std::vector<Eigen::Vector2d> BendMarking::outline() const {
 }
 
 std::vector<std::size_t> BendMarking::inside(const BendSession &session, const BendView &view) const {
-    const std::vector<Eigen::Vector2d> polygon = outline();
-    return verticesIn([&](const Eigen::Vector2d &p) { return isInPolygon(polygon, p); }, session, view);
+    QPolygonF polygon;
+    for (const Eigen::Vector2d &corner : outline())
+        polygon << QPointF(corner[0], corner[1]);
+    return verticesIn(
+        [&](const Eigen::Vector2d &p) { return polygon.containsPoint(QPointF(p[0], p[1]), Qt::OddEvenFill); }, session,
+        view);
 }
 
 std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double radius, const BendSession &session,

@@ -677,7 +677,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                 return std::pair<double, double>(-ball * radius * std::cos(angle), ball * radius * std::sin(angle));
             },
             graph.color[i]);
-    host::updateBoxAndNormals(layer);
+    computeBoxAndNormals(layer.cm);
     return layer;
 }
 
@@ -704,6 +704,6 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
         edge->V(1) = &mesh.vert[std::size_t(ends[1])];
         ++edge;
     }
-    host::updateBoxAndNormals(layer);
+    computeBoxAndNormals(layer.cm);
     return layer;
 }

@@ -22,13 +22,15 @@ namespace {
 void sumByAngle(CMeshO &mesh, std::size_t first, std::size_t last) {
     std::vector<char> isClear(last - first, 0);
     for (const CFaceO &face : mesh.face) {
+        if (face.IsD())
+            continue;
         std::size_t slot[3];
         bool isHere[3];
         for (int k = 0; k < 3; ++k) {
             slot[k] = std::size_t(face.cV(k) - mesh.vert.data());
             isHere[k] = slot[k] >= first && slot[k] < last;
         }
-        if (face.IsD() || !(isHere[0] || isHere[1] || isHere[2]))
+        if (!(isHere[0] || isHere[1] || isHere[2]))
             continue;
         const auto way = [&](int k) {
             Point3m edge = face.cP((k + 1) % 3) - face.cP(k);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fcd_pose.h"
 
-#include <vcg/complex/algorithms/update/normal.h>
-
 #include <mutex>
 
 using vcg::fcd::Error;

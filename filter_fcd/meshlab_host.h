@@ -217,15 +217,6 @@ inline void removeLayer(MeshDocument &document, MeshModel *layer) {
 #endif
 }
 
-/// Bounding box and normals after the coordinates changed.
-inline void updateBoxAndNormals(MeshModel &layer) {
-#ifdef FCD_MESHLAB_2020
-    layer.UpdateBoxAndNormals();
-#else
-    layer.updateBoxAndNormals();
-#endif
-}
-
 /// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
 /// both have.
 inline void appendMesh(CMeshO &to, const CMeshO &from) {

@@ -199,6 +199,23 @@ def mark_two_regions(w):
     w.key("m")
 
 
+def bend_a_marked_tube(window, tmp_path, to):
+    """The tool on a tube, its ends marked, the right one dragged to a place. Returns its rest shape, too."""
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    mark_two_regions(w)
+    w.drag((MIDDLE[0] + 180, MIDDLE[1]), to)
+    return w, points, faces
+
+
+def filtered(tmp_path, points, faces, tags, script):
+    """The layers that meshlabserver makes of a tagged mesh."""
+    folder = tmp_path / "server"
+    folder.mkdir()
+    return Run(folder, write_ply(tmp_path / "rest.ply", points, faces, tags), script).meshes
+
+
 def transforms_of(w, script, more=""):
     found = re.findall(rf"FCD: Bend: .*ms\.apply_filter\('{script}', handles=0, transforms='([^']*)'{more}", w.text())
     assert len(found) == 1, w.text()[-2000:]
@@ -213,12 +230,7 @@ def expect_tags(quality):
 
 @pytest.mark.parametrize("in_place", [True, False])
 def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_place):
-    points, faces = tube(80, 64)
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    mark_two_regions(w)
-    x, y = MIDDLE
-    w.drag((x + 180, y), (x + 120, y - 150))
+    w, points, faces = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 120, MIDDLE[1] - 150))
     w.shot("dragged")
     drags = w.traces("drag")
     assert len(drags) > 3 and drags[-1][0] == len(points) and drags[-1][1] > 50
@@ -229,25 +241,17 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
     assert bent.shape == points.shape
     expect_tags(tags)
 
-    rest = write_ply(tmp_path / "rest.ply", points, faces, tags)
-    folder = tmp_path / "server"
-    folder.mkdir()
     script = "apply_coord_fcd_deformation" if in_place else "generate_fcd_deformed_mesh"
     transforms = transforms_of(w, script)
-    run = Run(folder, rest, (pose_filter if in_place else deform_filter)(transforms=transforms))
-    expected = run.meshes["rest" if in_place else "restdeformed"].vertex_matrix()
+    meshes = filtered(tmp_path, points, faces, tags, (pose_filter if in_place else deform_filter)(transforms=transforms))
+    expected = meshes["rest" if in_place else "restdeformed"].vertex_matrix()
     moved = np.linalg.norm(expected - points, axis=1)
     assert moved.max() > 0.1 and np.all(moved[tags == 0] == 0)
     assert np.array_equal(bent, expected)
 
 
 def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
-    points, faces = tube(80, 64)
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    mark_two_regions(w)
-    x, y = MIDDLE
-    w.drag((x + 180, y), (x + 120, y - 150))
+    w, points, faces = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 120, MIDDLE[1] - 150))
     surface = load(w.save("surface.ply"))[0]
     w.do("mousemove", *DISTANCES, "click", 5, pause=0.7) # the wheel: the next choice
     w.shot("euclidean")
@@ -257,12 +261,9 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
     bent, tags = load(w.save("bent.ply"))
     assert np.abs(bent - surface).max() > 1e-4
 
-    rest = write_ply(tmp_path / "rest.ply", points, faces, tags)
-    folder = tmp_path / "server"
-    folder.mkdir()
     transforms = transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
-    run = Run(folder, rest, deform_filter(transforms=transforms, weights=1))
-    assert np.array_equal(bent, run.meshes["restdeformed"].vertex_matrix())
+    meshes = filtered(tmp_path, points, faces, tags, deform_filter(transforms=transforms, weights=1))
+    assert np.array_equal(bent, meshes["restdeformed"].vertex_matrix())
 
 
 def test_polylines_mark_what_rectangles_mark(window, tmp_path):
@@ -334,12 +335,7 @@ def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
 
 
 def test_stretch_and_marks(window, tmp_path):
-    points, faces = tube(80, 64)
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    mark_two_regions(w)
-    x, y = MIDDLE
-    w.drag((x + 180, y), (x + 250, y - 100))
+    w, points, faces = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 250, MIDDLE[1] - 100))
     marked = w.save("marked.ply").read_bytes()
     w.click(SHOW_STRETCH)
     w.shot("stretch")

@@ -8,6 +8,9 @@
 #include "../filter_fcd/meshlab_host.h"
 #include "load_plugin.h"
 
+#include <vcg/complex/algorithms/update/bounding.h>
+#include <vcg/complex/algorithms/update/normal.h>
+
 #include <QCoreApplication>
 
 #include <cmath>
@@ -70,7 +73,8 @@ static void fill(MeshDocument &document, int n) {
         mesh.vert[i].P()[0] = std::numeric_limits<Scalarm>::quiet_NaN();
         vcg::tri::Allocator<CMeshO>::DeleteVertex(mesh, mesh.vert[i]);
     }
-    host::updateBoxAndNormals(*document.mm());
+    vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
+    vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(mesh);
     document.addNewMesh("", "other", false);
 }
 

@@ -24,10 +24,6 @@ def seconds(work):
     return time.perf_counter() - begin, result
 
 
-def median(times, work):
-    return statistics.median(seconds(lambda: work(i))[0] for i in range(times))
-
-
 def load(path, shuffle):
     ms = pymeshlab.MeshSet(verbose=False)
     ms.load_new_mesh(path)
@@ -53,13 +49,10 @@ def measure(path, shuffle, times):
     def turn(i):
         return f"2: rotate 1 1 0 {20 + i}"
 
-    def drop(_):
+    def drop():
         ms.set_current_mesh(ms.mesh_number() - 1)
         ms.delete_current_mesh()
         ms.set_current_mesh(0)
-
-    def copy(_):
-        ms.generate_copy_of_current_mesh()
 
     def deform(i, **parameters):
         ms.apply_filter("generate_fcd_deformed_mesh", transforms=turn(i), graph_layers=False, **parameters)
@@ -68,17 +61,14 @@ def measure(path, shuffle, times):
         taken = []
         for i in range(times):
             taken.append(seconds(lambda: work(i))[0])
-            drop(i)
+            drop()
         return statistics.median(taken)
 
-    copied = timed(copy)
+    copied = timed(lambda _: ms.generate_copy_of_current_mesh())
     anew = timed(lambda i: deform(i, random_seed=100 + i))
     kept = timed(lambda i: deform(i, random_seed=100 + times - 1))
-    smooth = median(3, lambda _: ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1)) # before any pose
-    graph = []
-    for i in range(3):
-        graph.append(seconds(lambda: ms.apply_filter("generate_fcd_deformation_graph", patches_layer=False))[0])
-        drop(i)
+    graph = timed(lambda _: ms.apply_filter("generate_fcd_deformation_graph", patches_layer=False), 3)
+    smooth = statistics.median(seconds(lambda: ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1))[0] for _ in range(3))
 
     first, _ = seconds(lambda: ms.apply_filter("apply_coord_fcd_deformation", transforms=turn(0)))
     poses = [seconds(lambda: ms.apply_filter("apply_coord_fcd_deformation", transforms=turn(i))) for i in range(1, 1 + 2 * times)]
@@ -87,7 +77,7 @@ def measure(path, shuffle, times):
     part = {name: statistics.median(values["seconds_" + name] for _, values in poses) for name in PARTS}
     host = whole - sum(part.values())
     print(f"| {vertices} | {first:.2f} | {whole:.3f} | {1 / whole:.1f} | " + " | ".join(f"{part[name]:.3f}" for name in PARTS) +
-          f" | {host:.3f} | {anew / copied:.2f} | {kept / copied:.2f} | {statistics.median(graph) / smooth:.2f} |", flush=True)
+          f" | {host:.3f} | {anew / copied:.2f} | {kept / copied:.2f} | {graph / smooth:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -79,7 +79,6 @@ Index CountFolded(const MeshType &m, const SurfaceGraph &surface, const std::vec
     for (const Eigen::Matrix3d &map : linear)
         turn.push_back(RotationOf(map));
     std::atomic<Index> folded{0};
-    const bool isSame = surface.frame.metric.isIdentity(0);
     const std::size_t faces = surface.faces.size();
     ParallelFor(progress, "Checking the result", faces, 1 << 12, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -91,7 +90,7 @@ Index CountFolded(const MeshType &m, const SurfaceGraph &surface, const std::vec
                 const Index node = surface.nodeOf[slot[k]];
                 patch[k] = node >= 0 ? patchOf[node] : -1;
             }
-            const auto toWorld = [&](const Vector3d &v) { return isSame ? v : Vector3d(surface.frame.metric * v); };
+            const auto toWorld = [&](const Vector3d &v) { return surface.frame.ToWorld(v); };
             const auto rest = [&](int k) { return vcg::tri::PositionOf(m.vert[slot[k]]); };
             const auto posed = [&](int k) { return Vector3d(position.col(Eigen::Index(slot[k]))); };
             const Vector3d a = toWorld(rest(1) - rest(0)), b = toWorld(rest(2) - rest(0)), normal = a.cross(b);

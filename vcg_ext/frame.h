@@ -21,6 +21,7 @@ struct Frame {
     /// a mesh bends as it would with the matrix applied to it.
     Eigen::Matrix3d metric = Eigen::Matrix3d::Identity();
     Eigen::Matrix3d inverseMetric = Eigen::Matrix3d::Identity();
+    bool isSame = true;                               ///< the metric is the identity
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< in world units, without the matrix's translation
     double scale = 1;                                 ///< world units per frame unit
 
@@ -28,14 +29,15 @@ struct Frame {
     void SetMetric(const Eigen::Matrix3d &linear) {
         metric = linear;
         inverseMetric = linear.inverse();
+        isSame = metric.isIdentity(0);
         if (!linear.allFinite() || !inverseMetric.allFinite())
             throw Error("The matrix of the layer flattens it or is not finite; apply or reset the matrix first.");
     }
-    Eigen::Vector3d ToWorld(const Eigen::Vector3d &p) const { return metric.isIdentity(0) ? p : metric * p; }
+    Eigen::Vector3d ToWorld(const Eigen::Vector3d &p) const { return isSame ? p : metric * p; }
     Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return (ToWorld(p) - origin) / scale; }
     Eigen::Vector3d FromFrame(const Eigen::Vector3d &p) const {
         const Eigen::Vector3d world = p * scale + origin;
-        return metric.isIdentity(0) ? world : inverseMetric * world;
+        return isSame ? world : inverseMetric * world;
     }
 
     /// An affine motion in mesh units (4 x 4), expressed in the frame.

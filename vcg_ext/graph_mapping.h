@@ -22,7 +22,7 @@ inline Space SpaceOf(const Frame &frame) {
     Eigen::Map<Eigen::Matrix3d>(space.fromFrame) = frame.inverseMetric * frame.scale;
     Eigen::Map<Eigen::Matrix3d>(space.metric) = frame.metric;
     Eigen::Map<Eigen::Matrix3d>(space.inverseMetric) = frame.inverseMetric;
-    space.isSame = frame.metric.isIdentity(0);
+    space.isSame = frame.isSame;
     return space;
 }
 
