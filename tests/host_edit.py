@@ -210,10 +210,10 @@ def bend_a_marked_tube(window, tmp_path, to):
 
 
 def filtered(tmp_path, points, faces, tags, script):
-    """The layers that meshlabserver makes of a tagged mesh."""
+    """What meshlabserver makes of a tagged mesh."""
     folder = tmp_path / "server"
     folder.mkdir()
-    return Run(folder, write_ply(tmp_path / "rest.ply", points, faces, tags), script).meshes
+    return Run(folder, write_ply(tmp_path / "rest.ply", points, faces, tags), script)
 
 
 def transforms_of(w, script, more=""):
@@ -243,8 +243,8 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
 
     script = "apply_coord_fcd_deformation" if in_place else "generate_fcd_deformed_mesh"
     transforms = transforms_of(w, script)
-    meshes = filtered(tmp_path, points, faces, tags, (pose_filter if in_place else deform_filter)(transforms=transforms))
-    expected = meshes["rest" if in_place else "restdeformed"].vertex_matrix()
+    run = filtered(tmp_path, points, faces, tags, (pose_filter if in_place else deform_filter)(transforms=transforms))
+    expected = run.meshes["rest" if in_place else "restdeformed"].vertex_matrix()
     moved = np.linalg.norm(expected - points, axis=1)
     assert moved.max() > 0.1 and np.all(moved[tags == 0] == 0)
     assert np.array_equal(bent, expected)
@@ -262,8 +262,8 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
     assert np.abs(bent - surface).max() > 1e-4
 
     transforms = transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
-    meshes = filtered(tmp_path, points, faces, tags, deform_filter(transforms=transforms, weights=1))
-    assert np.array_equal(bent, meshes["restdeformed"].vertex_matrix())
+    run = filtered(tmp_path, points, faces, tags, deform_filter(transforms=transforms, weights=1))
+    assert np.array_equal(bent, run.meshes["restdeformed"].vertex_matrix())
 
 
 def test_polylines_mark_what_rectangles_mark(window, tmp_path):
