@@ -425,7 +425,7 @@ def test_monkey(window, tmp_path):
             w.toggle_tool()
         elif what < 0.95: # the mesh may have left the view, or lie anyhow
             w.do("mousemove", *MIDDLE)
-            w.key("ctrl+h", *rng.choice([[], ["alt+r"]]), "m", pause=0.3) # Reset Trackball, Reload
+            w.key("ctrl+h", *rng.choice([[], ["ctrl+shift+r"]]), "m", pause=0.3) # Reset Trackball, Reload All Meshes
             w.drag((MIDDLE[0] + 20, MIDDLE[1]), place())
         elif layers < 4:
             w.do("mousemove", *MIDDLE)
