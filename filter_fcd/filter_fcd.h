@@ -49,6 +49,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues save(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
+    static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;
 
     PreparedLayers preparedLayers;
