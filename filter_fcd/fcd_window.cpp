@@ -12,6 +12,7 @@
 #include <string>
 
 #include <QApplication>
+#include <QCheckBox>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QGridLayout>
@@ -143,10 +144,23 @@ void followLayers(QWidget &content, MeshDocument &document) {
                      });
 }
 
+/// The host's button Default brings back what the dialog had when it opened, which is remembered: instead, the dialog
+/// opens anew.
+void letDefaultBeDefaults(QWidget &content, const std::function<void()> &openWithDefaults) {
+    for (QPushButton *button : content.findChildren<QPushButton *>())
+        if (button->text() == "Default")
+            QObject::connect(button, &QPushButton::clicked, &content, [&content, openWithDefaults] {
+                for (QCheckBox *preview : content.findChildren<QCheckBox *>())
+                    if (preview->text() == "Preview")
+                        preview->setChecked(false);                // gives the layer its shape back
+                QTimer::singleShot(0, &content, openWithDefaults); // which is the end of the button
+            });
+}
+
 } // namespace
 
-void prepareDialog(const QString &title, MeshDocument &document) {
-    QTimer::singleShot(0, &document, [title, &document] {
+void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults) {
+    QTimer::singleShot(0, &document, [title, &document, openWithDefaults] {
         static const char *const prepared = "fcd_prepared";
         for (QWidget *window : QApplication::topLevelWidgets())
             for (QDockWidget *dialog : window->findChildren<QDockWidget *>()) {
@@ -157,6 +171,7 @@ void prepareDialog(const QString &title, MeshDocument &document) {
                 if (!host::dialogsFold)
                     letScroll(*dialog);
                 followLayers(*content, document);
+                letDefaultBeDefaults(*content, openWithDefaults);
             }
     });
 }

@@ -4,6 +4,7 @@
 
 #include "meshlab_host.h"
 
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -18,6 +19,7 @@ class LastValues {
     /// Gives \p list, of a filter, the values that it was last used with. Of layers, only the one that the handles move
     /// like is among them, while there is one of its name.
     void recall(int filter, RichParameterList &list, const MeshDocument &document) const;
+    void forget(int filter) { lists.erase(filter); }
 
   private:
     std::map<int, RichParameterList> lists;
@@ -29,8 +31,9 @@ class LastValues {
 int likelySource(const MeshModel &layer, int last);
 
 /// Prepares the dialog of the filter with \p title once the host has built it. It scrolls, where the host's does not,
-/// so that its buttons stay on the screen; and what it lists as layers follows these.
-void prepareDialog(const QString &title, MeshDocument &document);
+/// so that its buttons stay on the screen; what it lists as layers follows these; and its button Default opens it anew
+/// by \p openWithDefaults.
+void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults);
 
 // --- results ---
 

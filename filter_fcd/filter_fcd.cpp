@@ -274,7 +274,10 @@ RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) co
             host::setEnum(list, "handles", likelySource(layer, list.getEnum("handles")));
     }
     if (!list.isEmpty())
-        prepareDialog(filterName(id), const_cast<MeshDocument &>(document));
+        prepareDialog(filterName(id), const_cast<MeshDocument &>(document), [this, id] {
+            lastValues.forget(id);
+            action(id)->trigger();
+        });
     return list;
 }
 

@@ -53,8 +53,8 @@ class FilterFcd : public HostFilterPlugin {
     QString shown() const;
 
     PreparedLayers preparedLayers;
-    LastValues lastValues;
-    mutable QString shownLayer; ///< what the dialog that the host shows next is about
+    mutable LastValues lastValues; ///< forgotten by a dialog
+    mutable QString shownLayer;    ///< what the dialog that the host shows next is about
 };
 
 #endif

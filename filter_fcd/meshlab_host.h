@@ -23,6 +23,7 @@
 #include <exception>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <new>
 #include <stdexcept>
@@ -315,6 +316,12 @@ class HostFilterPlugin : public QObject,
             typeList.push_back(id);
             actionList.push_back(new QAction(filterName(id), this));
         }
+    }
+
+    /// The action that opens the dialog of filter \p id.
+    QAction *action(int id) const {
+        const auto type = std::find(typeList.begin(), typeList.end(), id);
+        return *std::next(actionList.begin(), std::distance(typeList.begin(), type));
     }
 
     /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it as such.

@@ -139,6 +139,13 @@ class Window:
     def apply(self, window):
         self.click(window, -100, -20)
 
+    def default(self, window):
+        """The dialog with the plugin's own values: it opens anew."""
+        title = self.x("getwindowname", window)
+        self.click(window, 157, -51)
+        time.sleep(0.5)
+        return self.settled(title)
+
     def current_layer(self, place):
         """Makes the layer at a place in the list the current one."""
         self.x("mousemove", 1060, 133 + 31 * place, "click", 1)
@@ -380,12 +387,15 @@ def test_the_handle_moves_like_a_layer_that_is_in_place(open_mesh, tmp_path):
     ms.load_new_mesh(str(tmp_path / "server.ply"))
     assert ms.current_mesh().vertex_matrix().tobytes() == moved.tobytes()
 
-    # The dialog remembers the layer, as long as there is one of its name.
+    # The dialog remembers the layer, as long as there is one of its name; Default does not.
     dialog = window.dialog("FCD: Deform Mesh")
     window.enter(dialog, *MOVE_X, "1")
     window.apply(dialog)
     window.wait_for_log("3 layers of the last try are replaced")
     assert np.abs(exported("again.ply") - moved)[tags == 2].max() == pytest.approx(1, abs=1e-5)
+    dialog = window.default(dialog)
+    window.apply(dialog)
+    assert "Nothing would move" in window.message()
     window.finish(dialog)
 
     # A layer after the results in the list, which has another place there when they are replaced.
@@ -396,7 +406,6 @@ def test_the_handle_moves_like_a_layer_that_is_in_place(open_mesh, tmp_path):
     window.finish(dialog)
     window.current_layer(4)
     dialog = window.dialog("FCD: Deform Mesh")
-    window.enter(dialog, *MOVE_X, "0")
     window.choose(dialog, *LIKE_LAYER, "End")
     for count in 2, 3:
         window.apply(dialog)
@@ -419,6 +428,8 @@ def test_a_preview_follows_and_goes(open_mesh, tmp_path):
     window.keys("Tab")
     window.wait_for_log("already prepared")
     window.picture("preview")
+    dialog = window.default(dialog)  # while it previews
+    window.picture("preview, default")
     window.finish(dialog)
     window.run("FCD: Clear Tags")
     window.export(tmp_path / "after.ply")
