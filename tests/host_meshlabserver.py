@@ -104,7 +104,7 @@ def copy_filter(source_layer, rest_graph, deformed_graph, all_visible=False):
 class Run:
     """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters, server=SERVER, under=(), **environment):
+    def __init__(self, folder, mesh, *filters, server=SERVER, under=(), project=None, **environment):
         if mesh:
             shutil.copy(mesh, folder)
         script = folder / "script.mlx"
@@ -112,7 +112,8 @@ class Run:
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
+            ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []),
+             *(["-p", str(project)] if project else []), "-s", str(script),
              "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=1800,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
@@ -194,6 +195,34 @@ def test_posing_in_place_and_the_way_back(tmp_path):
     assert np.abs(points["layer"] - points["rest"]).max() > 0.2
     for name, expected in (("place", "layer"), ("kept", "layer"), ("back", "rest")):
         assert points[name].tobytes() == points[expected].tobytes(), name
+
+
+def test_what_a_project_keeps(tmp_path):
+    bend = dict(translation=(0, 0, 0.25), rotation_axis=(0, 1, 0), rotation_angle=-45)
+    first_of = '<filter name="Change the current layer">' + parameter("Mesh", "layer", value=0) + "</filter>"
+
+    def again(name, *script):
+        """Another session: the first one's project, and a script on its first layer."""
+        folder = tmp_path / name
+        folder.mkdir()
+        for path in [*(tmp_path / "first").glob("*_out.ply"), tmp_path / "first" / "project.mlp"]:
+            shutil.copy(path, folder)
+        return Run(folder, None, first_of, *script, project=folder / "project.mlp")
+
+    (tmp_path / "first").mkdir()
+    first = Run(tmp_path / "first", BONE, select_filter("x &lt; 0.25"), tag_filter(0), select_filter("x &gt; 0.75"), tag_filter(2),
+                deform_filter(**bend))
+    assert first.code == 0, first.log
+    for name, parameters in ("anew", {}), ("graph", dict(use_graph_layer=True, graph_layer=1)):
+        run = again(name, deform_filter(graph_layers=False, **parameters, **bend))
+        assert run.code == 0, run.log
+        assert run.meshes["bone_outdeformed"].vertex_matrix().tobytes() == first.meshes["bonedeformed"].vertex_matrix().tobytes()
+        assert run.meshes["bone_out"].vertex_color_matrix().tobytes() == first.meshes["bone"].vertex_color_matrix().tobytes()
+        assert run.meshes["bonegraph_out"].edge_number() == 0
+    assert "used with the patches that it was made with" in run.log
+    assert "there is nothing to bring back" in again("clear", '<filter name="FCD: Clear Tags"/>').log
+    assert "layers that are saved and loaded lose it" in again("copy", copy_filter(0, 1, 2)).log
+    assert "has not been posed in place" in again("reset", reset_filter()).log
 
 
 def test_a_deformation_for_another_layer(tmp_path):

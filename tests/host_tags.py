@@ -5,7 +5,7 @@ import pymeshlab
 import pytest
 
 from conftest import transformed
-from host_pymeshlab import DEFORM, POSE, SAVE, TAG, clean_bone, same_points, set_quality
+from host_pymeshlab import COPY, DEFORM, POSE, RESET, SAVE, TAG, clean_bone, matrix, new_set, same_points, set_quality
 
 CLEAR, GRAPH = "clear_fcd_tags", "generate_fcd_deformation_graph"
 BEND = dict(translation=np.array([0, 0, 0.25]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40.0)
@@ -132,6 +132,7 @@ def test_a_handle_moves_as_another_layer_lies():
 
 # 90 degrees about z, and away; and what the layer that is deformed has itself: neither is the identity.
 PLACED = np.array([[0, -1, 0, 0.125], [1, 0, 0, -0.5], [0, 0, 1, 0.5], [0, 0, 0, 1.0]])
+IDENTITY = np.eye(4)
 OWN = np.array([[0.8, 0, 0.6, 0.1], [0, 1, 0, 0.2], [-0.6, 0, 0.8, 0.3], [0, 0, 0, 1.0]])
 
 
@@ -217,6 +218,49 @@ def test_a_layer_that_no_handle_can_move_like_is_named(entry, value, word):
         with pytest.raises(pymeshlab.PyMeshLabException, match=word):
             ms.apply_filter(name, handle_layer=copy if entry else 77)
         assert len(list(ms)) == 2 and same_points(ms.current_mesh().vertex_matrix(), before)
+
+
+def saved(ms, folder, kind):
+    """The layers as PLY, and the project that names these, opened again."""
+    for mesh in list(ms):
+        ms.set_current_mesh(mesh.id())
+        ms.save_current_mesh(str(folder / f"{mesh.id()}.ply"))
+    ms.save_project(str(folder / f"project.{kind}"))
+    again = new_set()
+    again.load_project(str(folder / f"project.{kind}"))
+    return again
+
+
+@pytest.mark.parametrize("kind", ["mlp", "mlb"])
+@pytest.mark.parametrize("own", [IDENTITY, OWN + np.pi * np.eye(4, k=3)], ids=["in place", "placed"])
+def test_what_a_project_keeps(tmp_path, kind, own):
+    ms = coloured()
+    set_quality(ms, "0")
+    color = look(ms)[0]
+    ms.apply_filter("set_matrix", transformmatrix=own, freeze=False)
+    tag_ends(ms)
+    ms.apply_filter(DEFORM, **BEND)
+    again = saved(ms, tmp_path, kind)
+    assert [mesh.label() for mesh in again] == [mesh.label() for mesh in ms]
+    for mesh, before in zip(again, ms):
+        assert same_points(mesh.vertex_matrix(), before.vertex_matrix())
+        assert same_points(mesh.vertex_scalar_array(), before.vertex_scalar_array())
+        assert same_points(mesh.vertex_color_matrix(), before.vertex_color_matrix())
+    exact = kind == "mlb" or own is IDENTITY  # the text has six digits of a matrix
+    assert np.abs(matrix(again.mesh(0)) - own).max() == 0 if exact else 0 < np.abs(matrix(again.mesh(0)) - own).max() < 1e-5
+    for parameters in {}, dict(use_graph_layer=True, graph_layer=1):
+        again.set_current_mesh(0)
+        again.apply_filter(DEFORM, graph_layers=False, **parameters, **BEND)
+        result, before = again.current_mesh().vertex_matrix(), ms.mesh(3).vertex_matrix()
+        assert same_points(result, before) if exact else np.abs(result - before).max() < 1e-5
+    # Edges and attributes are gone, and with these the colours of before the tags and the deformation that the graph holds.
+    assert [mesh.edge_number() for mesh in again][:3] == [0, 0, 0]
+    again.set_current_mesh(0)
+    assert not same_points(look(again)[0], color)
+    for name, parameters, word in ((CLEAR, {}, "there is nothing to bring back"), (RESET, {}, "has not been posed in place"),
+                                   (COPY, dict(source_layer=0, rest_graph=1, deformed_graph=2), "layers that are saved and loaded lose it")):
+        with pytest.raises(pymeshlab.PyMeshLabException, match=word):
+            again.apply_filter(name, **parameters)
 
 
 def test_the_graph_is_also_to_be_had_as_a_surface():
