@@ -74,6 +74,12 @@ void fit(QDockWidget &dialog, QScrollArea &area, const QSize &first, const QSize
     place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
     place.moveTop(std::max(all.top(), std::min(place.top(), all.bottom() - place.height())));
     dialog.move(place.topLeft());
+    // The text above may have more lines than it had in the host's size, which is seen when all has its place.
+    QTimer::singleShot(0, &area, [&dialog, &area] {
+        const int height = dialog.height() + area.verticalScrollBar()->maximum();
+        if (height <= highest)
+            dialog.resize(dialog.width(), height);
+    });
 }
 
 /// Puts the parameters of a filter's dialog into an area that scrolls.
