@@ -152,9 +152,23 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 
 // --- motions ---
 
-/// The motion that translation, rotation and matrix describe.
-std::vector<MotionStep> stepsOf(const HandleParam &param) {
-    std::vector<MotionStep> steps{MotionStep::Affine(param.matrix)};
+/// The motion from where \p layer lies to where \p other does.
+Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer) {
+    return (matrixOf(other) * invertibleMatrixOf(layer).inverse()).matrix();
+}
+
+/// The motion of the handles of \p layer that the parameters of the dialog describe.
+std::vector<MotionStep> stepsOf(const HandleParam &param, const MeshModel &layer) {
+    std::vector<MotionStep> steps;
+    if (param.likeLayer && param.likeLayer != &layer) {
+        steps.push_back(MotionStep::Affine(motionTo(*param.likeLayer, layer)));
+        try {
+            vcg::fcd::ToMotion(steps, Eigen::Vector3d::Zero());
+        } catch (const Error &e) {
+            throw Error("The handles cannot move like the layer '" + text(param.likeLayer->label()) + "': " + e.what());
+        }
+    }
+    steps.push_back(MotionStep::Affine(param.matrix));
     if (param.rotationAngle != 0) {
         steps.push_back(MotionStep::Rotate(param.rotationAxis, param.rotationAngle));
         if (param.rotationCenter == HandleParam::Point)
@@ -189,7 +203,7 @@ QString withLayers(const QString &steps, const MeshDocument &document, const Mes
         if (!found)
             throw Error("transforms names the layer '" + text(name) +
                         "', but no layer has that name. Write the name as the list of layers shows it.");
-        const Eigen::Matrix4d matrix = (matrixOf(*found) * invertibleMatrixOf(layer).inverse()).matrix();
+        const Eigen::Matrix4d matrix = motionTo(*found, layer);
         result += steps.mid(end, match.capturedStart() - end) + "matrix";
         for (int k = 0; k < 16; ++k)
             result += " " + QString::number(k < 12 ? matrix(k / 4, k % 4) : k == 15, 'g', 17);
@@ -349,7 +363,7 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Han
                             " is not affine. Its last row must be 0 0 0 1 and all its entries finite numbers.");
             world = Motion(listed[place]);
         } else {
-            world = vcg::fcd::ToMotion(stepsOf(param), barycenter);
+            world = vcg::fcd::ToMotion(stepsOf(param, layer), barycenter);
             aboutPoint = param.rotationAngle != 0 && param.rotationCenter == HandleParam::Point;
             if (!told.empty() && listed.empty())
                 remark("Handle " + std::to_string(tag) +

@@ -79,7 +79,7 @@ vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
 }
 
 /// What moves, and how.
-void addHandles(RichParameterList &list, const HandleParam &handles) {
+void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document) {
     addParameter<RichEnum>(list, Shown::Always, "handles", int(handles.source),
                            QStringList() << "Vertex quality"
                                          << "Selection"
@@ -112,7 +112,7 @@ void addHandles(RichParameterList &list, const HandleParam &handles) {
         "One 4x4 matrix per handle, in world coordinates: the first moves handle 2, the second handle 3, and so on. "
         "May be "
         "left empty, and may be given whatever the handles come from. Handles without a matrix in it move by the "
-        "translation, rotation and matrix below.");
+        "translation, rotation, matrix and layer below.");
     addParameter<RichString>(
         list, Shown::Advanced, "transforms", handles.transforms, "Motions as text",
         "A motion for each handle, in world coordinates, for example <i>2: rotate 0 0 1 135 about 0 0 0 translate 0 0 "
@@ -129,8 +129,8 @@ void addHandles(RichParameterList &list, const HandleParam &handles) {
         "<i>rotate</i> and <i>scale</i> may be followed by <i>about x y z</i>, the point that stays in place; without "
         "it, that is the mean of the handle's own vertices, where the steps before have put it. Upper and lower case, "
         "line breaks and commas between numbers make no difference. May be given whatever the handles come from. "
-        "Handles that are not in it move by the file above or by the translation, rotation and "
-        "matrix below.");
+        "Handles that are not in it move by the file above or by the translation, rotation, "
+        "matrix and layer below.");
     addParameter<host::RichFileParam>(
         list, Shown::Advanced, "point_handles_file", handles.pointFile,
         QStringList() << "*.csv"
@@ -178,6 +178,13 @@ void addHandles(RichParameterList &list, const HandleParam &handles) {
         list, Shown::Advanced, "TransformMatrix", matrix, "Matrix",
         "A 4x4 affine matrix in world coordinates (last row 0 0 0 1) that moves the handles, "
         "applied before rotation and translation. May also scale or shear them.");
+    host::addLayerParameter(
+        list, Shown::Advanced, handleLayer, handles.likeLayer ? handles.likeLayer : document.mm(), document,
+        "Handle moves like layer",
+        "The handles move as this layer lies to the one that is deformed: duplicate the layer, put the copy where the "
+        "handle belongs with MeshLab's manipulators, and choose it here. Only its matrix counts. Matrix, rotation and "
+        "translation come on top of that. <b>The layer that is deformed itself</b> (the default): not used. As the "
+        "other motions of the dialog, it moves the handles that neither a text nor a file moves.");
 }
 
 /// How it bends. \param all also what a filter may lack where scripts may not
@@ -237,7 +244,7 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
             "that grows out of the mesh as it is.");
 }
 
-HandleParam handleParam(const RichParameterList &list) {
+HandleParam handleParam(const RichParameterList &list, const MeshDocument &document) {
     HandleParam handles;
     handles.source = HandleParam::Source(enumValue(list, "handles", 4));
     handles.tagAttribute = list.getString("tag_attribute");
@@ -252,6 +259,12 @@ HandleParam handleParam(const RichParameterList &list) {
     handles.rotationPoint = toVector(list.getPoint3m("rotation_point"));
     const Matrix44m matrix = host::matrixParameter(list, "TransformMatrix");
     matrix.ToEigenMatrix(handles.matrix);
+    if (list.hasParameter(handleLayer)) { // the window of 2020.09 runs scripts that lack it as they are
+        handles.likeLayer = host::layerParameter(list, handleLayer, document);
+        if (!handles.likeLayer && document.mm())
+            throw Error("'handle_layer' names no layer of this document. Choose the layer that the handles move like, "
+                        "or, for none, the layer that is deformed.");
+    }
     handles.validate();
     return handles;
 }
@@ -279,6 +292,19 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
 }
 
 } // namespace
+
+RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others) {
+    if (host::firstMayBeLacking())
+        first.prepend(handleLayer);
+    first.removeDuplicates();
+    RichParameterList ordered;
+    for (const QString &name : first)
+        ordered.addParam(list.getParameterByName(name));
+    for (const RichParameter &parameter : list)
+        if (others && !ordered.hasParameter(parameter.name()))
+            ordered.addParam(parameter);
+    return ordered;
+}
 
 EnumText weightsText() {
     return {"Distances",
@@ -330,7 +356,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     const vcg::fcd::DeformationParam &deformation = param.deformation;
     RichParameterList list;
 
-    addHandles(list, handles);
+    addHandles(list, handles, document);
 
     // With which graph.
     addParameter<RichBool>(
@@ -363,21 +389,17 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     if (host::dialogsFold)
         return list;
     // Where nothing is folded, what one needs comes first.
-    RichParameterList ordered;
-    for (const char *name : {"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center",
-                             "rotation_point", "smoothness", "pose", "graph_layers", "transforms"})
-        ordered.addParam(list.getParameterByName(name));
-    for (const RichParameter &parameter : list)
-        if (!ordered.hasParameter(parameter.name()))
-            ordered.addParam(parameter);
-    return ordered;
+    return inOrder(list,
+                   {"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
+                    handleLayer, "smoothness", "pose", "graph_layers", "transforms"},
+                   true);
 }
 
 namespace {
 
 RichParameterList allParameters(const PoseParam &param, const MeshDocument &document) {
     RichParameterList list;
-    addHandles(list, param.handles);
+    addHandles(list, param.handles, document);
     addTargetRadius(list, param.deformation.graph.targetRadius, document);
     addInitialPatches(list, param.deformation.graph.initialPatches);
     addRandomSeed(list, param.deformation.graph.randomSeed);
@@ -392,14 +414,13 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
 } // namespace
 
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
-    RichParameterList all = allParameters(param, document);
+    const RichParameterList all = allParameters(param, document);
     if (host::dialogsFold)
         return all;
-    RichParameterList list;
-    for (const char *name : {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",
-                             "rotation_center", "rotation_point", "initial_patches", "smoothness", "pose"})
-        list.addParam(all.getParameterByName(name));
-    return list;
+    return inOrder(all,
+                   {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",
+                    "rotation_center", "rotation_point", handleLayer, "initial_patches", "smoothness", "pose"},
+                   false);
 }
 
 PoseParam poseParam(const RichParameterList &given, const MeshDocument &document) {
@@ -410,7 +431,7 @@ PoseParam poseParam(const RichParameterList &given, const MeshDocument &document
         if (given.hasParameter(parameter.name()))
             list.setValue(parameter.name(), given.getParameterByName(parameter.name()).value());
     PoseParam param;
-    param.handles = handleParam(list);
+    param.handles = handleParam(list, document);
     param.deformation = deformationParam(list, true);
     param.exactNormals = list.getBool("exact_normals");
     return param;
@@ -456,7 +477,7 @@ ResetPoseParam resetPoseParam(const RichParameterList &list) { return {list.getB
 
 DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document) {
     DeformMeshParam param;
-    param.handles = handleParam(list);
+    param.handles = handleParam(list, document);
 
     param.useGraphLayer = list.getBool("use_graph_layer");
     if (param.useGraphLayer)

@@ -32,7 +32,8 @@ struct HandleParam {
     QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
     QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
 
-    // The motion of handles that neither of these moves: first matrix, then rotation, then translation.
+    // The motion of handles that neither of these moves: first as the layer, then matrix, rotation and translation.
+    const MeshModel *likeLayer = nullptr; ///< from the layer that is deformed to this one; itself or null: not used
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     Eigen::Vector3d rotationAxis = Eigen::Vector3d::UnitZ(); ///< any length but 0
     double rotationAngle = 0;                                ///< degrees
@@ -81,6 +82,13 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const ResetPoseParam &param);
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
+
+/// The parameter that names HandleParam::likeLayer. Scripts of before may lack it.
+inline constexpr const char *handleLayer = "handle_layer";
+
+/// \p list with the parameters \p first before the others, which come last or, without \p others, not at all; with
+/// handleLayer where a script of before may lack it.
+RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others);
 
 /// An enum parameter as people read it.
 struct EnumText {

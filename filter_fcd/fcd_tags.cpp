@@ -24,8 +24,8 @@ namespace {
 /// The parameters that "FCD: Save Tags" has in common with "FCD: Deform Mesh": those that say how handles move, and
 /// where their tags are.
 QStringList motionParameters() {
-    return {"transforms",      "translation",    "rotation_axis",  "rotation_angle",
-            "rotation_center", "rotation_point", "TransformMatrix"};
+    return {"transforms",      "translation",    "rotation_axis",   "rotation_angle",
+            "rotation_center", "rotation_point", "TransformMatrix", handleLayer};
 }
 QStringList sourceParameters() { return {"handles", "tag_attribute"}; }
 
@@ -274,7 +274,7 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
         "default): only the tags are saved, and the motions below are not used.");
     for (const QString &name : motionParameters())
         list.addParam(all.getParameterByName(name));
-    return list;
+    return inOrder(list, {}, true);
 }
 
 SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document) {
@@ -282,7 +282,8 @@ SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &documen
     enumValue(list, "handles", 3);
     RichParameterList all = toRichParameters(DeformMeshParam(), document);
     for (const QString &name : sourceParameters() + motionParameters())
-        all.setValue(name, list.getParameterByName(name).value());
+        if (list.hasParameter(name))
+            all.setValue(name, list.getParameterByName(name).value());
     param.handles = deformMeshParam(all, document).handles;
     param.tagFile = list.getSaveFileName("tag_file");
     param.transformFile = list.getSaveFileName("transform_file");

@@ -2,6 +2,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "fcd_layers.h"
+#include "fcd_parameters.h"
 #include "fcd_rest.h"
 #include "fcd_window.h"
 
@@ -11,21 +12,35 @@
 #include <string>
 
 #include <QApplication>
+#include <QCheckBox>
+#include <QComboBox>
 #include <QDockWidget>
 #include <QGridLayout>
 #include <QPushButton>
 #include <QScreen>
 #include <QScrollArea>
 #include <QScrollBar>
+#include <QSignalBlocker>
 #include <QTimer>
 
-void LastValues::recall(int filter, RichParameterList &list) const {
+void LastValues::keep(int filter, const RichParameterList &used, const MeshDocument &document, const MeshModel &meant) {
+    lists[filter] = used;
+    const MeshModel *like =
+        used.hasParameter(handleLayer) ? host::layerParameter(used, handleLayer, document) : nullptr;
+    handleLayers[filter] = like && like != &meant ? like->label() : QString();
+}
+
+void LastValues::recall(int filter, RichParameterList &list, const MeshDocument &document) const {
     const auto last = lists.find(filter);
     if (last == lists.end())
         return;
     for (const RichParameter &parameter : list)
         if (!host::isLayerParameter(parameter) && last->second.hasParameter(parameter.name()))
             list.setValue(parameter.name(), last->second.getParameterByName(parameter.name()).value());
+    const QString &like = handleLayers.at(filter);
+    for (const MeshModel *layer : host::layers(document))
+        if (!like.isEmpty() && layer->label() == like)
+            host::setLayer(list, handleLayer, *layer);
 }
 
 int likelySource(const MeshModel &layer, int last) {
@@ -59,6 +74,12 @@ void fit(QDockWidget &dialog, QScrollArea &area, const QSize &first, const QSize
     place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
     place.moveTop(std::max(all.top(), std::min(place.top(), all.bottom() - place.height())));
     dialog.move(place.topLeft());
+    // The text above may have more lines than it had in the host's size, which is seen when all has its place.
+    QTimer::singleShot(0, &area, [&dialog, &area] {
+        const int height = dialog.height() + area.verticalScrollBar()->maximum();
+        if (height <= highest)
+            dialog.resize(dialog.width(), height);
+    });
 }
 
 /// Puts the parameters of a filter's dialog into an area that scrolls.
@@ -67,7 +88,7 @@ void letScroll(QDockWidget &dialog) {
     auto *grid = content ? qobject_cast<QGridLayout *>(content->layout()) : nullptr;
     QLayoutItem *item = grid ? grid->itemAtPosition(1, 0) : nullptr;
     auto *parameters = item ? qobject_cast<QFrame *>(item->widget()) : nullptr;
-    if (!parameters || qobject_cast<QScrollArea *>(parameters))
+    if (!parameters)
         return;
     const QSize first = dialog.size(), rest = first - parameters->size();
     grid->removeWidget(parameters);
@@ -86,16 +107,78 @@ void letScroll(QDockWidget &dialog) {
         QObject::connect(button, &QPushButton::clicked, area, later);
 }
 
+/// Keeps what a dialog lists as layers in step with the layers: the host takes the one that has the place in its list
+/// that the chosen one had when the dialog opened.
+void followLayers(QWidget &content, MeshDocument &document) {
+    struct Layers {
+        QStringList labels;
+        std::vector<int> ids;
+    };
+    const auto present = [&document] {
+        Layers layers;
+        for (const MeshModel *layer : host::layers(document)) {
+            layers.labels << layer->label();
+            layers.ids.push_back(int(layer->id()));
+        }
+        return layers;
+    };
+    Layers shown = present();
+    std::vector<QComboBox *> choosers;
+    for (QComboBox *box : content.findChildren<QComboBox *>()) {
+        QStringList items;
+        for (int i = 0; i < box->count(); ++i)
+            items << box->itemText(i);
+        if (items == shown.labels)
+            choosers.push_back(box);
+    }
+    QObject::connect(&document, &MeshDocument::meshSetChanged, &content,
+                     [&document, present, choosers, shown]() mutable {
+                         const Layers layers = present();
+                         const auto placeOf = [&layers](int id) {
+                             return int(std::find(layers.ids.begin(), layers.ids.end(), id) - layers.ids.begin());
+                         };
+                         for (QComboBox *box : choosers) {
+                             int place = placeOf(shown.ids.at(std::size_t(box->currentIndex())));
+                             if (place == layers.labels.size() && document.mm()) // it is gone
+                                 place = placeOf(int(document.mm()->id()));
+                             const QSignalBlocker quiet(box);
+                             box->clear();
+                             box->addItems(layers.labels);
+                             box->setCurrentIndex(place);
+                         }
+                         shown = layers;
+                     });
+}
+
+/// The host's button Default brings back what the dialog had when it opened, which is remembered: instead, the dialog
+/// opens anew.
+void letDefaultBeDefaults(QWidget &content, const std::function<void()> &openWithDefaults) {
+    for (QPushButton *button : content.findChildren<QPushButton *>())
+        if (button->text() == "Default")
+            QObject::connect(button, &QPushButton::clicked, &content, [&content, openWithDefaults] {
+                for (QCheckBox *preview : content.findChildren<QCheckBox *>())
+                    if (preview->text() == "Preview")
+                        preview->setChecked(false);                // gives the layer its shape back
+                QTimer::singleShot(0, &content, openWithDefaults); // which is the end of the button
+            });
+}
+
 } // namespace
 
-void letDialogScroll(const QString &title) {
-    if (host::dialogsFold)
-        return;
-    QTimer::singleShot(0, qApp, [title] {
+void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults) {
+    QTimer::singleShot(0, &document, [title, &document, openWithDefaults] {
+        static const char *const prepared = "fcd_prepared";
         for (QWidget *window : QApplication::topLevelWidgets())
-            for (QDockWidget *dialog : window->findChildren<QDockWidget *>())
-                if (dialog->windowTitle() == title)
+            for (QDockWidget *dialog : window->findChildren<QDockWidget *>()) {
+                QWidget *content = dialog->widget();
+                if (dialog->windowTitle() != title || !content || content->property(prepared).isValid())
+                    continue;
+                content->setProperty(prepared, true);
+                if (!host::dialogsFold)
                     letScroll(*dialog);
+                followLayers(*content, document);
+                letDefaultBeDefaults(*content, openWithDefaults);
+            }
     });
 }
 

@@ -263,17 +263,27 @@ RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) co
     RichParameterList list = defaults(id, document);
     if (!host::inWindow())
         return list;
-    lastValues.recall(id, list);
     shownLayer.clear();
-    if (MeshModel *layer = const_cast<MeshDocument &>(document).mm()) { // the document itself is not changed
-        const MeshModel &meant = id == DeformMesh ? sourceOf(const_cast<MeshDocument &>(document), *layer) : *layer;
-        shownLayer = meant.label();
+    if (MeshModel *current = const_cast<MeshDocument &>(document).mm()) { // the document itself is not changed
+        const MeshModel &layer = meant(id, *current, const_cast<MeshDocument &>(document));
+        shownLayer = layer.label();
+        if (list.hasParameter(handleLayer))
+            host::setLayer(list, handleLayer, layer);
+        lastValues.recall(id, list, document);
         if (id == DeformMesh || id == PoseInPlace)
-            host::setEnum(list, "handles", likelySource(meant, list.getEnum("handles")));
+            host::setEnum(list, "handles", likelySource(layer, list.getEnum("handles")));
     }
     if (!list.isEmpty())
-        letDialogScroll(filterName(id));
+        prepareDialog(filterName(id), const_cast<MeshDocument &>(document), [this, id] {
+            lastValues.forget(id);
+            action(id)->trigger();
+        });
     return list;
+}
+
+/// The layer that a filter is about.
+MeshModel &FilterFcd::meant(int id, MeshModel &current, MeshDocument &document) {
+    return id == DeformMesh && host::inWindow() ? sourceOf(document, current) : current;
 }
 
 QString FilterFcd::shown() const {
@@ -297,8 +307,8 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
 
 HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
                                                 vcg::CallBackPos *callback) {
-    if (host::inWindow())
-        lastValues.keep(id, parameters);
+    if (host::inWindow() && document.mm())
+        lastValues.keep(id, parameters, document, meant(id, *document.mm(), document));
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
@@ -366,7 +376,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
 HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &parameters, MeshDocument &document,
                                                        vcg::CallBackPos *callback) {
     const bool inWindow = host::inWindow();
-    MeshModel &layer = inWindow ? sourceOf(document, input(document)) : input(document);
+    MeshModel &layer = meant(DeformMesh, input(document), document);
     DeformMeshParam param = deformMeshParam(parameters, document);
     const Remark remark = [this](const std::string &line) { logLine(line); };
     vcg::fcd::Handles handles = readHandles(layer, param.handles);
@@ -397,8 +407,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const bool moves = readMotions(document, layer, param.handles, prepared->deformer->center, remark, handles);
     if (inWindow && (!moves || param.deformation.pose == 0))
         throw Error(
-            "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix or a motion as "
-            "text, and a pose that is not 0.");
+            "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix, a layer that lies "
+            "elsewhere or a motion as text, and a pose that is not 0.");
     PoseMesh(layer.cm, handles, *prepared->deformer, param.deformation, Progress(callback, 70, 90), result);
     result.secondsGraph = prepared->seconds;
     result.tags = prepared->tags;

@@ -49,11 +49,12 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues save(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
+    static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;
 
     PreparedLayers preparedLayers;
-    LastValues lastValues;
-    mutable QString shownLayer; ///< what the dialog that the host shows next is about
+    mutable LastValues lastValues; ///< forgotten by a dialog
+    mutable QString shownLayer;    ///< what the dialog that the host shows next is about
 };
 
 #endif

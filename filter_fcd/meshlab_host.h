@@ -10,6 +10,7 @@
 /// FilterPlugin. FCD_MESHLAB_2022_PARAMETERS is defined where some parameter classes have the names of 2022.02.
 
 #ifdef FCD_MESHLAB_2020
+#include <common/filterscript.h>
 #include <common/interfaces.h>
 #include <common/mlexception.h>
 #else
@@ -22,6 +23,7 @@
 #include <exception>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <new>
 #include <stdexcept>
@@ -102,18 +104,27 @@ inline void setEnum(RichParameterList &list, const QString &name, int value) {
 #endif
 }
 
+/// Sets a layer parameter.
+inline void setLayer(RichParameterList &list, const QString &name, const MeshModel &layer) {
+#ifdef FCD_MESHLAB_2020
+    list.setValue(name, RichMesh(name, const_cast<MeshModel *>(&layer), nullptr, QString(), QString()).value());
+#else
+    list.setValue(name, IntValue(layer.id()));
+#endif
+}
+
 /// Whether a parameter names a layer.
 inline bool isLayerParameter(const RichParameter &parameter) {
     return dynamic_cast<const RichMesh *>(&parameter) != nullptr;
 }
 
 /// The layer that a layer parameter names, null when there is none.
-inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, MeshDocument &document) {
+inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, const MeshDocument &document) {
 #ifdef FCD_MESHLAB_2020
     MeshModel *layer = list.getMesh(name); // maybe deleted since the dialog was opened
     return document.meshList.contains(layer) ? layer : nullptr;
 #else
-    return document.getMesh(list.getMeshId(name));
+    return const_cast<MeshDocument &>(document).getMesh(list.getMeshId(name)); // which is not changed
 #endif
 }
 
@@ -133,6 +144,9 @@ constexpr bool scriptsMayLackParameters = false;
 #else
 constexpr bool scriptsMayLackParameters = true;
 #endif
+
+/// Whether a script may lack the first parameter only: a new one, which stands elsewhere in the window, stands there.
+inline bool firstMayBeLacking() { return !scriptsMayLackParameters && !inWindow(); }
 
 /// Whether a dialog that is taller than the screen scrolls, and folds advanced parameters. Where it does not, a long
 /// one has its buttons below the screen.
@@ -304,6 +318,12 @@ class HostFilterPlugin : public QObject,
         }
     }
 
+    /// The action that opens the dialog of filter \p id.
+    QAction *action(int id) const {
+        const auto type = std::find(typeList.begin(), typeList.end(), id);
+        return *std::next(actionList.begin(), std::distance(typeList.begin(), type));
+    }
+
     /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it as such.
     void logLine(std::string line, GLLogStream::Levels level = GLLogStream::FILTER) const {
         for (char &c : line)
@@ -360,6 +380,18 @@ class HostFilterPlugin : public QObject,
         return text;
     }
 
+#ifdef FCD_MESHLAB_2020
+    /// The window writes to its script the layers that a dialog had when it opened: here, those that were chosen.
+    static void nameLayersInScript(FilterScript &script, const MeshDocument &document, const QString &filter) {
+        if (script.isEmpty() || script.last().first != filter)
+            return;
+        for (RichParameter &parameter : script.last().second)
+            if (host::isLayerParameter(parameter))
+                if (const int i = document.meshList.indexOf(parameter.value().getMesh()); i >= 0)
+                    dynamic_cast<RichMesh &>(parameter).meshindex = i;
+    }
+#endif
+
   public: // what the host calls
 #ifdef FCD_MESHLAB_2020
     QString pluginName() const override { return name(); }
@@ -374,6 +406,8 @@ class HostFilterPlugin : public QObject,
 
     bool applyFilter(QAction *action, MeshDocument &document, const RichParameterList &list,
                      vcg::CallBackPos *callback) override {
+        if (document.filterHistory)
+            nameLayersInScript(*document.filterHistory, document, action->text());
         ReturnedValues values;
         errorMessage = errorOf([&] { values = run(ID(action), list, document, callback); });
         if (host::inWindow()) {

@@ -49,11 +49,16 @@ def graph_filter(target_radius=0, initial_patches=300, max_iterations=100, rando
             boolean("patches_layer", patches_layer) + "</filter>")
 
 
+def like(handle_layer):
+    """What the window writes; scripts of before lack it."""
+    return "" if handle_layer is None else parameter("Mesh", "handle_layer", value=handle_layer)
+
+
 def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="", point_handles_file="",
                   translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
                   use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.0058,
                   max_iterations=1000, tolerance=1e-5, graph_weights=0, weights=0, influence=4, loose_parts=0, pose=100, graph_layers=True,
-                  deformed_quality=0):
+                  deformed_quality=0, handle_layer=None):
     return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
             parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("OpenFile", "tag_file", value=tag_file, exts_cardinality=1, exts_val0="*.sel") +
@@ -63,7 +68,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
                       exts_val1="*.pp") + point("translation", translation) + point("rotation_axis", rotation_axis) +
             parameter("Float", "rotation_angle", value=rotation_angle) + choice("rotation_center", rotation_center, 3) +
             point("rotation_point", rotation_point) +
-            parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.ravel(matrix))}) +
+            parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.ravel(matrix))}) + like(handle_layer) +
             boolean("use_graph_layer", use_graph_layer) + parameter("Mesh", "graph_layer", value=graph_layer) +
             parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
             parameter("Int", "initial_patches", value=initial_patches) + parameter("Int", "random_seed", value=random_seed) +
@@ -76,12 +81,12 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 
 
 def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0,
-                rotation_center=0, rotation_point=(0, 0, 0), initial_patches=300, smoothness=0.0058, pose=100):
+                rotation_center=0, rotation_point=(0, 0, 0), initial_patches=300, smoothness=0.0058, pose=100, handle_layer=None):
     """This host's dialogs do not scroll: the others have their defaults."""
     return ('<filter name="FCD: Pose in Place">' + choice("handles", handles, 4) + parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("String", "transforms", value=transforms) + point("translation", translation) +
             point("rotation_axis", rotation_axis) + parameter("Float", "rotation_angle", value=rotation_angle) +
-            choice("rotation_center", rotation_center, 3) + point("rotation_point", rotation_point) +
+            choice("rotation_center", rotation_center, 3) + point("rotation_point", rotation_point) + like(handle_layer) +
             parameter("Int", "initial_patches", value=initial_patches) + parameter("Float", "smoothness", value=smoothness) +
             parameter("Float", "pose", value=pose) + "</filter>")
 
@@ -99,7 +104,7 @@ def copy_filter(source_layer, rest_graph, deformed_graph, all_visible=False):
 class Run:
     """A filter script on a mesh, or on none: the log, and the layers (label without blanks -> mesh) that were there at the end."""
 
-    def __init__(self, folder, mesh, *filters, server=SERVER, under=(), **environment):
+    def __init__(self, folder, mesh, *filters, server=SERVER, under=(), project=None, **environment):
         if mesh:
             shutil.copy(mesh, folder)
         script = folder / "script.mlx"
@@ -107,7 +112,8 @@ class Run:
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         done = subprocess.run(
-            ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []), "-s", str(script),
+            ["xvfb-run", "-a", *under, server, *(["-i", str(folder / mesh.name)] if mesh else []),
+             *(["-p", str(project)] if project else []), "-s", str(script),
              "-w", str(folder / "project.mlp")],
             cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=1800,
             env={**os.environ, "XDG_RUNTIME_DIR": str(runtime), **environment})
@@ -191,6 +197,34 @@ def test_posing_in_place_and_the_way_back(tmp_path):
         assert points[name].tobytes() == points[expected].tobytes(), name
 
 
+def test_what_a_project_keeps(tmp_path):
+    bend = dict(translation=(0, 0, 0.25), rotation_axis=(0, 1, 0), rotation_angle=-45)
+    first_of = '<filter name="Change the current layer">' + parameter("Mesh", "layer", value=0) + "</filter>"
+
+    def again(name, *script):
+        """Another session: the first one's project, and a script on its first layer."""
+        folder = tmp_path / name
+        folder.mkdir()
+        for path in [*(tmp_path / "first").glob("*_out.ply"), tmp_path / "first" / "project.mlp"]:
+            shutil.copy(path, folder)
+        return Run(folder, None, first_of, *script, project=folder / "project.mlp")
+
+    (tmp_path / "first").mkdir()
+    first = Run(tmp_path / "first", BONE, select_filter("x &lt; 0.25"), tag_filter(0), select_filter("x &gt; 0.75"), tag_filter(2),
+                deform_filter(**bend))
+    assert first.code == 0, first.log
+    for name, parameters in ("anew", {}), ("graph", dict(use_graph_layer=True, graph_layer=1)):
+        run = again(name, deform_filter(graph_layers=False, **parameters, **bend))
+        assert run.code == 0, run.log
+        assert run.meshes["bone_outdeformed"].vertex_matrix().tobytes() == first.meshes["bonedeformed"].vertex_matrix().tobytes()
+        assert run.meshes["bone_out"].vertex_color_matrix().tobytes() == first.meshes["bone"].vertex_color_matrix().tobytes()
+        assert run.meshes["bonegraph_out"].edge_number() == 0
+    assert "used with the patches that it was made with" in run.log
+    assert "there is nothing to bring back" in again("clear", '<filter name="FCD: Clear Tags"/>').log
+    assert "layers that are saved and loaded lose it" in again("copy", copy_filter(0, 1, 2)).log
+    assert "has not been posed in place" in again("reset", reset_filter()).log
+
+
 def test_a_deformation_for_another_layer(tmp_path):
     run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(translation=(0, 0, 0.25)), copy_filter(0, 1, 2))
     assert run.code == 0, run.log
@@ -212,6 +246,31 @@ def test_motions_as_text(tmp_path):
     points = run.meshes["bonedeformed"].vertex_matrix()
     half = about(rest[tags == 2].mean(0), rotation([1, 0, 0], 135))
     assert np.abs(points[tags == 2] - transformed(half, rest[tags == 2])).max() < 1e-6
+
+
+def matrix_filter(matrix):
+    return ('<filter name="Matrix: Set/Copy Transformation">' +
+            parameter("Matrix44f", "TransformMatrix", **{f"val{i}": v for i, v in enumerate(np.ravel(matrix))}) +
+            boolean("compose", False) + boolean("Freeze", False) + boolean("allLayers", False) + "</filter>")
+
+
+def test_scripts_may_and_need_not_say_which_layer_the_handles_move_like(tmp_path):
+    """The script deforms a copy in place; its handle moves like the original."""
+    copied = [quality_filter(BONE_TAGS), '<filter name="Duplicate Current layer"/>', matrix_filter(translation([0, 0.25, -0.125]))]
+    rotated = dict(rotation_axis=(0, 1, 0), rotation_angle=-45)
+    runs = {}
+    for name, script in {"step": [deform_filter(transforms="2: layer 'bone.ply' rotate 0 1 0 -45", graph_layers=False)],
+                         "parameter": [deform_filter(handle_layer=0, graph_layers=False, **rotated)],
+                         "itself": [deform_filter(handle_layer=1, graph_layers=False, **rotated)],
+                         "lacking": [deform_filter(graph_layers=False, **rotated)],
+                         "pose": [pose_filter(handle_layer=0, **rotated)]}.items():
+        (tmp_path / name).mkdir()
+        runs[name] = Run(tmp_path / name, BONE, *copied, *script)
+        assert runs[name].code == 0, runs[name].log
+    layer = {name: "bone.ply_copy" if name == "pose" else "bone.ply_copydeformed" for name in runs}
+    bits = {name: run.meshes[layer[name]].vertex_matrix().tobytes() for name, run in runs.items()}
+    assert bits["step"] == bits["parameter"] == bits["pose"]
+    assert bits["itself"] == bits["lacking"] != bits["step"]
 
 
 def test_a_rotation_point_that_single_precision_moves_is_logged(tmp_path):

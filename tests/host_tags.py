@@ -4,7 +4,8 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from host_pymeshlab import DEFORM, TAG, clean_bone, same_points, set_quality
+from conftest import transformed
+from host_pymeshlab import COPY, DEFORM, POSE, RESET, SAVE, TAG, clean_bone, matrix, new_set, same_points, set_quality
 
 CLEAR, GRAPH = "clear_fcd_tags", "generate_fcd_deformation_graph"
 BEND = dict(translation=np.array([0, 0, 0.25]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40.0)
@@ -127,6 +128,139 @@ def test_a_handle_moves_as_another_layer_lies():
     ms.set_current_mesh(0)
     with pytest.raises(pymeshlab.PyMeshLabException, match="no layer has that name"):
         ms.apply_filter(DEFORM, transforms='2: layer "nobody"')
+
+
+# 90 degrees about z, and away; and what the layer that is deformed has itself: neither is the identity.
+PLACED = np.array([[0, -1, 0, 0.125], [1, 0, 0, -0.5], [0, 0, 1, 0.5], [0, 0, 0, 1.0]])
+IDENTITY = np.eye(4)
+OWN = np.array([[0.8, 0, 0.6, 0.1], [0, 1, 0, 0.2], [-0.6, 0, 0.8, 0.3], [0, 0, 0, 1.0]])
+
+
+def with_a_copy(matrix, own=OWN):
+    """The bone, handle 3 beside handle 2, and a copy of it that lies elsewhere: (set, identifier of the copy)."""
+    ms = clean_bone()
+    set_quality(ms, "x < 0.25 ? 0 : (x > 0.9 ? 3 : (x > 0.75 ? 2 : 1))")
+    mesh = ms.current_mesh()
+    ms.apply_filter("set_matrix", transformmatrix=own, freeze=False)
+    ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix()), "a copy in place")
+    copy = ms.current_mesh_id()
+    ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    ms.set_current_mesh(0)
+    return ms, copy
+
+
+ON_TOP = dict(transformmatrix=np.diag([1.25, 1, 1, 1]), rotation_axis=np.array([1.0, 0, 0]), rotation_angle=-270.0,
+              translation=np.array([0, 0, 0.25]))
+
+
+@pytest.mark.parametrize("name", [DEFORM, POSE])
+@pytest.mark.parametrize("other, steps", [({}, ""), (ON_TOP, " matrix 1.25 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 rotate 1 0 0 -270 translate 0 0 0.25")])
+def test_the_layer_that_handles_move_like_is_a_parameter(name, other, steps):
+    bits = []
+    for both in True, False:
+        ms, copy = with_a_copy(PLACED)
+        step = f"layer 'a copy in place'{steps}"
+        if both:  # handle 3 by the dialog
+            ms.apply_filter(name, transforms=f"2: {step}", handle_layer=copy, pose=50.0, **other)
+        else:
+            ms.apply_filter(name, transforms=f"2: {step}; 3: {step}", pose=50.0)
+        bits.append(ms.current_mesh().vertex_matrix())
+    assert same_points(*bits)
+    ms, _ = with_a_copy(PLACED)
+    assert not same_points(bits[0], ms.current_mesh().vertex_matrix())
+
+
+def test_the_handle_lies_where_the_layer_does():
+    ms, copy = with_a_copy(PLACED)
+    tags, placed = look(ms)[1], transformed(PLACED, ms.mesh(copy).vertex_matrix())
+    ms.apply_filter(DEFORM, handle_layer=copy, graph_layers=False)
+    world = transformed(OWN, ms.current_mesh().vertex_matrix())
+    assert np.abs(world - placed)[tags >= 2].max() < 1e-12
+
+
+def test_a_layer_that_lies_as_this_one_does_adds_nothing():
+    ms, copy = with_a_copy(OWN)
+    points = []
+    for layer in 0, copy:
+        ms.set_current_mesh(0)
+        ms.apply_filter(DEFORM, handle_layer=layer, graph_layers=False, **ON_TOP)
+        points.append(ms.current_mesh().vertex_matrix())
+    assert np.abs(points[0] - points[1]).max() < 1e-12
+    ms.set_current_mesh(0)  # the layer itself is the default
+    ms.apply_filter(DEFORM, graph_layers=False, **ON_TOP)
+    assert same_points(points[0], ms.current_mesh().vertex_matrix())
+
+
+def test_the_motion_of_a_layer_is_saved(tmp_path):
+    files = dict(tag_file=str(tmp_path / "t.sel"), transform_file=str(tmp_path / "t.def"))
+    ms, copy = with_a_copy(PLACED, np.eye(4))
+    ms.apply_filter(SAVE, handle_layer=copy, **files)
+    points = []
+    for parameters in dict(handle_layer=copy), dict(handles=3, **files):
+        ms.set_current_mesh(0)
+        ms.apply_filter(DEFORM, graph_layers=False, **parameters)
+        points.append(ms.current_mesh().vertex_matrix())
+    assert same_points(*points) and not same_points(points[0], ms.mesh(0).vertex_matrix())
+
+
+@pytest.mark.parametrize("entry, value, word", [
+    ((2, 2), 0, "cannot move like the layer 'a copy in place': A transform mirrors or flattens"),
+    ((2, 2), -1, "cannot move like the layer 'a copy in place': A transform mirrors or flattens"),
+    ((0, 3), np.inf, "The matrix of the layer 'a copy in place' holds a number that is not finite"),
+    ((3, 0), 0.5, "The matrix of the layer 'a copy in place' is a projection"), (None, None, "'handle_layer' names no layer")])
+def test_a_layer_that_no_handle_can_move_like_is_named(entry, value, word):
+    matrix = np.eye(4)
+    if entry:
+        matrix[entry] = value
+    ms, copy = with_a_copy(matrix)
+    before = ms.current_mesh().vertex_matrix()
+    for name in DEFORM, POSE:
+        with pytest.raises(pymeshlab.PyMeshLabException, match=word):
+            ms.apply_filter(name, handle_layer=copy if entry else 77)
+        assert len(list(ms)) == 2 and same_points(ms.current_mesh().vertex_matrix(), before)
+
+
+def saved(ms, folder, kind):
+    """The layers as PLY, and the project that names these, opened again."""
+    for mesh in list(ms):
+        ms.set_current_mesh(mesh.id())
+        ms.save_current_mesh(str(folder / f"{mesh.id()}.ply"))
+    ms.save_project(str(folder / f"project.{kind}"))
+    again = new_set()
+    again.load_project(str(folder / f"project.{kind}"))
+    return again
+
+
+@pytest.mark.parametrize("kind", ["mlp", "mlb"])
+@pytest.mark.parametrize("own", [IDENTITY, OWN + np.pi * np.eye(4, k=3)], ids=["in place", "placed"])
+def test_what_a_project_keeps(tmp_path, kind, own):
+    ms = coloured()
+    set_quality(ms, "0")
+    color = look(ms)[0]
+    ms.apply_filter("set_matrix", transformmatrix=own, freeze=False)
+    tag_ends(ms)
+    ms.apply_filter(DEFORM, **BEND)
+    again = saved(ms, tmp_path, kind)
+    assert [mesh.label() for mesh in again] == [mesh.label() for mesh in ms]
+    for mesh, before in zip(again, ms):
+        assert same_points(mesh.vertex_matrix(), before.vertex_matrix())
+        assert same_points(mesh.vertex_scalar_array(), before.vertex_scalar_array())
+        assert same_points(mesh.vertex_color_matrix(), before.vertex_color_matrix())
+    exact = kind == "mlb" or own is IDENTITY  # the text has six digits of a matrix
+    assert np.abs(matrix(again.mesh(0)) - own).max() == 0 if exact else 0 < np.abs(matrix(again.mesh(0)) - own).max() < 1e-5
+    for parameters in {}, dict(use_graph_layer=True, graph_layer=1):
+        again.set_current_mesh(0)
+        again.apply_filter(DEFORM, graph_layers=False, **parameters, **BEND)
+        result, before = again.current_mesh().vertex_matrix(), ms.mesh(3).vertex_matrix()
+        assert same_points(result, before) if exact else np.abs(result - before).max() < 1e-5
+    # Edges and attributes are gone, and with these the colours of before the tags and the deformation that the graph holds.
+    assert [mesh.edge_number() for mesh in again][:3] == [0, 0, 0]
+    again.set_current_mesh(0)
+    assert not same_points(look(again)[0], color)
+    for name, parameters, word in ((CLEAR, {}, "there is nothing to bring back"), (RESET, {}, "has not been posed in place"),
+                                   (COPY, dict(source_layer=0, rest_graph=1, deformed_graph=2), "layers that are saved and loaded lose it")):
+        with pytest.raises(pymeshlab.PyMeshLabException, match=word):
+            again.apply_filter(name, **parameters)
 
 
 def test_the_graph_is_also_to_be_had_as_a_surface():
