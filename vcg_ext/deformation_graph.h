@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_DEFORMATION_GRAPH_H
 #define VCG_FCD_DEFORMATION_GRAPH_H
 
+#include "border_weights.h"
 #include "graph.h"
 #include "patch_sampling.h"
 #include "progress.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
 #include <vector>
 #include <vcg/space/color4.h>
@@ -20,8 +22,9 @@ namespace fcd {
 
 /// Weights w_ij of the deformation graph's edges.
 enum class GraphWeights {
-    Border, ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre:
-            ///< its straight length over the centres' distance. With a patch a vertex, the cotangent weights.
+    Border, ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
+            ///< (its straight length over the centres' distance), so that around each node as much flows in every
+            ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
     Uniform ///< 1 for every edge (paper, Eqs. 3 and 4)
 };
 
@@ -38,88 +41,15 @@ struct DeformationGraph {
     bool IsHeld(Index i) const { return !held.empty() && held[i]; }
 };
 
-namespace detail {
-
-/// The weight of an edge of a triangulated surface in the discrete Laplacian: half the sum of the two cotangents
-/// opposite to it (Pinkall and Polthier 1993). Triangles are told by the neighbours that its ends share, and those that
-/// cover nothing do not count. Where there are more than two, and in a cloud, those of the Delaunay
-/// triangulation do: the ones with the widest angle on either side; an edge that is none of it has no weight. An edge
-/// without any triangle is one between two equilateral ones.
-inline double CotangentWeight(const Graph &g, Index u, Index v) {
-    const Csr::Row a = g.adjacency[u], b = g.adjacency[v];
-    const Eigen::Vector3d xu = g.position.col(u).cast<double>(), xv = g.position.col(v).cast<double>();
-    const Eigen::Vector3d edge = xv - xu;
-    const auto forShared = [&](const auto &body) {  // body(cotangent, across): the angle's, and from the edge to there
-        const bool isShorter = a.size() < b.size(); // a hub has as many edges as neighbours: look up what is shared
-        const Csr::Row &few = isShorter ? a : b, &many = isShorter ? b : a;
-        const bool isHub = many.size() > 16 * few.size();
-        const Index *j = many.begin();
-        for (Index i : few) {
-            if (isHub)
-                j = std::lower_bound(j, many.end(), i);
-            while (j != many.end() && *j < i)
-                ++j;
-            if (j == many.end())
-                break;
-            if (*j != i)
-                continue;
-            const Eigen::Vector3d x = g.position.col(i).cast<double>(), p = xu - x, q = xv - x;
-            const double twice = p.cross(q).norm();
-            // Below this height over base, a triangle's float coordinates say nothing about its shape.
-            const bool isFlat = !(twice > 1e-5 * std::max(p.squaredNorm(), q.squaredNorm()));
-            body(isFlat ? 0 : p.dot(q) / twice, isFlat,
-                 Eigen::Vector3d(-p - edge * (edge.dot(-p) / edge.squaredNorm())), p.dot(q));
-        }
-    };
-    double sum = 0, widest = std::numeric_limits<double>::infinity(), opposite = widest;
-    Eigen::Vector3d side = Eigen::Vector3d::Zero();
-    int shared = 0;
-    bool isCrossed = false; // a neighbour lies on the edge
-    forShared([&](double cotangent, bool isFlat, const Eigen::Vector3d &across, double dot) {
-        ++shared;
-        sum += cotangent;
-        isCrossed |= isFlat && dot < 0;
-        if (!isFlat && cotangent < widest) {
-            widest = cotangent;
-            side = across;
-        }
-    });
-    if (shared <= 2 && !g.isCloud)
-        return shared ? 0.5 * sum : std::sqrt(1.0 / 3);
-    if (isCrossed || std::isinf(widest))
-        return 0;
-    forShared([&](double cotangent, bool isFlat, const Eigen::Vector3d &across, double) {
-        if (!isFlat && across.dot(side) < 0)
-            opposite = std::min(opposite, cotangent);
-    });
-    return std::max(0.0, 0.5 * (widest + (std::isinf(opposite) ? 0 : opposite)));
-}
-
-/// What flows over the border of two patches.
-struct Flux {
-    Eigen::Vector3d flow =
-        Eigen::Vector3d::Zero(); ///< sum of w_uv (x_u - x_v) over the edges from the first to the second
-    Eigen::Vector4d held = Eigen::Vector4d::Zero(); ///< weighted sum of the held ends, and of their weights
-
-    Flux &operator+=(const Flux &o) {
-        flow += o.flow;
-        held += o.held;
-        return *this;
-    }
-};
-
-} // namespace detail
-
 /// The dual graph of \p patches over \p surface (n nodes) and its weights. A node is at the barycentre of its patch, or
 /// at the patch's centre where that is held or the nodes have no area. Held patches (tag other than 1) are not joined
 /// with each other: between them nothing deforms.
 /// \param tag n values: 1 free, others held; empty: all free
 /// \param area n values, >= 0: of the surface around each node
-/// \param leastWeight as in ShapeConstants
 inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
                                              const std::vector<float> &area, const Patches &patches,
                                              GraphWeights weights, const Progress &progress = {},
-                                             double leastWeight = ShapeConstants().leastWeight) {
+                                             const ShapeConstants &shape = {}) {
     using detail::Flux;
     DeformationGraph d;
     const Index k = patches.Size();
@@ -134,9 +64,10 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
             const double w = detail::CotangentWeight(surface, u, v);
             const Eigen::Vector3d x = surface.position.col(u).cast<double>(),
                                   y = surface.position.col(v).cast<double>();
-            flux.flow = w * (x - y);
+            flux.flow = w * (y - x);
+            flux.moment = flux.flow * (heldU ? x : heldV ? y : Eigen::Vector3d(0.5 * (x + y))).transpose();
             if (heldU || heldV) // an edge that carries nothing, as across a square, still tells where the border is
-                flux.held = std::max(1e-6, std::abs(w)) * (x - y).norm() * (heldU ? x : y).homogeneous();
+                flux.held = std::max(1e-6, w) * (x - y).norm() * (heldU ? x : y).homogeneous();
             return true;
         },
         progress);
@@ -157,7 +88,6 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
     const std::size_t items = d.graph.adjacency.item.size();
     d.edge.resize(3, items);
     d.weight.assign(items, 1);
-    double weightSum = 0;
     for (Index i = 0; i < k; ++i)
         for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = d.graph.adjacency.item[e];
@@ -167,16 +97,16 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
                 (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
             const Eigen::Vector3d way = from - to;
             d.edge.col(e) = way.cast<float>();
-            // The flow is that towards the patch of the smaller number.
-            const double along = (i < j ? 1 : -1) * flux.flow.dot(way);
-            if (weights == GraphWeights::Border) {
+            const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
+            if (weights == GraphWeights::Border)
                 d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
-                weightSum += d.weight[e];
-            }
         }
-    if (weights == GraphWeights::Border)
-        for (float &w : d.weight)
-            w = weightSum > 0 ? std::max(w, float(leastWeight * weightSum / double(items))) : 1;
+    if (weights == GraphWeights::Uniform)
+        return d;
+    detail::MatchTensors(d.graph, d.edge, d.held, dual.value, shape, d.weight);
+    const double total = std::accumulate(d.weight.begin(), d.weight.end(), 0.0);
+    for (float &w : d.weight)
+        w = total > 0 ? std::max(w, float(shape.leastWeight * total / double(items))) : 1;
     return d;
 }
 

@@ -176,7 +176,7 @@ class Deformer : public MovingSurface {
         detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
         AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
         graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
-                                     progress.Slice(0.9, 1), param.shape.leastWeight);
+                                     progress.Slice(0.9, 1), param.shape);
         nodeArea.assign(graph.Size(), 0);
         for (Index u = 0; u < surface.graph.Size(); ++u)
             if (patches.patchOf[u] >= 0)

@@ -190,7 +190,7 @@ inline SmallParts FindSmallParts(const Graph &surface, const std::vector<Index> 
                     const double w = CotangentWeight(surface, u, v);
                     const Eigen::Vector3d way = (surface.position.col(v) - surface.position.col(u)).cast<double>();
                     flow += w * way;
-                    border += std::abs(w) * way.norm();
+                    border += w * way.norm();
                     isFree = true;
                 }
         if (!isFree || (part.size() > 1 && flow.norm() >= shape.surrounded * border))

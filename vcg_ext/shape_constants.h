@@ -18,6 +18,13 @@ struct ShapeConstants {
     /// Weight of an edge whose border turns its back to the line between the centres, over the mean weight. Patches
     /// that touch stay joined, and the system stays positive definite.
     double leastWeight = 0.01;
+    /// What is added to each of the six responses of a patch's tensor to its edges' weights, over their mean: it
+    /// decides what the edges leave open, across the surface and where they are few; within it, responses are twice to
+    /// four times the mean.
+    double tensorRidge = 0.1;
+    /// A weight changes by no more than this factor for the tensors' sake, so that it stays positive and the system well
+    /// conditioned. Bricks, the worst, ask for 2 across and 0 along them.
+    double mostTensorChange = 10;
     /// Held parts that reach no farther than this fraction of D from their middle lie in a patch of the free surface
     /// around them: of a larger one, the surface beside it would be a patch of its own.
     double smallHeldPart = 0.5;

@@ -186,6 +186,8 @@ const Constant constants[] = {
     {"patchRadius", [](DeformationParam &p) -> double & { return p.shape.patchRadius; }},
     {"heldDepth", [](DeformationParam &p) -> double & { return p.shape.heldDepth; }},
     {"leastWeight", [](DeformationParam &p) -> double & { return p.shape.leastWeight; }},
+    {"tensorRidge", [](DeformationParam &p) -> double & { return p.shape.tensorRidge; }},
+    {"mostTensorChange", [](DeformationParam &p) -> double & { return p.shape.mostTensorChange; }},
     {"smallHeldPart", [](DeformationParam &p) -> double & { return p.shape.smallHeldPart; }},
     {"surrounded", [](DeformationParam &p) -> double & { return p.shape.surrounded; }},
     {"runOver", [](DeformationParam &p) -> double & { return p.shape.runOver; }},

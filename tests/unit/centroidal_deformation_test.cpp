@@ -393,6 +393,24 @@ TEST(DeformCentroidal, WithANodeAtEveryVertexTheSeedDoesNotMatter) {
     }
 }
 
+TEST(DeformCentroidal, PatchesOfFewVerticesAreNearToANodeAtEveryVertex) {
+    double flow = 0, tensors = 0;
+    for (const auto &[rings, segments] :
+         {std::make_pair(30, 60), std::make_pair(90, 30)}) { // triangles along and across
+        const Case c = CaseOf(Tube(rings, segments), [](const Vector3d &p) { return TubeTag(p); });
+        const Matrix3Xd limit = Deformed(c, Param(10 * c.shape.Size()));
+        DeformationParam param = Param(c.shape.Size() / 4);
+        for (unsigned seed : {1, 2, 3}) {
+            param.graph.randomSeed = seed;
+            param.shape.mostTensorChange = ShapeConstants().mostTensorChange;
+            tensors += (Deformed(c, param) - limit).norm() / limit.norm();
+            param.shape.mostTensorChange = 1;
+            flow += (Deformed(c, param) - limit).norm() / limit.norm();
+        }
+    }
+    EXPECT_LT(tensors, 0.7 * flow) << flow;
+}
+
 TEST(DeformCentroidal, TheNumberOfNodesFollowsTheFreeArea) {
     // A sheet of which less and less is free: D goes with the square root of that, and the number of free nodes stays.
     std::vector<double> free, radius;
@@ -459,7 +477,7 @@ TEST(DeformCentroidal, PoseIsAPercentageOfTheMotion) {
     }
 }
 
-TEST(DeformCentroidal, SingleVerticesThatTurnAWholeTurnAreHeldInRotationOnTheWay) {
+TEST(DeformCentroidal, SingleVerticesThatTurnFarAreHeldInRotationOnTheWay) {
     const Shape shape = Grid(31, 31, 0.1);
     const Vector3d pivot(1.5, 1.5, 0);
     const auto turned = [&](double degrees) {
@@ -479,8 +497,8 @@ TEST(DeformCentroidal, SingleVerticesThatTurnAWholeTurnAreHeldInRotationOnTheWay
         c.handles.motion[2] = turned(degrees);
         return Deformed(c, param);
     };
-    EXPECT_LE((at(360, half) - at(720, quarter)).norm(), 1e-9);
-    EXPECT_LE((at(360, half) - at(180, Param())).norm(), 1e-6) << "no vertex knows of what comes later";
+    EXPECT_LE((at(340, half) - at(680, quarter)).norm(), 1e-9);
+    EXPECT_LE((at(340, half) - at(170, Param())).norm(), 1e-6) << "no vertex knows of what comes later";
 }
 
 TEST(DeformCentroidal, ScalingTheSceneScalesTheAnswer) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "graph_mapping.h"
+#include "graph_deformer.h"
 #include "test_support.h"
 
 using namespace vcg::fcd;
