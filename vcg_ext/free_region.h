@@ -244,16 +244,24 @@ class CellSet {
 /// The candidates that may be at a part of the region, or a hair from it, ascending. There is a bit for each cell of a
 /// grid with such a place, some of them shared.
 /// \param parts, candidates how many slots are flagged as such \param at at(slot): position in the frame
-/// \param hair frame units, >= 0
+/// \param box of the parts, in the frame \param hair frame units, >= 0
 template <class At>
 std::vector<std::uint32_t> CandidatesBeside(const tri::Region &region, std::size_t parts, std::size_t candidates,
-                                            const At &at, float hair, const Progress &progress) {
+                                            const At &at, const Eigen::AlignedBox3f &box, float hair,
+                                            const Progress &progress) {
     using tri::Region;
     const std::size_t slots = region.flag.size();
     // Wide enough for most hairs to lie in one, and narrow enough for few others.
     const float cells = hair > 0 ? 0.05f / hair : 1e6f;
+    // Most candidates are not even near: a part's cell and those a hair from it end before, and so does what floats
+    // round.
+    const Eigen::Vector3f reach =
+        Eigen::Vector3f::Constant(hair + 2 / cells) + 1e-6f * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+    const Eigen::AlignedBox3f near(box.min() - reach, box.max() + reach);
     const auto forCells = [&](std::size_t i, bool ofPart, const auto &body) {
-        ForCells(at(i), cells, ofPart ? hair : 0, body);
+        const Eigen::Vector3f x = at(i);
+        if (ofPart || near.contains(x))
+            ForCells(x, cells, ofPart ? hair : 0, body);
     };
     const auto isOn = [&](std::size_t i, bool ofPart) {
         return region.flag[i] == (ofPart ? Region::part : Region::candidate);

@@ -193,10 +193,11 @@ fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned
                          " vertices; give one tag per vertex.");
     const std::size_t grain = 1 << 16;
     std::vector<fcd::TagCount> counts((tag.size() + grain - 1) / grain);
+    const bool isCompact = std::size_t(m.vn) == m.vert.size(); // then no vertex need be looked at
     fcd::ParallelFor(threads, tag.size(), grain, [&](std::size_t first, std::size_t last) {
         fcd::TagCount here;
         for (std::size_t i = first; i < last; ++i)
-            if (!m.vert[i].IsD())
+            if (isCompact || !m.vert[i].IsD())
                 ++(tag[i] < 0 ? here.outside : tag[i] == 0 ? here.fixed : tag[i] == 1 ? here.free : here.handle);
         counts[first / grain] = here;
     });

@@ -82,7 +82,7 @@ class SurfaceReader {
         AssignLarge(s.nodeOf, slots, Index(-1));
         if (Live() > 0) {
             SetFrame(box);
-            FindBeside();
+            FindBeside(box);
             MakeNodes();
             Connect();
             progress(1, readingStage);
@@ -97,12 +97,13 @@ class SurfaceReader {
     bool IsBeside(std::size_t i) const { return !beside.empty() && beside[i]; }
     std::size_t Live() const { return begin.back(); }
 
-    Eigen::Vector3f InFrame(std::size_t i) const {
+    Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
         const double most = 1e15; // squares of it are floats
         const Eigen::Vector3f x =
-            s.frame.ToFrame(tri::PositionOf(m.vert[i])).cwiseMin(most).cwiseMax(-most).template cast<float>();
+            ((world - s.frame.origin) / s.frame.scale).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
+    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(tri::PositionOf(m.vert[i]))); }
 
     /// Counts vertices. \return their box, world units \throw Error as BuildSurfaceGraph
     Eigen::AlignedBox3d Measure() {
@@ -156,13 +157,14 @@ class SurfaceReader {
         s.diagonal = halfDiagonal / s.frame.scale * 2;
     }
 
-    /// Takes in candidates that may be at a part, or a hair from it.
-    void FindBeside() {
+    /// Takes in candidates that may be at a part, or a hair from it. \param box of the parts, world units
+    void FindBeside(const Eigen::AlignedBox3d &box) {
         if (!candidates)
             return;
         const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f;
         const std::vector<std::uint32_t> found = CandidatesBeside(
-            *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); }, hair, progress.Slice(0.05, 0.06));
+            *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
+            {InFrame(box.min()), InFrame(box.max())}, hair, progress.Slice(0.05, 0.06));
         if (found.empty()) // as mostly
             return;
         beside.assign(slots, 0);
