@@ -414,7 +414,7 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
 } // namespace
 
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
-    const RichParameterList all = allParameters(param, document);
+    RichParameterList all = allParameters(param, document);
     if (host::dialogsFold)
         return all;
     return inOrder(all,

@@ -118,7 +118,7 @@ void followLayers(QWidget &content, MeshDocument &document) {
         Layers layers;
         for (const MeshModel *layer : host::layers(document)) {
             layers.labels << layer->label();
-            layers.ids.push_back(int(layer->id()));
+            layers.ids.push_back(layer->id());
         }
         return layers;
     };
@@ -140,7 +140,7 @@ void followLayers(QWidget &content, MeshDocument &document) {
                          for (QComboBox *box : choosers) {
                              int place = placeOf(shown.ids.at(std::size_t(box->currentIndex())));
                              if (place == layers.labels.size() && document.mm()) // it is gone
-                                 place = placeOf(int(document.mm()->id()));
+                                 place = placeOf(document.mm()->id());
                              const QSignalBlocker quiet(box);
                              box->clear();
                              box->addItems(layers.labels);
