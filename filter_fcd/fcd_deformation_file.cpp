@@ -42,7 +42,7 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
     return list;
 }
 
-SaveDeformationParam saveDeformationParam(const RichParameterList &list, MeshDocument &document) {
+SaveDeformationParam saveDeformationParam(const RichParameterList &list, const MeshDocument &document) {
     SaveDeformationParam param;
     param.source = host::layerParameter(list, "source_layer", document);
     param.restGraph = host::layerParameter(list, "rest_graph", document);

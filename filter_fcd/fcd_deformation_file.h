@@ -20,7 +20,7 @@ struct SaveDeformationParam {
 RichParameterList toRichParameters(const SaveDeformationParam &param, const MeshDocument &document);
 
 /// The way back. \throw vcg::fcd::Error when a value makes no sense
-SaveDeformationParam saveDeformationParam(const RichParameterList &list, MeshDocument &document);
+SaveDeformationParam saveDeformationParam(const RichParameterList &list, const MeshDocument &document);
 
 /// Writes what was done to a layer to a file, in world coordinates.
 /// \throw vcg::fcd::Error when the layers are not those of one deformation, or the file cannot be written; it is then

@@ -458,7 +458,7 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
     return list;
 }
 
-CopyParam copyParam(const RichParameterList &list, MeshDocument &document) {
+CopyParam copyParam(const RichParameterList &list, const MeshDocument &document) {
     return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
             host::layerParameter(list, "deformed_graph", document), list.getOpenFileName("deformation_file"),
             list.getBool("all_visible")};
@@ -475,7 +475,7 @@ RichParameterList toRichParameters(const ResetPoseParam &param) {
 
 ResetPoseParam resetPoseParam(const RichParameterList &list) { return {list.getBool("keep_shape")}; }
 
-DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document) {
+DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document) {
     DeformMeshParam param;
     param.handles = handleParam(list, document);
 

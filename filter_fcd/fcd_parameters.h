@@ -105,9 +105,9 @@ int enumValue(const RichParameterList &list, const char *name, int count);
 
 /// The way back. \throw vcg::fcd::Error when a value makes no sense
 BuildGraphParam buildGraphParam(const RichParameterList &list);
-DeformMeshParam deformMeshParam(const RichParameterList &list, MeshDocument &document);
+DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document);
 PoseParam poseParam(const RichParameterList &given, const MeshDocument &document);
 ResetPoseParam resetPoseParam(const RichParameterList &list);
-CopyParam copyParam(const RichParameterList &list, MeshDocument &document);
+CopyParam copyParam(const RichParameterList &list, const MeshDocument &document);
 
 #endif

@@ -22,8 +22,8 @@ struct ShapeConstants {
     /// decides what the edges leave open, across the surface and where they are few; within it, responses are twice to
     /// four times the mean.
     double tensorRidge = 0.1;
-    /// A weight changes by no more than this factor for the tensors' sake, so that it stays positive and the system well
-    /// conditioned. Bricks, the worst, ask for 2 across and 0 along them.
+    /// A weight changes by no more than this factor for the tensors' sake, so that it stays positive and the system
+    /// well conditioned. Bricks, the worst, ask for 2 across and 0 along them.
     double mostTensorChange = 10;
     /// Held parts that reach no farther than this fraction of D from their middle lie in a patch of the free surface
     /// around them: of a larger one, the surface beside it would be a patch of its own.
