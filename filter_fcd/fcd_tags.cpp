@@ -277,7 +277,7 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
     return inOrder(list, {}, true);
 }
 
-SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document) {
+SaveTagsParam saveTagsParam(const RichParameterList &list, const MeshDocument &document) {
     SaveTagsParam param;
     enumValue(list, "handles", 3);
     RichParameterList all = toRichParameters(DeformMeshParam(), document);

@@ -53,7 +53,7 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
 /// The way back. \throw vcg::fcd::Error when a value makes no sense
 TagSelectionParam tagSelectionParam(const RichParameterList &list);
 TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
-SaveTagsParam saveTagsParam(const RichParameterList &list, MeshDocument &document);
+SaveTagsParam saveTagsParam(const RichParameterList &list, const MeshDocument &document);
 
 /// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
 /// when what is kept there are no tags

@@ -524,7 +524,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     return {{"layers", layers}, {"vertices", vertices}};
 }
 
-HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, MeshDocument &document,
+HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  vcg::CallBackPos *callback) {
     const vcg::fcd::SampledField field =
         saveDeformation(saveDeformationParam(parameters, document), Progress(callback));

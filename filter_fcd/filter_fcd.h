@@ -46,7 +46,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues save(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
