@@ -7,7 +7,7 @@
 /// HostFilterPlugin and calls the functions in namespace host; both look the same for every host.
 ///
 /// FCD_MESHLAB_2020 is defined (by CMake) for MeshLab 2020.09, whose filters are MeshFilterInterface; later hosts have
-/// FilterPlugin. FCD_MESHLAB_2022_PARAMETERS is defined where some parameter classes have the names of 2022.02.
+/// FilterPlugin. (A define, since moc does not evaluate __has_include.)
 
 #ifdef FCD_MESHLAB_2020
 #include <common/filterscript.h>
@@ -57,7 +57,7 @@ using RichPositionParam = RichPosition;
 using RichDirectionParam = RichDirection;
 #endif
 
-#if defined(FCD_MESHLAB_2020) || defined(FCD_MESHLAB_2022_PARAMETERS)
+#if __has_include(<common/parameters/rich_parameter.h>) || defined(FCD_MESHLAB_2020) // their names up to 2022.02
 using RichPercentageParam = RichAbsPerc;
 using RichMatrixParam = RichMatrix44f;
 using RichFileParam = RichOpenFile;

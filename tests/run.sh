@@ -185,11 +185,11 @@ once() {
 
 # tidy PLUGIN HOST: of the sources as they are compiled, as one. Ninja knows what they include.
 tidy() {
-    local directory=$build/cmake/$2 source=CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx included
+    local directory=$build/cmake/$2 source=$1/CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx included
     mapfile -t included < <(ninja -C "$directory" -t deps "$source.o" | sed -n 's/^    //p')
     [ ${#included[@]} -gt 0 ] || fail "ninja does not know what $1 includes"
-    (cd "$directory" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt} arguments "$build/venv-tools/requirements" "${included[@]}") \
-        >"$results/$name.input"
+    (cd "$directory" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,"$1/CMakeLists.txt",filter_fcd/fcd_plugin.cmake} arguments \
+        "$build/venv-tools/requirements" "${included[@]}") >"$results/$name.input"
     once check "$name" "$build/venv-tools/bin/clang-tidy" --checks=-bugprone-suspicious-include -quiet -p "$directory" \
         "$directory/$source"
 }
