@@ -225,14 +225,29 @@ PREVIEW_X, PREVIEW_BOX = (272, 316), -84
 MOVE_X, AXIS_Y, AXIS_Z, ANGLE, LIKE_LAYER = (272, 210), (318, 241), (364, 241), (400, 272), (400, 365)
 
 
+def loaded(path):
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(path))
+    return ms
+
+
+def positions(path):
+    ms = loaded(path)  # which holds the mesh
+    return ms.current_mesh().vertex_matrix()
+
+
 def cylinder():
     """A coloured cylinder: (points, faces, colours)."""
-    ms = pymeshlab.MeshSet()
-    ms.load_new_mesh(str(Path(__file__).resolve().parents[1] / "meshes" / "cylinder.ply"))
+    ms = loaded(Path(__file__).resolve().parents[1] / "meshes" / "cylinder.ply")
     points, faces = ms.current_mesh().vertex_matrix(), ms.current_mesh().face_matrix()
     colors = np.ones((len(points), 4))
     colors[:, 0], colors[:, 1], colors[:, 2] = np.round(points[:, 2] * 20) / 255, 0.6, 0.2
     return points, faces, colors
+
+
+def tags_of_ends(points):
+    """Of the cylinder: fixed below, handle 2 above, as Window.tag_ends(0.5, 11.5)."""
+    return np.select([points[:, 2] < 0.5, points[:, 2] > 11.5], [0.0, 2.0], 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -312,11 +327,10 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
     window.finish(dialog)
 
     window.export(tmp_path / "result.ply")
-    ms = pymeshlab.MeshSet()
-    ms.load_new_mesh(str(tmp_path / "result.ply"))
+    ms = loaded(tmp_path / "result.ply")
     result = ms.current_mesh()
     assert np.array_equal(np.round(255 * result.vertex_color_matrix()), np.round(255 * colors)), "the mesh's own colours"
-    tags = np.where(points[:, 2] < 0.5, 0.0, np.where(points[:, 2] > 11.5, 2.0, 1.0))
+    tags = tags_of_ends(points)
     ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags))
     if "FCD_PLUGIN" in os.environ:
         pymeshlab.load_plugin(os.environ["FCD_PLUGIN"])
@@ -331,7 +345,7 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
 def placed_copy(tmp_path):
     """A project: a copy of the cylinder, its upper end put elsewhere by the layer's matrix, and the cylinder, which is current."""
     points, faces, colors = cylinder()
-    tags = np.where(points[:, 2] < 0.5, 0.0, np.where(points[:, 2] > 11.5, 2.0, 1.0))
+    tags = tags_of_ends(points)
     matrix = np.array([[0.5, 0, 0.8660254, -3], [0, 1, 0, 0.5], [-0.8660254, 0, 0.5, 4], [0, 0, 0, 1]], np.float32)
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags))
@@ -352,9 +366,7 @@ def test_the_handle_moves_like_a_layer_that_is_in_place(open_mesh, tmp_path):
 
     def exported(name):
         window.export(tmp_path / name)
-        ms = pymeshlab.MeshSet()
-        ms.load_new_mesh(str(tmp_path / name))
-        return ms.current_mesh().vertex_matrix()
+        return positions(tmp_path / name)
 
     dialog = window.dialog("FCD: Deform Mesh")
     window.choose(dialog, *LIKE_LAYER, "Home")
@@ -383,9 +395,7 @@ def test_the_handle_moves_like_a_layer_that_is_in_place(open_mesh, tmp_path):
                            str(tmp_path / "script.mlx"), "-o", str(tmp_path / "server.ply")], env=window.screen.environment,
                           text=True, timeout=300, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     assert done.returncode == 0, done.stdout
-    ms = pymeshlab.MeshSet()
-    ms.load_new_mesh(str(tmp_path / "server.ply"))
-    assert ms.current_mesh().vertex_matrix().tobytes() == moved.tobytes()
+    assert positions(tmp_path / "server.ply").tobytes() == moved.tobytes()
 
     # The dialog remembers the layer, as long as there is one of its name; Default does not.
     dialog = window.dialog("FCD: Deform Mesh")
@@ -443,8 +453,7 @@ def test_the_result_shows_its_texture(open_mesh, shared, tmp_path):
         picture = np.array(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).convert("RGB")).astype(int)[100:600, 640:920]
         return ((picture.max(2) - picture.min(2) > 150) & (picture.min(2) < 40)).sum()
 
-    ms = pymeshlab.MeshSet()
-    ms.load_new_mesh(str(shared / "meshes" / "attr" / "texturedknot.ply"))
+    ms = loaded(shared / "meshes" / "attr" / "texturedknot.ply")
     x = ms.current_mesh().vertex_matrix()[:, 0]
     low, high = x.min() + 0.15 * np.ptp(x), x.max() - 0.15 * np.ptp(x)
     ms.compute_scalar_by_function_per_vertex(q=f"x < {low} ? 0 : (x > {high} ? 2 : 1)")
@@ -464,8 +473,7 @@ def test_the_result_shows_its_texture(open_mesh, shared, tmp_path):
 @pytest.mark.parametrize("subdivisions, least", [(0, 5000), (2, 80000), (4, 1280000)])
 def test_what_a_try_takes(open_mesh, tmp_path, subdivisions, least):
     """Of the bunny, about 5 thousand, 80 thousand and 1.3 million vertices."""
-    ms = pymeshlab.MeshSet()
-    ms.load_new_mesh(str(SAMPLES / "bunny10k_textured.obj"))
+    ms = loaded(SAMPLES / "bunny10k_textured.obj")
     ms.meshing_merge_close_vertices()
     if subdivisions:
         ms.meshing_surface_subdivision_midpoint(iterations=subdivisions, threshold=pymeshlab.PercentageValue(0))

@@ -10,7 +10,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -87,7 +86,7 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
 
     const std::size_t items = d.graph.adjacency.item.size();
     d.edge.resize(3, items);
-    d.weight.assign(items, 1);
+    d.weight.resize(items);
     for (Index i = 0; i < k; ++i)
         for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = d.graph.adjacency.item[e];
@@ -98,11 +97,12 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
             const Eigen::Vector3d way = from - to;
             d.edge.col(e) = way.cast<float>();
             const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
-            if (weights == GraphWeights::Border)
-                d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
+            d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
         }
-    if (weights == GraphWeights::Uniform)
+    if (weights == GraphWeights::Uniform) {
+        d.weight.assign(items, 1);
         return d;
+    }
     detail::MatchTensors(d.graph, d.edge, d.held, dual.value, shape, d.weight);
     const double total = std::accumulate(d.weight.begin(), d.weight.end(), 0.0);
     for (float &w : d.weight)

@@ -34,7 +34,8 @@ struct Frame {
             throw Error("The matrix of the layer flattens it or is not finite; apply or reset the matrix first.");
     }
     Eigen::Vector3d ToWorld(const Eigen::Vector3d &p) const { return isSame ? p : metric * p; }
-    Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return (ToWorld(p) - origin) / scale; }
+    Eigen::Vector3d FromWorld(const Eigen::Vector3d &world) const { return (world - origin) / scale; }
+    Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return FromWorld(ToWorld(p)); }
     Eigen::Vector3d FromFrame(const Eigen::Vector3d &p) const {
         const Eigen::Vector3d world = p * scale + origin;
         return isSame ? world : inverseMetric * world;

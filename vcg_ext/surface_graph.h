@@ -99,8 +99,7 @@ class SurfaceReader {
 
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
         const double most = 1e15; // squares of it are floats
-        const Eigen::Vector3f x =
-            ((world - s.frame.origin) / s.frame.scale).cwiseMin(most).cwiseMax(-most).template cast<float>();
+        const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
     Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(tri::PositionOf(m.vert[i]))); }

@@ -137,23 +137,17 @@ TEST(DeformationGraph, PatchesLikeBricksCarryAsMuchAcrossAsAlong) {
     const int n = 48, half = n / 2 + 1;
     const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Grid(n, n)));
     Patches patches;
-    patches.center.assign(n * half, -1);
+    std::map<int, Index> number; // of the bricks, as they appear
     for (Index u = 0; u < s.graph.Size(); ++u) {
         const Eigen::Vector3d p = s.frame.FromFrame(s.graph.position.col(u).cast<double>());
         const int x = int(std::lround(p[0])), y = int(std::lround(p[1]));
-        patches.patchOf.push_back(y * half + (x + y % 2) / 2);
-        patches.center[patches.patchOf.back()] = u;
+        const auto brick = number.emplace(y * half + (x + y % 2) / 2, patches.Size());
+        if (brick.second)
+            patches.center.push_back(u);
+        patches.patchOf.push_back(brick.first->second);
     }
-    std::vector<Index> number(patches.center.size(), -1); // those that there are
-    Index count = 0;
-    for (std::size_t p = 0; p < patches.center.size(); ++p)
-        if (patches.center[p] >= 0)
-            number[p] = count++;
-    patches.center.erase(std::remove(patches.center.begin(), patches.center.end(), -1), patches.center.end());
-    for (Index &p : patches.patchOf)
-        p = number[p];
-    patches.radius.assign(count, 1);
-    patches.tag.assign(count, 1);
+    patches.radius.assign(patches.Size(), 1);
+    patches.tag.assign(patches.Size(), 1);
     const DeformationGraph d = MakeDeformationGraph(s.graph, {}, s.nodeArea, patches, GraphWeights::Border);
     ExpectSoundWeights(d);
     const auto energyOf = [](const Graph &g, const Eigen::Vector3d &slope, const auto &weightOf) {
