@@ -148,7 +148,7 @@ class Window:
 
     def current_layer(self, place):
         """Makes the layer at a place in the list the current one."""
-        self.x("mousemove", 1060, 133 + 31 * place, "click", 1)
+        self.x("mousemove", self.place(self.main)[2] - 306, 133 + 31 * place, "click", 1)
         time.sleep(0.3)
         self.x("mousemove", 500, 700)  # away from where the search lists what it finds
 
@@ -206,6 +206,16 @@ class Window:
         self.tag("Home")
         self.select(f"z > {high}")
         self.tag("End", "Up")
+
+    def save_project(self, path):
+        """Whose layers' files are there."""
+        self.x("windowactivate", "--sync", self.main)
+        self.keys("ctrl+s")
+        self.settled("Save Project File")
+        self.keys("ctrl+a")
+        self.type(str(path))
+        self.keys("Return")
+        self.until("project", lambda: path.exists() and "</MeshLabProject>" in path.read_text())
 
     def export(self, path):
         self.x("windowactivate", "--sync", self.main)
@@ -340,6 +350,45 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
         assert distance.max() < 0.01, "as in a script with double precision"
     assert np.abs(result.vertex_matrix() - points)[tags == 0].max() < 1e-6
     assert np.linalg.norm(result.vertex_matrix() - points, axis=1)[tags == 2].min() > 1
+
+
+def test_the_whole_way_from_a_preview_to_a_project_that_is_opened_again(open_mesh, tmp_path):
+    points, faces, colors = cylinder()
+    window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
+    window.tag_ends(0.5, 11.5)
+    dialog = window.dialog("FCD: Pose in Place")
+    window.enter(dialog, *PREVIEW_X, "3")
+    window.click(dialog, 17, PREVIEW_BOX)
+    window.wait_for_log("nodes, ")
+    window.picture("way, preview")
+    window.finish(dialog)
+
+    def bend():
+        dialog = window.dialog("FCD: Deform Mesh")
+        window.enter(dialog, *MOVE_X, "3")
+        window.apply(dialog)
+        window.wait_for_log("is shown")
+        window.finish(dialog)
+
+    bend()
+    window.picture("way, result")
+    for place, name in enumerate(["source", "graph", "deformed graph", "result"]):
+        window.current_layer(place)
+        window.export(tmp_path / f"{name}.ply")
+    window.save_project(tmp_path / "way.mlp")
+    window.close()
+
+    window = open_mesh(None, "way.mlp")
+    window.picture("way, opened again")
+    window.export(tmp_path / "result again.ply")
+    window.current_layer(0)
+    bend()
+    window.picture("way, bent again")
+    window.export(tmp_path / "bent again.ply")
+    bent = positions(tmp_path / "result.ply")
+    assert np.abs(bent - points).max() > 2
+    assert positions(tmp_path / "result again.ply").tobytes() == bent.tobytes()
+    assert positions(tmp_path / "bent again.ply").tobytes() == bent.tobytes()
 
 
 def placed_copy(tmp_path):
