@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -17,8 +18,8 @@ namespace fcd {
 /// range is left open, the ranges are not: a body that writes only what belongs to its range gives the same bits for
 /// any number of threads. \p threads 0 = one a core. A thread that cannot be started is done without. The first
 /// exception is rethrown here.
-template <class Body>
-void ParallelFor(unsigned threads, std::size_t n, std::size_t grain, const Body &body) {
+inline void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
+                        const std::function<void(std::size_t, std::size_t)> &body) {
     const std::size_t ranges = (n + grain - 1) / grain;
     const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
     std::atomic<std::size_t> next{0};

@@ -51,8 +51,8 @@ class Progress {
 };
 
 /// ParallelFor that reports progress as it goes, from the calling thread, which takes its turn. \throw Cancelled
-template <class Body>
-void ParallelFor(const Progress &progress, const char *stage, std::size_t n, std::size_t grain, const Body &body) {
+inline void ParallelFor(const Progress &progress, const char *stage, std::size_t n, std::size_t grain,
+                        const std::function<void(std::size_t, std::size_t)> &body) {
     const std::thread::id caller = std::this_thread::get_id();
     ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
         if (std::this_thread::get_id() == caller)
