@@ -4,6 +4,7 @@
 #include "fcd_copy.h"
 #include "fcd_rest.h"
 
+#include <QFile>
 #include <vcg/complex/allocate.h>
 
 using vcg::fcd::DeformationField;
@@ -148,7 +149,8 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
         displacement = displacementOf(*source, *carrier);
         matrix = source->matrix;
     } else {
-        field = std::make_unique<DeformationField>(vcg::fcd::ReadDeformationFile(param.file.toStdString()));
+        field = std::make_unique<DeformationField>(
+            vcg::fcd::ReadDeformationFile(QFile::encodeName(param.file).toStdString()));
         displacement = [&field](const Eigen::Vector3d &x, Eigen::Matrix3f &map) { return (*field)(x, &map); };
     }
 
