@@ -251,8 +251,8 @@ def test_a_saved_deformation_of_a_cloud_and_of_a_posed_source(tmp_path):
     mesh = ms.current_mesh()
     ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), v_scalar_array=mesh.vertex_scalar_array()), "cloud")
     ms.apply_filter(DEFORM, **BEND)
-    saved(ms, tmp_path / "cloud.ply", source_layer=1, rest_graph=2, deformed_graph=3)
-    points, _ = applied(mesh.vertex_matrix(), tmp_path / "cloud.ply")
+    saved(ms, tmp_path / "nube á.ply", source_layer=1, rest_graph=2, deformed_graph=3)
+    points, _ = applied(mesh.vertex_matrix(), tmp_path / "nube á.ply")
     assert rms(points, ms.mesh(4).vertex_matrix()) < 1e-4
     fixed = mesh.vertex_scalar_array() == 0
     assert same_points(points[fixed], mesh.vertex_matrix()[fixed])
