@@ -1,24 +1,40 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Deforms the benchmark shapes by this plugin's method and by CGAL's ARAP and SR-ARAP (installed where it is missing), prints
-# a CSV line for each (see tests/benchmark/deformation_benchmark.cpp), and draws them side by side: build/peers/NAME.png.
+# The plugin beside CGAL, Open3D and libigl, which are installed where they are missing; half an hour on two cores. Everything goes to
+# build/peers:
+#   peers.csv, scans.md, scans.png   seconds and memory on scans of growing size    (see tests/peers.py)
+#   dirty.md, dirty_*.png            what becomes of dirty scans
+#   shapes.csv, SHAPE.png            the shapes of the benchmark of Botsch and Sorkine, with CGAL's ARAP and SR-ARAP: time to
+#                                    convergence, and to our distance from it         (see tests/benchmark/deformation_benchmark.cpp)
 #
 #   bash tests/peers.sh [STEM ...]
 #
-# STEM.off or STEM.ply, STEM.sel and STEM.def; by default the shapes of meshes/ at the size that the benchmark of Botsch and
-# Sorkine has, of which the plane takes CGAL a long time.
+# With STEM.off or STEM.ply, STEM.sel and STEM.def, only these, as shapes.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tests/peers_build.sh
-build_peers deformation_benchmark make_benchmark
+export FCD_PEERS=1
+build_peers cgal_peer deformation_benchmark make_benchmark
 mkdir -p build/peers
+make() { [ -e "$2.ply" ] || build/cmake/peers/meshes/make_benchmark "$1" "$2.ply" -n "$3" >&2; }
 if [ $# = 0 ]; then
-    for shape in bar:6084 cactus:5261 cylinder:4802 plane:40401; do
-        build/cmake/peers/meshes/make_benchmark "${shape%:*}" "build/peers/${shape%:*}.ply" -n "${shape#*:}" >&2
+    for size in 5000 35000 150000 450000 1400000 3600000; do make cactus "build/peers/cactus_$size" "$size"; done
+    build/venv-peers/bin/python tests/peers.py build/peers --cgal build/cmake/peers/tests/cgal_peer \
+        --plugin build/plugins/pymeshlab-2025.7/libfilter_fcd.so --scans build/peers/cactus_{5000,35000,150000,450000,1400000,3600000}
+    for rest in build/peers/dirty_*.sel; do
+        stem=${rest%.sel}
+        panels=()
+        for result in "$stem"__*.ply; do
+            [ ! -e "$result" ] || panels+=("$result@$(basename "${result#"$stem"__}" .ply)")
+        done
+        [ ${#panels[@]} = 0 ] || build/venv/bin/python tests/render.py "$stem.png" --view 1,-2,0.5 "${panels[@]}" >&2
+    done
+    for shape in bar:6084 cactus:5261 cylinder:4802 plane:40401; do # on the plane, CGAL takes long
+        make "${shape%:*}" "build/peers/${shape%:*}" "${shape#*:}"
         set -- "$@" "build/peers/${shape%:*}"
     done
 fi
-build/cmake/peers/tests/deformation_benchmark build/peers "$@"
+build/cmake/peers/tests/deformation_benchmark build/peers "$@" | tee build/peers/shapes.csv
 for stem in "$@"; do
     rest=$stem.off
     [ -e "$rest" ] || rest=$stem.ply
