@@ -207,6 +207,14 @@ class Window:
         self.select(f"z > {high}")
         self.tag("End", "Up")
 
+    def preview(self, x):
+        """The dialog of a pose in place by x, with its preview on."""
+        dialog = self.dialog("FCD: Pose in Place")
+        self.enter(dialog, *PREVIEW_X, x)
+        self.click(dialog, 17, PREVIEW_BOX)
+        self.wait_for_log("nodes, ")
+        return dialog
+
     def save_project(self, path):
         """Whose layers' files are there."""
         self.x("windowactivate", "--sync", self.main)
@@ -356,10 +364,7 @@ def test_the_whole_way_from_a_preview_to_a_project_that_is_opened_again(open_mes
     points, faces, colors = cylinder()
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
     window.tag_ends(0.5, 11.5)
-    dialog = window.dialog("FCD: Pose in Place")
-    window.enter(dialog, *PREVIEW_X, "3")
-    window.click(dialog, 17, PREVIEW_BOX)
-    window.wait_for_log("nodes, ")
+    dialog = window.preview("3")
     window.picture("way, preview")
     window.finish(dialog)
 
@@ -479,10 +484,7 @@ def test_a_preview_follows_and_goes(open_mesh, tmp_path):
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
     window.export(tmp_path / "before.ply")
     window.tag_ends(0.5, 11.5)
-    dialog = window.dialog("FCD: Pose in Place")
-    window.enter(dialog, *PREVIEW_X, "3")
-    window.click(dialog, 17, PREVIEW_BOX)
-    window.wait_for_log("nodes, ")
+    dialog = window.preview("3")
     window.enter(dialog, *PREVIEW_X, "4")
     window.keys("Tab")
     window.wait_for_log("already prepared")

@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pymeshlab
 
 TOLERANCE = 1e-5  # of SolverParam
 OPEN3D_ITERATIONS = 50
@@ -38,14 +39,9 @@ REFERENCE = "cgal_sr_arap"
 # --- files ---
 
 def write_ply(path, points, faces):
-    vertices = np.zeros(len(points), [("p", "<f8", 3)])
-    vertices["p"] = points
-    triangles = np.zeros(len(faces), [("n", "u1"), ("v", "<i4", 3)])
-    triangles["n"], triangles["v"] = 3, faces
-    header = ("ply\nformat binary_little_endian 1.0\n"
-              f"element vertex {len(points)}\nproperty double x\nproperty double y\nproperty double z\n"
-              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + vertices.tobytes() + triangles.tobytes())
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(points, faces))
+    ms.save_current_mesh(str(path), save_vertex_quality=False)
 
 
 def write_case(stem, points, faces, tags, matrix):
@@ -55,68 +51,62 @@ def write_case(stem, points, faces, tags, matrix):
 
 
 def read_case(stem):
-    """Points, faces, tags and where the handle's vertices go."""
-    import pymeshlab
+    """Points, faces, tags and where the points are with those of the handle moved."""
     ms = pymeshlab.MeshSet()
     ms.load_new_mesh(f"{stem}.ply")
     points, faces = ms.current_mesh().vertex_matrix(), ms.current_mesh().face_matrix()
-    tags = np.loadtxt(f"{stem}.sel", dtype=int, ndmin=1)
-    matrix = np.loadtxt(f"{stem}.def")
-    return points, faces, tags, points[tags == 2] @ matrix[:3, :3].T + matrix[:3, 3]
+    tags, matrix = np.loadtxt(f"{stem}.sel", dtype=int), np.loadtxt(f"{stem}.def")
+    return points, faces, tags, np.where((tags == 2)[:, None], points @ matrix[:3, :3].T + matrix[:3, 3], points)
 
 
-# --- methods, each in a process of its own ---
+# --- methods, each in a process of its own: they give the positions and what these cost ---
 
-def with_plugin(stem, plugin, **parameters):
-    import pymeshlab
+def with_plugin(stem, plugin, at_every_vertex):
     pymeshlab.load_plugin(plugin)
     ms = pymeshlab.MeshSet()
     ms.load_new_mesh(f"{stem}.ply")
+    patches = {"initial_patches": ms.current_mesh().vertex_number()} if at_every_vertex else {}
 
     def work():
         result = ms.apply_filter("generate_fcd_deformed_mesh", handles="Files", tag_file=f"{stem}.sel", transform_file=f"{stem}.def",
-                                 graph_layers=False, **parameters)
-        return ms.current_mesh(), result
+                                 graph_layers=False, **patches)
+        return ms.current_mesh(), {"iterations": result["iterations"], "rests": bool(result["converged"])}
 
-    mesh, result, cost = measured(work)
-    return mesh.vertex_matrix(), result["iterations"], {**cost, "rests": bool(result["converged"])}
+    mesh, cost = measured(work)
+    return mesh.vertex_matrix(), cost
 
 
 def with_open3d(stem, energy):
     import open3d
-    points, faces, tags, target = read_case(stem)
+    points, faces, tags, places = read_case(stem)
     mesh = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(points), open3d.utility.Vector3iVector(faces))
     held = np.flatnonzero(tags != 1)
-    places = points.copy()
-    places[tags == 2] = target
 
     def work():
         return mesh.deform_as_rigid_as_possible(
             open3d.utility.IntVector(held.astype(np.int32)), open3d.utility.Vector3dVector(places[held]), OPEN3D_ITERATIONS,
-            getattr(open3d.geometry.DeformAsRigidAsPossibleEnergy, energy)), OPEN3D_ITERATIONS
+            getattr(open3d.geometry.DeformAsRigidAsPossibleEnergy, energy)), {"iterations": OPEN3D_ITERATIONS}
 
-    moved, iterations, cost = measured(work)
-    return np.asarray(moved.vertices), iterations, cost
+    moved, cost = measured(work)
+    return np.asarray(moved.vertices), cost
 
 
 def with_libigl(stem):
     import igl
-    points, faces, tags, target = read_case(stem)
+    points, faces, tags, places = read_case(stem)
     held = np.flatnonzero(tags != 1)
-    places = points.copy()
-    places[tags == 2] = target
-    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    still = TOLERANCE * diagonal(points)
 
     def work():
         data = igl.ARAPData()
         data.max_iter = 1
         igl.arap_precomputation(points, faces.astype(np.int64), 3, held.astype(np.int32), data)
         now, iterations, moved = points, 0, np.inf
-        while moved > TOLERANCE * diagonal:  # not for NaN
+        while moved > still:  # not for NaN
             before, now = now, igl.arap_solve(places[held], data, now)
             moved = np.linalg.norm(now - before, axis=1).max()
             iterations += 1
-        return now, iterations
+        return now, {"iterations": iterations}
 
     return measured(work)
 
@@ -128,21 +118,19 @@ def megabytes(field):
 def measured(work):
     Path("/proc/self/clear_refs").write_text("5")  # the peak from here on
     before, start = megabytes("VmRSS"), time.perf_counter()
-    result, iterations = work()
-    return result, iterations, {"seconds": time.perf_counter() - start, "megabytes": megabytes("VmHWM") - before}
+    result, cost = work()
+    return result, {"seconds": time.perf_counter() - start, "megabytes": megabytes("VmHWM") - before, **cost}
 
 
 def run_here(method, stem, plugin, out):
-    if method == "fcd":
-        points, iterations, cost = with_plugin(stem, plugin)
-    elif method == "every_vertex":
-        points, iterations, cost = with_plugin(stem, plugin, initial_patches=len(np.loadtxt(f"{stem}.sel", dtype=int, ndmin=1)))
+    if method in ("fcd", "every_vertex"):
+        points, cost = with_plugin(stem, plugin, method == "every_vertex")
     elif method == "libigl_arap":
-        points, iterations, cost = with_libigl(stem)
+        points, cost = with_libigl(stem)
     else:
-        points, iterations, cost = with_open3d(stem, method.removeprefix("open3d_").capitalize())
+        points, cost = with_open3d(stem, method.removeprefix("open3d_").capitalize())
     np.ascontiguousarray(points, float).tofile(out)
-    print(json.dumps({**cost, "iterations": iterations}))
+    print(json.dumps(cost))
 
 
 class Runner:
@@ -179,19 +167,40 @@ class Runner:
     def record(self, table, case, vertices, method, cost, outcome):
         self.rows.append({"table": table, "case": case, "vertices": vertices, "method": method, "outcome": outcome, **cost})
 
+    def report(self, name, text):
+        (self.arguments.folder / f"{name}.md").write_text(text)
+        print(text)
 
-# --- scans of growing size ---
+
+# --- what both tables need ---
 
 def number(value):
     return f"{value:.3g}" if value < 100 else f"{value:.0f}"
+
+
+def table(head, rows):
+    """In Markdown."""
+    return "".join("| " + " | ".join(row) + " |\n" for row in [head, ["---"] * len(head), *rows])
+
+
+def diagonal(points):
+    return np.linalg.norm(np.ptp(points, axis=0))
+
+
+def miss(result, tags, places):
+    """How far held vertices are at most from where they should be, over the diagonal of those."""
+    return np.abs(result - places)[tags != 1].max()
+
+
+# --- scans of growing size ---
 
 
 def scans(run, stems):
     times, cells, sizes = {}, {}, []
     over = set()  # methods that did not come to an end: larger scans are not tried
     for stem in stems:
-        points, _, tags, target = read_case(stem)
-        diagonal, size = np.linalg.norm(np.ptp(points, axis=0)), len(points)
+        points, _, tags, places = read_case(stem)
+        size = len(points)
         sizes.append(size)
         for method in METHODS:
             if method in over:
@@ -203,16 +212,15 @@ def scans(run, stems):
                 over.add(method)
             else:
                 times[method, size] = cost["seconds"]
-                miss = max(np.abs(result[tags == 0] - points[tags == 0]).max(), np.abs(result[tags == 2] - target).max()) / diagonal
-                said = "" if miss < 1e-6 else f", handles off by {100 * miss:.2g} %"
-                if not cost.pop("rests", True):
+                off = miss(result, tags, places) / diagonal(points)
+                said = "" if off < 1e-6 else f", handles off by {100 * off:.2g} %"
+                if not cost.get("rests", True):
                     said += f", not at rest after {cost['iterations']} iterations"
                     over.add(method)
                 cells[method, size] = f"{number(cost['seconds'])} s, {cost['megabytes']:.0f} MB{said}"
             run.record("scans", stem.name, size, method, cost, said or "done")
-    head = "| vertices | " + " | ".join(f"{size:,}" for size in sizes) + " |\n|---|" + "---|" * len(sizes) + "\n"
-    return head + "".join(f"| {name} | " + " | ".join(cells[method, size] for size in sizes) + " |\n"
-                          for method, name in METHODS.items()), times
+    return table(["vertices", *(f"{size:,}" for size in sizes)],
+                 ([name, *(cells[method, size] for size in sizes)] for method, name in METHODS.items())), times
 
 
 def plot(times, limit, path):
@@ -283,13 +291,13 @@ def dirty_cases(points, faces, tags):
 
 def distance(a, b, clean):
     """Root mean square, percent of the diagonal."""
-    return 100 * np.sqrt(np.mean(np.sum((a - b) ** 2, axis=1))) / np.linalg.norm(np.ptp(clean, axis=0))
+    return 100 * np.sqrt(np.mean(np.sum((a - b) ** 2, axis=1))) / diagonal(clean)
 
 
-def outcome(result, own, case, clean, target):
-    """What became of a dirty scan, in words. \param own the method's result on the clean scan"""
-    points, _, tags, copies, loose = case
-    diagonal = np.linalg.norm(np.ptp(clean, axis=0))
+def outcome(result, own, case, clean):
+    """What became of a case, in words. own: the method's result on the clean scan; clean: that scan's points, tags and places"""
+    points, _, _, copies, loose = case
+    clean, tags, places = clean
     if not np.isfinite(result).all():
         return "NaN"
     if copies is not None:
@@ -297,14 +305,13 @@ def outcome(result, own, case, clean, target):
         np.minimum.at(low, copies, result)
         np.maximum.at(high, copies, result)
         used = np.isfinite(low[:, 0])
-        gap = np.linalg.norm(high[used] - low[used], axis=1).max() / diagonal
+        gap = np.linalg.norm(high[used] - low[used], axis=1).max() / diagonal(clean)
         if gap > 1e-3:
             return f"falls apart: gaps of {100 * gap:.2g} %"
         result = np.where(used[:, None], low, own)
-    miss = max(np.abs(result[:len(clean)][target[0] == 0] - clean[target[0] == 0]).max(),
-               np.abs(result[:len(clean)][target[0] == 2] - target[1]).max()) / diagonal
-    if miss > 1e-3:
-        return f"handles off by {100 * miss:.2g} %"
+    missed = miss(result[:len(clean)], tags, places) / diagonal(clean)
+    if missed > 1e-3:
+        return f"handles off by {100 * missed:.2g} %"
     off = distance(result[:len(clean)], own, clean)
     if off > 1:
         return f"another shape: {off:.2g} % off"
@@ -318,7 +325,7 @@ def outcome(result, own, case, clean, target):
 
 
 def dirty(run, stem):
-    points, faces, tags, target = read_case(stem)
+    points, faces, tags, places = read_case(stem)
     matrix = np.loadtxt(f"{stem}.def")
     own, cells = {}, {}
     cases = dirty_cases(points, faces, tags)
@@ -334,17 +341,15 @@ def dirty(run, stem):
                 own[method] = result
                 said = f"{number(cost['seconds'])} s" if np.isfinite(result).all() else "NaN"
             elif result is not None:
-                said = outcome(result, own[method], case, points, (tags, target))
+                said = outcome(result, own[method], case, (points, tags, places))
             if result is not None:
                 write_ply(short.with_name(f"{short.name}__{method}.ply"), result, case[1])
             cells[name, method] = said
-            cost.pop("rests", None)
             run.record("dirty", name, len(case[0]), method, cost, said)
         if name == "clean" and REFERENCE in own:
             for method in own.keys() - {REFERENCE}:
                 cells[name, method] += f", {distance(own[method], own[REFERENCE], points):.2g} % from {METHODS[REFERENCE]}"
-    head = f"| {len(points):,} vertices | " + " | ".join(METHODS.values()) + " |\n|---|" + "---|" * len(METHODS) + "\n"
-    return head + "".join(f"| {name} | " + " | ".join(cells[name, method] for method in METHODS) + " |\n" for name in cases)
+    return table([f"{len(points):,} vertices", *METHODS.values()], ([name, *(cells[name, method] for method in METHODS)] for name in cases))
 
 
 def main():
@@ -360,15 +365,13 @@ def main():
         run_here(*arguments.run[:2], arguments.plugin, arguments.run[2])
         return
     run = Runner(arguments)
-    table = dirty(run, arguments.scans[0])
-    (arguments.folder / "dirty.md").write_text(table)
-    print(table)
-    table, times = scans(run, arguments.scans)
-    (arguments.folder / "scans.md").write_text(table)
-    print(table)
+    run.report("dirty", dirty(run, arguments.scans[0]))
+    text, times = scans(run, arguments.scans)
+    run.report("scans", text)
     plot(times, arguments.seconds, arguments.folder / "scans.png")
     with open(arguments.folder / "peers.csv", "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, ["table", "case", "vertices", "method", "outcome", "seconds", "megabytes", "iterations"])
+        writer = csv.DictWriter(file, ["table", "case", "vertices", "method", "outcome", "seconds", "megabytes", "iterations"],
+                                extrasaction="ignore")
         writer.writeheader()
         writer.writerows(run.rows)
 

@@ -11,6 +11,7 @@
 #
 # With STEM.off or STEM.ply, STEM.sel and STEM.def, only these, as shapes.
 set -euo pipefail
+shopt -s nullglob
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tests/peers_build.sh
 export FCD_PEERS=1
@@ -18,15 +19,18 @@ build_peers cgal_peer deformation_benchmark make_benchmark
 mkdir -p build/peers
 make() { [ -e "$2.ply" ] || build/cmake/peers/meshes/make_benchmark "$1" "$2.ply" -n "$3" >&2; }
 if [ $# = 0 ]; then
-    for size in 5000 35000 150000 450000 1400000 3600000; do make cactus "build/peers/cactus_$size" "$size"; done
+    scans=()
+    for size in 5000 35000 150000 450000 1400000 3600000; do
+        scans+=("build/peers/cactus_$size")
+        make cactus "${scans[-1]}" "$size"
+    done
+    rm -f build/peers/dirty_* # results of an earlier run are not drawn again
     build/venv-peers/bin/python tests/peers.py build/peers --cgal build/cmake/peers/tests/cgal_peer \
-        --plugin build/plugins/pymeshlab-2025.7/libfilter_fcd.so --scans build/peers/cactus_{5000,35000,150000,450000,1400000,3600000}
+        --plugin build/plugins/pymeshlab-2025.7/libfilter_fcd.so --scans "${scans[@]}"
     for rest in build/peers/dirty_*.sel; do
         stem=${rest%.sel}
         panels=()
-        for result in "$stem"__*.ply; do
-            [ ! -e "$result" ] || panels+=("$result@$(basename "${result#"$stem"__}" .ply)")
-        done
+        for result in "$stem"__*.ply; do panels+=("$result@$(basename "${result#"$stem"__}" .ply)"); done
         [ ${#panels[@]} = 0 ] || build/venv/bin/python tests/render.py "$stem.png" --view 1,-2,0.5 "${panels[@]}" >&2
     done
     for shape in bar:6084 cactus:5261 cylinder:4802 plane:40401; do # on the plane, CGAL takes long

@@ -16,23 +16,10 @@ import render
 MESHES = Path(__file__).resolve().parents[1] / "meshes"
 
 
-def shape(name):
-    """Points, faces, tags and the matrix of the handle of a benchmark shape."""
-    ms = pymeshlab.MeshSet(verbose=False)
-    ms.load_new_mesh(str(MESHES / f"{name}.ply"))
-    mesh = ms.current_mesh()
-    return mesh.vertex_matrix(), mesh.face_matrix(), render.read_tags(MESHES / f"{name}.sel"), np.loadtxt(MESHES / f"{name}.def")
-
-
-def bent_cylinder():
-    points, faces, _, _ = shape("cylinder")
-    tags = np.select([points[:, 2] < 0.5, points[:, 2] > 11.5], [0.0, 2.0], 1.0)
-    return points, faces, tags, {"transforms": "2: rotate 0 1 0 120 translate 3 0 -6"}
-
-
-def of_file(name):
-    points, faces, tags, matrix = shape(name)
-    return points, faces, tags.astype(float), {"transformmatrix": matrix}
+def benchmark(name):
+    """Points, faces, tags and motion of a benchmark shape."""
+    rest = render.Surface.load(str(MESHES / f"{name}.ply"))
+    return rest.vertices, rest.faces, render.read_tags(MESHES / f"{name}.sel").astype(float), {"transform_file": str(MESHES / f"{name}.def")}
 
 
 def hairpin():
@@ -51,9 +38,9 @@ def hairpin():
 
 # name: case, mode of the pictures, view, parameter, its values
 ROWS = {
-    "smoothness": (bent_cylinder, "plain", (0, -1, 0.1), "smoothness", [0.0005, 0.0058, 0.1]),
-    "patches": (lambda: of_file("cactus"), "bend", (1, -2, 0.5), "initial_patches", [30, 300, 3000]),
-    "influence": (lambda: of_file("bar"), "bend", (1, -2, 0.5), "influence", [1.2, 4, 8]),
+    "smoothness": (lambda: benchmark("cylinder"), "plain", (0, -1, 0.1), "smoothness", [0.0005, 0.0058, 0.1]),
+    "patches": (lambda: benchmark("cactus"), "bend", (1, -2, 0.5), "initial_patches", [30, 300, 3000]),
+    "influence": (lambda: benchmark("bar"), "bend", (1, -2, 0.5), "influence", [1.2, 4, 8]),
     "distances": (hairpin, "plain", (0.3, -1, 0.15), "weights", ["Along the surface", "Euclidean"]),
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring> // for wrap/callback.h of VCG 2020.09, which forgets it
+#include <functional>
 #include <stdexcept>
 #include <wrap/callback.h>
 
