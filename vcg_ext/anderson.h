@@ -44,10 +44,11 @@ class Anderson {
                 gx -= theta[c] * differenceG.col(c);
     }
 
-    /// The largest factor by which the last steps shrank what was between two of them; 1 before there are any.
+    /// The largest factor by which the last steps shrank what was between two of them; 1 before there are as many as
+    /// are kept: the first ones tell of what goes away fast.
     double Contraction() const {
         const int used = std::min(steps - 1, depth);
-        return used < 2 ? 1 : std::min(1.0, *std::max_element(contraction, contraction + used));
+        return used < depth ? 1 : std::min(1.0, *std::max_element(contraction, contraction + depth));
     }
 
   private:

@@ -342,6 +342,26 @@ TEST(GraphDeformer, ToleranceIsHowFarTheNodesAreFromRest) {
     }
 }
 
+TEST(Anderson, TellsHowMuchIsLeftFromItsFirstWordOn) {
+    // The modes of heat that flows along a line: a smooth part that hardly shrinks, and roughness that goes at once.
+    const int n = 30;
+    for (double rough : {0.0, 1e-4, 1e-3, 0.01, 0.1, 1.0}) {
+        Eigen::VectorXd rate(n), x(n);
+        for (int i = 0; i < n; ++i) {
+            rate[i] = 0.5 + 0.5 * std::cos(EIGEN_PI * (i + 1) / (n + 1));
+            x[i] = (i < 2 ? 1 : rough) / (i + 1);
+        }
+        vcg::fcd::detail::Anderson anderson(n);
+        for (int step = 0; step < 100 && x.norm() > 1e-9; ++step) {
+            Eigen::VectorXd next = rate.cwiseProduct(x);
+            const double moved = (next - x).norm();
+            anderson.Mix(x, next);
+            EXPECT_GE(moved, (1 - anderson.Contraction()) * x.norm() / 10) << rough << ", step " << step;
+            x = next;
+        }
+    }
+}
+
 TEST(GraphDeformer, GoesOnFromTheLastPose) {
     const Rig rig = TubeRig();
     const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
@@ -349,8 +369,8 @@ TEST(GraphDeformer, GoesOnFromTheLastPose) {
     tight.tolerance = 1e-9;
     const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
     const GraphPose first = deformer.Solve(motion, tight), again = deformer.Solve(motion, tight, {}, &first, motion);
-    EXPECT_LE(again.iterations, 3) << "two steps to tell how fast it converges, and one to stop";
-    EXPECT_GT(first.iterations, 5);
+    EXPECT_LE(again.iterations, 7) << "six steps to tell how fast it converges, and one to stop";
+    EXPECT_GT(first.iterations, again.iterations);
     EXPECT_LE((again.position - first.position).norm(), 1e-6);
     // One motion of all since then is that motion of the pose.
     const Affine3d rigid = RandomRigid(5);
@@ -358,7 +378,7 @@ TEST(GraphDeformer, GoesOnFromTheLastPose) {
     for (const Affine3d &m : motion)
         moved.push_back(rigid * m);
     const GraphPose on = deformer.Solve(moved, tight, {}, &first, motion);
-    EXPECT_LE(on.iterations, 3);
+    EXPECT_LE(on.iterations, 7);
     EXPECT_LE((on.position - rigid * first.position).norm(), 1e-6);
 }
 
