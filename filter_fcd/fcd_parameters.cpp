@@ -206,12 +206,17 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
         list, Shown::Advanced, "graph_weights", int(deformation.graphWeights),
         QStringList() << "Common border"
                       << "Uniform"
-                      << "As in the paper",
+                      << "As in the paper"
+                      << "The paper to the letter",
         "Graph weights",
         "How strongly neighbouring patches hold together. <i>Common border</i>: the more, the longer "
         "their border and the closer their centres, so that the shape hardly depends on where the "
         "patches lie. <i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and the patches are balanced by "
-        "their number of vertices instead of their area, so that denser parts get more of them.");
+        "their number of vertices instead of their area, so that denser parts get more of them. <i>The paper to the "
+        "letter</i>: all else, too, is as it is printed, to compare with it: vertices follow the nodes whose patch "
+        "would reach them (Eqs. 7 and 8), whatever is held gives no way and nothing runs over into it, and the shape "
+        "is improved by plain steps until one moves no node by more than the tolerance. 'Distances' and 'Influence' "
+        "are not read.");
     const EnumText weights = weightsText();
     addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights), weights.values, weights.label,
                            weights.help);
@@ -276,9 +281,13 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     deformation.smoothness = list.getFloat("smoothness");
     deformation.maxIterations = list.getInt("max_iterations");
     deformation.tolerance = list.getFloat("tolerance");
-    const int graphWeights = enumValue(list, "graph_weights", 3);
-    deformation.graphWeights = graphWeights == 0 ? vcg::fcd::GraphWeights::Border : vcg::fcd::GraphWeights::Uniform;
-    deformation.graph.measure = graphWeights == 2 ? vcg::fcd::PatchMeasure::Vertices : vcg::fcd::PatchMeasure::Area;
+    using vcg::fcd::GraphWeights;
+    using vcg::fcd::PatchMeasure;
+    const GraphWeights graphWeights[] = {GraphWeights::Border, GraphWeights::Uniform, GraphWeights::Uniform,
+                                         GraphWeights::Printed};
+    const int chosen = enumValue(list, "graph_weights", 4);
+    deformation.graphWeights = graphWeights[chosen];
+    deformation.graph.measure = chosen >= 2 ? PatchMeasure::Vertices : PatchMeasure::Area;
     deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
     deformation.influence = list.getFloat("influence");
     deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));

@@ -73,7 +73,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             parameter("AbsPerc", "target_radius", value=target_radius, min=0, max=100) +
             parameter("Int", "initial_patches", value=initial_patches) + parameter("Int", "random_seed", value=random_seed) +
             parameter("Float", "smoothness", value=smoothness) + parameter("Int", "max_iterations", value=max_iterations) +
-            parameter("Float", "tolerance", value=tolerance) + choice("graph_weights", graph_weights, 3) +
+            parameter("Float", "tolerance", value=tolerance) + choice("graph_weights", graph_weights, 4) +
             choice("weights", weights, 2) +
             parameter("Float", "influence", value=influence) + choice("loose_parts", loose_parts, 2) +
             parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) +
@@ -399,7 +399,7 @@ def test_tags_from_selections_saved_and_read(tmp_path):
     ([read_filter("/no/such.sel")], "/no/such.sel"),
     ([quality_filter(BONE_TAGS), save_filter("/no/such/t.sel")], "Cannot write"),
     ([quality_filter(BONE_TAGS), save_filter("t.sel", handles=3)], "from 0 to 2"),
-    ([quality_filter(BONE_TAGS), deform_filter(graph_weights=3)], "graph_weights is 3"),
+    ([quality_filter(BONE_TAGS), deform_filter(graph_weights=4)], "graph_weights is 4"),
     ([quality_filter(BONE_TAGS), deform_filter(deformed_quality=3)], "deformed_quality is 3"),
 ])
 def test_an_error_about_tags_is_a_message(tmp_path, script, word):

@@ -949,6 +949,12 @@ def test_graph_weights_of_the_paper():
     assert not same_points(uniform, border)
     assert np.linalg.norm(uniform - border, axis=1).max() < 0.05 * np.linalg.norm(np.ptp(rest, axis=0))
     assert same_points(uniform[tags == 0], rest[tags == 0])
+    _, result, _, printed, _ = deform_bone(graph_weights=3, **move)
+    assert result["converged"] and result["iterations"] > 1
+    assert same_points(printed[tags == 0], rest[tags == 0])
+    assert same_points(printed, deform_bone(graph_weights=3, weights=1, influence=2, **move)[3])  # neither is read
+    off = np.linalg.norm(printed - border, axis=1).max() / np.linalg.norm(np.ptp(rest, axis=0))
+    assert 1e-3 < off < 0.2  # creases at what is held
 
 
 # --- point handles ------------------------------------------------------------------------------------------------------

@@ -26,6 +26,7 @@ TOLERANCE = 1e-5  # of SolverParam
 OPEN3D_ITERATIONS = 50
 METHODS = {
     "fcd": "this plugin",
+    "printed": "this plugin, the paper to the letter",
     "every_vertex": "this plugin, a node at every vertex",
     "cgal_sr_arap": "CGAL SR-ARAP",
     "cgal_arap": "CGAL ARAP",
@@ -61,15 +62,15 @@ def read_case(stem):
 
 # --- methods, each in a process of its own: they give the positions and what these cost ---
 
-def with_plugin(stem, plugin, at_every_vertex):
+def with_plugin(stem, plugin, method):
     pymeshlab.load_plugin(plugin)
     ms = pymeshlab.MeshSet()
     ms.load_new_mesh(f"{stem}.ply")
-    patches = {"initial_patches": ms.current_mesh().vertex_number()} if at_every_vertex else {}
+    parameters = {"fcd": {}, "printed": {"graph_weights": 3}, "every_vertex": {"initial_patches": ms.current_mesh().vertex_number()}}[method]
 
     def work():
         result = ms.apply_filter("generate_fcd_deformed_mesh", handles="Files", tag_file=f"{stem}.sel", transform_file=f"{stem}.def",
-                                 graph_layers=False, **patches)
+                                 graph_layers=False, **parameters)
         return ms.current_mesh(), {"iterations": result["iterations"], "rests": bool(result["converged"])}
 
     mesh, cost = measured(work)
@@ -123,8 +124,8 @@ def measured(work):
 
 
 def run_here(method, stem, plugin, out):
-    if method in ("fcd", "every_vertex"):
-        points, cost = with_plugin(stem, plugin, method == "every_vertex")
+    if method in ("fcd", "printed", "every_vertex"):
+        points, cost = with_plugin(stem, plugin, method)
     elif method == "libigl_arap":
         points, cost = with_libigl(stem)
     else:

@@ -17,7 +17,7 @@ namespace fcd {
 struct SurfacePose {
     HeldMotions given;
     GraphPose solved;                        ///< of the graph
-    GraphPose graph;                         ///< the same with linear maps (FitLinear)
+    GraphPose graph;                         ///< the same with linear maps (FitLinear; rotations as printed)
     std::vector<Eigen::Affine3d> nodeMotion; ///< k, of constrained nodes, frame units
     /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
     std::map<Index, Eigen::Affine3d> motion;

@@ -21,10 +21,13 @@ namespace fcd {
 
 /// Weights w_ij of the deformation graph's edges.
 enum class GraphWeights {
-    Border, ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
-            ///< (its straight length over the centres' distance), so that around each node as much flows in every
-            ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
-    Uniform ///< 1 for every edge (paper, Eqs. 3 and 4)
+    Border,  ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
+             ///< (its straight length over the centres' distance), so that around each node as much flows in every
+             ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
+    Uniform, ///< 1 for every edge (paper, Eqs. 3 and 4)
+    /// The same, with the nodes at the patches' central vertices and all edges from node to node (paper, sec. 2.1): a
+    /// deformer with them keeps to what is printed in all else, too, to compare with it.
+    Printed
 };
 
 /// The deformation graph: the dual graph of the patches, a node at each patch's centre (paper, sec. 2.1).
@@ -41,8 +44,8 @@ struct DeformationGraph {
 };
 
 /// The dual graph of \p patches over \p surface (n nodes) and its weights. A node is at the barycentre of its patch, or
-/// at the patch's centre where that is held or the nodes have no area. Held patches (tag other than 1) are not joined
-/// with each other: between them nothing deforms.
+/// at the patch's centre where that is held, the nodes have no area or the graph is as printed. Held patches (tag other
+/// than 1) are not joined with each other: between them nothing deforms.
 /// \param tag n values: 1 free, others held; empty: all free
 /// \param area n values, >= 0: of the surface around each node
 inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
@@ -79,7 +82,8 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
             sum.col(patches.patchOf[u]) += double(area[u]) * surface.position.col(u).cast<double>().homogeneous();
     d.graph.position.resize(3, k);
     for (Index j = 0; j < k; ++j) {
-        const bool isPlaced = (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);
+        const bool isPlaced =
+            weights == GraphWeights::Printed || (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);
         d.graph.position.col(j) = isPlaced ? Eigen::Vector3f(surface.position.col(patches.center[j]))
                                            : Eigen::Vector3f((sum.col(j).head<3>() / sum(3, j)).cast<float>());
     }
@@ -92,14 +96,14 @@ inline DeformationGraph MakeDeformationGraph(const Graph &surface, const std::ve
             const Index j = d.graph.adjacency.item[e];
             const Flux &flux = dual.value[e];
             Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
-            if (flux.held[3] > 0)
+            if (flux.held[3] > 0 && weights != GraphWeights::Printed)
                 (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
             const Eigen::Vector3d way = from - to;
             d.edge.col(e) = way.cast<float>();
             const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
             d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
         }
-    if (weights == GraphWeights::Uniform) {
+    if (weights != GraphWeights::Border) {
         d.weight.assign(items, 1);
         return d;
     }

@@ -55,7 +55,7 @@ class Deformer : public MovingSurface {
              const Progress &progress = {})
         : MovingSurface(std::move(surface), std::move(heldNodes), std::move(looseSurface), std::move(slotTag)),
           point(point), param(param) {
-        weights = param.weights;
+        weights = IsPrinted() ? MappingWeights::Euclidean : param.weights;
         Stopwatch watch;
         for (std::size_t i : point)
             pointRest.emplace_back(rest.col(Eigen::Index(i)));
@@ -63,9 +63,9 @@ class Deformer : public MovingSurface {
         BuildGraph(rest, progress.Slice(0, 0.7));
         secondsGraph = watch.Seconds();
         watch = {};
-        mapping = std::make_unique<GraphMapping>(this->surface.graph, held.tag, patches, graph, param.weights,
+        mapping = std::make_unique<GraphMapping>(this->surface.graph, held.tag, patches, graph, weights,
                                                  param.influence, param.shape.runOver * D, progress.Slice(0.7, 0.95),
-                                                 param.shape);
+                                                 param.shape, IsPrinted());
         following = param.looseParts == LooseParts::Follow
                         ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
                         : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
@@ -116,18 +116,23 @@ class Deformer : public MovingSurface {
         NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
         if (!held.original.empty())
             detail::TurnTogether(graph, held.tag, patches, given);
+        if (IsPrinted())
+            given.turns.assign(given.turns.size(), false);
         if (!parts || given.turns != turns) {
             parts = std::make_unique<PartsDeformer>(graph, nodeArea, given, param.shape.heldDepth);
             turns = given.turns;
         }
-        pose.solved = parts->Solve(given, solver, progress, last ? &last->solved : nullptr,
+        SolverParam steps = solver;
+        steps.accelerated = solver.accelerated && !IsPrinted();
+        pose.solved = parts->Solve(given, steps, progress, last ? &last->solved : nullptr,
                                    last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
         pose.iterations = pose.solved.iterations;
         pose.graph = pose.solved;
         std::vector<bool> hasMotion(graph.Size());
         for (Index j = 0; j < graph.Size(); ++j)
             hasMotion[j] = given.constrained[j] && !given.turns[j];
-        FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
+        if (!IsPrinted())
+            FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
         for (Index j = 0; j < graph.Size(); ++j) {
             const Index t = held.tag[patches.center[j]];
             if (HeldNodes::IsSingle(t) && given.turns[j]) { // run over into the motion that the surface makes there
@@ -160,6 +165,8 @@ class Deformer : public MovingSurface {
     double secondsMap = 0;                   ///< ... and the mapping
 
   private:
+    bool IsPrinted() const { return param.graphWeights == GraphWeights::Printed; }
+
     void BuildGraph(const Eigen::Matrix3Xd &rest, const Progress &progress) {
         D = detail::TargetRadius(surface, param.graph, param.shape.patchRadius);
         if (param.nodes.cols() == 0)

@@ -30,6 +30,9 @@ struct SolverParam {
     double smoothness = 0.0058;
     int maxIterations = 1000; ///< >= 0
     double tolerance = 1e-5;  ///< stop where no node is farther from rest than ten times this fraction of the diagonal
+    /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
+    /// more than the tolerance times the diagonal.
+    bool accelerated = true;
 };
 
 /// SR-ARAP on a graph (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6 with the local step corrected: S_i sums
@@ -137,7 +140,7 @@ class GraphDeformer {
         return state;
     }
 
-    /// Takes accelerated local and global steps until \p state is at rest. Counts them in \p pose.
+    /// Takes local and global steps until \p state is at rest. Counts them in \p pose.
     void Minimise(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
@@ -155,6 +158,12 @@ class GraphDeformer {
                 progress(1 - std::exp(-4.0 * pose.iterations / param.maxIterations), "Deforming the graph");
             Step(state, given, stepped, work);
             const double moved = LargestMove(state, stepped);
+            if (!param.accelerated) {
+                pose.converged = moved <= 0.1 * still;
+                std::swap(state, stepped);
+                state.energy = energy.Of(state, given);
+                continue;
+            }
             // Accelerated step, where it lowers the energy; the plain one always does.
             Pack(state, here);
             Pack(stepped, after);

@@ -37,17 +37,21 @@ inline Space SpaceOf(const Frame &frame) {
 /// is of second order, as the trapezoidal rule is.) Near a held region, the blend runs over into that region's own
 /// motion, with continuous tangents at its border, so that held nodes are exact and no crease is left there. Small held
 /// parts may lie in patches of free nodes.
+///
+/// As printed, it is p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), w_j = (1 - |p - c_j| / d_j)^2 inside the patch's radius
+/// d_j by the straight distance, and nothing runs over.
 class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
     /// \param influence node radius over patch radius, > 1
     /// \param fade greatest width of the run-over into held regions along the surface, units of the positions
+    /// \param isPrinted by Eqs. 7 and 8 to the letter; influence and fade are not read
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
-                 const Progress &progress = {}, const ShapeConstants &shape = {})
-        : surface(surface), tag(tag), patches(patches), graph(graph),
-          candidates(patches, graph, weights, influence, progress.Slice(0, 0.2), shape),
-          runOver(surface, tag, patches, graph, fade, progress.Slice(0.2, 1), shape) {}
+                 const Progress &progress = {}, const ShapeConstants &shape = {}, bool isPrinted = false)
+        : surface(surface), tag(tag), patches(patches), graph(graph), isPrinted(isPrinted),
+          candidates(patches, graph, weights, isPrinted ? 1 : influence, progress.Slice(0, 0.2), shape),
+          runOver(surface, tag, patches, graph, isPrinted ? 0 : fade, progress.Slice(0.2, 1), shape) {}
 
     /// The mapping of one pose: from a place on the surface, and the position of a vertex there, to where that goes.
     class Posed {
@@ -94,6 +98,11 @@ class GraphMapping {
             const Index patch = mapping.patches.patchOf[node[0]];
             detail::Vertices &vertices = scratch.vertices;
             vertices.Fill(count);
+            if (mapping.isPrinted) {
+                for (int l = 0; l < detail::lanes; ++l)
+                    MapAsPrinted(node[std::min(l, count - 1)], l, linear, vertices);
+                return;
+            }
             PutCandidates(patch, scratch);
             detail::Blending &b = scratch.blending;
             for (int l = 0; l < detail::lanes; ++l)
@@ -117,6 +126,36 @@ class GraphMapping {
 
       private:
         friend class GraphMapping;
+
+        /// Eqs. 7 and 8. Where they leave no weight, as at the farthest vertex of a patch, its own node has all.
+        void MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const {
+            const Csr &nodes = mapping.candidates.nodes;
+            const Index patch = mapping.patches.patchOf[node];
+            const Eigen::Vector3d rest = vertices.Rest(lane);
+            Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+            Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+            double total = 0;
+            const auto add = [&](Index j, double weight) {
+                const Eigen::Map<const Eigen::Matrix3d> its(own[j].turn);
+                shift += weight * (its * (rest - Eigen::Map<const Eigen::Vector3d>(own[j].center)) +
+                                   Eigen::Map<const Eigen::Vector3d>(own[j].shift));
+                turn += weight * its;
+                total += weight;
+            };
+            for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {
+                const detail::Ball &ball = mapping.candidates.ball[c];
+                const Eigen::Vector3f way =
+                    mapping.surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
+                const double left = 1 - std::sqrt(double(way.squaredNorm()) * ball.inverse);
+                if (left > 0)
+                    add(ball.node, left * left);
+            }
+            if (total == 0)
+                add(patch, 1);
+            vertices.SetMoved(lane, rest + shift / total);
+            if (linear)
+                vertices.SetLinear(lane, (Eigen::Matrix3d::Identity() + turn / total).cast<float>());
+        }
 
         void PutCandidates(Index patch, Scratch &scratch) const {
             const MappingCandidates &all = mapping.candidates;
@@ -239,6 +278,7 @@ class GraphMapping {
     const std::vector<Index> &tag;
     const Patches &patches;
     const DeformationGraph &graph;
+    const bool isPrinted;
     const MappingCandidates candidates;
     const RunOver runOver;
 };

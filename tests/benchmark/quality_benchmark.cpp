@@ -199,6 +199,24 @@ const Constant constants[] = {
     {"shareBall", [](DeformationParam &p) -> double & { return p.shape.shareBall; }},
 };
 
+/// From the paper to what is here, one step after the other.
+struct Step {
+    const char *name;
+    void (*take)(DeformationParam &);
+};
+const Step steps[] = {
+    {"the paper to the letter",
+     [](DeformationParam &p) {
+         p.graphWeights = vcg::fcd::GraphWeights::Printed;
+         p.graph.measure = vcg::fcd::PatchMeasure::Vertices;
+         p.weights = vcg::fcd::MappingWeights::Euclidean;
+     }},
+    {"mapping, held parts, end", [](DeformationParam &p) { p.graphWeights = vcg::fcd::GraphWeights::Uniform; }},
+    {"patches by area", [](DeformationParam &p) { p.graph.measure = vcg::fcd::PatchMeasure::Area; }},
+    {"weights from borders", [](DeformationParam &p) { p.graphWeights = vcg::fcd::GraphWeights::Border; }},
+    {"along the surface", [](DeformationParam &p) { p.weights = vcg::fcd::MappingWeights::Surface; }},
+};
+
 struct Loaded {
     Case of;
     Instance instance;
@@ -367,7 +385,8 @@ int main(int argc, char **argv) {
     std::vector<int> patches = {300, 1000, 3000};
     std::filesystem::path directory;
     int seeds = 5;
-    bool training = false, heldOut = false, csv = false, markdown = false, withLimit = false, sensitivity = false;
+    bool training = false, heldOut = false, csv = false, markdown = false, withLimit = false, sensitivity = false,
+         withSteps = false;
     app.add_option("stem", stems, "cases from files instead: STEM.off or STEM.ply, STEM.sel, STEM.def");
     app.add_flag("--training", training, "only the cases that constants are chosen on");
     app.add_flag("--held-out", heldOut, "only the others");
@@ -379,6 +398,7 @@ int main(int argc, char **argv) {
     app.add_option("--seeds", seeds, "1 up to this")->check(CLI::PositiveNumber)->capture_default_str();
     app.add_flag("--limit", withLimit, "also the distance to our result with a node at every vertex");
     app.add_flag("--sensitivity", sensitivity, "also what halving and doubling each constant does");
+    app.add_flag("--steps", withSteps, "also what each step from the paper to this program does");
     app.add_option("--set", set, "other values of constants: NAME=VALUE,...")->delimiter(',');
     app.add_option("--save", directory, "folder for the meshes: NAME.off, NAME_reference.off, NAME_fcd.off, NAME.sel");
     app.add_flag("--csv", csv);
@@ -473,9 +493,10 @@ int main(int argc, char **argv) {
             for (int k : patches)
                 results.Row(Cells("mean", NameOf(half), k, MeanOf(of.at(k)), shown));
 
-        if (sensitivity) {
-            columns = {{"constant", -16}, {"value", 9}, {"half", -8}};
-            const std::vector<std::pair<Measure, std::string>> moving = {{Rms, "rms %"}, {Bend99, "bend p99"}};
+        if (sensitivity || withSteps) {
+            columns = {{sensitivity ? "constant" : "step", -24}, {"value", 9}, {"half", -8}};
+            const std::vector<std::pair<Measure, std::string>> moving = {
+                {Rms, "rms %"}, {Bend99, "bend p99"}, {BendMax, "bend max"}};
             for (const auto &[measure, title] : moving)
                 for (int k : patches)
                     columns.push_back({title + " " + std::to_string(k), 13});
@@ -489,17 +510,27 @@ int main(int argc, char **argv) {
                     table.Row(cells);
                 }
             };
+            const auto show = [&](const std::string &name, const std::string &value, const DeformationParam &other) {
+                Outcomes changed;
+                for (const Loaded &l : loaded)
+                    for (int k : patches)
+                        changed[l.of.half][k].push_back(Evaluate(l, other, k, seeds));
+                row(name, value, changed);
+            };
             row("as it is", "", outcomes);
             for (const Constant &constant : constants)
                 for (double factor : {0.5, 2.0}) {
                     DeformationParam other = param;
                     constant.at(other) *= factor;
-                    Outcomes changed;
-                    for (const Loaded &l : loaded)
-                        for (int k : patches)
-                            changed[l.of.half][k].push_back(Evaluate(l, other, k, seeds));
-                    row(constant.name, Text(constant.at(other), 5), changed);
+                    if (sensitivity)
+                        show(constant.name, Text(constant.at(other), 5), other);
                 }
+            DeformationParam other = param;
+            for (const Step &step : steps) {
+                step.take(other);
+                if (withSteps)
+                    show(step.name, "", other);
+            }
         }
     } catch (const std::exception &e) {
         std::fprintf(stderr, "quality_benchmark: %s\n", e.what());

@@ -144,3 +144,75 @@ TEST(Deformer, KnowsItsNodes) {
     EXPECT_FALSE(HasNodes(*rig.deformer, other));
     EXPECT_FALSE(HasNodes(*rig.deformer, nodes.leftCols(nodes.cols() - 1)));
 }
+
+TEST(Deformer, KeepsToThePaperWhereAsked) {
+    DeformerRig rig(BentEnd());
+    rig.param.graphWeights = GraphWeights::Printed;
+    rig.param.graph.measure = PatchMeasure::Vertices;
+    rig.deformer = vcg::tri::PrepareDeformer(rig.mesh, rig.bend.handles, rig.param, rig.rest);
+    const Deformer &deformer = *rig.deformer;
+    const SurfaceGraph &surface = deformer.surface;
+    const DeformationGraph &graph = deformer.graph;
+    const Csr &adjacency = graph.graph.adjacency;
+    for (Index j = 0; j < graph.Size(); ++j) { // a node is the centre of its patch, an edge leads from node to node
+        EXPECT_EQ(graph.graph.position.col(j), surface.graph.position.col(deformer.patches.center[j]));
+        for (std::uint32_t e = adjacency.begin[j]; e < adjacency.begin[j + 1]; ++e) {
+            EXPECT_EQ(graph.weight[e], 1);
+            const Eigen::Vector3f way = graph.graph.position.col(j) - graph.graph.position.col(adjacency.item[e]);
+            EXPECT_LE((graph.edge.col(e) - way).norm(), 1e-6f);
+        }
+    }
+    Matrix3Xd position = rig.rest;
+    std::vector<Eigen::Matrix3f> linear;
+    const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
+    Carrier(deformer, pose).Apply(position, &linear);
+    ASSERT_TRUE(pose.graph.converged);
+    for (Index j = 0; j < graph.Size(); ++j) { // rotations, and of what is held those that are given
+        EXPECT_TRUE((pose.graph.linear[j] * pose.graph.linear[j].transpose()).isIdentity(1e-9));
+        if (graph.IsHeld(j)) {
+            EXPECT_EQ(pose.graph.linear[j], pose.nodeMotion[j].linear());
+        }
+    }
+    int blended = 0, open = 0;
+    for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i) { // Eqs. 7 and 8
+        const Index node = surface.nodeOf[i];
+        if (node < 0 || deformer.held.tag[node] != 1)
+            continue;
+        const Vector3d p = surface.graph.position.col(node).cast<double>();
+        Vector3d sum = Vector3d::Zero();
+        Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+        double total = 0;
+        int used = 0;
+        const auto add = [&](Index j, double w) {
+            const Vector3d c = graph.graph.position.col(j).cast<double>();
+            sum += w * (pose.graph.linear[j] * (p - c) + pose.graph.position.col(j));
+            turn += w * pose.graph.linear[j];
+            total += w;
+        };
+        for (Index j = 0; j < graph.Size(); ++j) {
+            double spacing = 0; // a patch of few nodes reaches half-way to its neighbours
+            for (Index n : adjacency[j])
+                spacing += (graph.graph.position.col(n) - graph.graph.position.col(j)).norm();
+            const double d = std::max(double(graph.radius[j]), 0.5 * spacing / double(adjacency[j].size()));
+            const double left = 1 - (p - graph.graph.position.col(j).cast<double>()).norm() / d;
+            if (left > 0) {
+                add(j, left * left);
+                ++used;
+            }
+        }
+        if (total < 1e-4) { // where hardly anything reaches, rounding decides
+            ++open;
+            continue;
+        }
+        blended += used > 1;
+        const Vector3d expected = surface.frame.FromFrame(Vector3d(sum / total));
+        EXPECT_LE((position.col(Eigen::Index(i)) - expected).norm(), 1e-4) << "vertex " << i;
+        EXPECT_LE((linear[i].cast<double>() - turn / total).norm(), 1e-3) << "vertex " << i;
+    }
+    EXPECT_GT(blended, 3 * open);
+    EXPECT_TRUE(position.allFinite());
+    for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i)
+        if (deformer.slotTag[i] == 0) { // what is held is where it was put all the same
+            EXPECT_EQ(position.col(Eigen::Index(i)), rig.rest.col(Eigen::Index(i)));
+        }
+}

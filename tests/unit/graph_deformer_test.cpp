@@ -342,6 +342,31 @@ TEST(GraphDeformer, ToleranceIsHowFarTheNodesAreFromRest) {
     }
 }
 
+TEST(GraphDeformer, PlainStepsEndWhereTheAcceleratedOnesDo) {
+    const Rig rig = TubeRig();
+    const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+    SolverParam param;
+    param.maxIterations = 20000;
+    param.tolerance = 1e-11;
+    const GraphPose rest = deformer.Solve(motion, param);
+    param.accelerated = false;
+    const GraphPose plain = deformer.Solve(motion, param);
+    ASSERT_TRUE(rest.converged && plain.converged);
+    EXPECT_GT(plain.iterations, rest.iterations);
+    EXPECT_LE((plain.position - rest.position).colwise().norm().maxCoeff(), 1e-7);
+    EXPECT_NEAR(plain.energy, rest.energy, 1e-9 * rest.energy);
+    double previous = std::numeric_limits<double>::infinity();
+    for (int n = 1; n <= 25; ++n) {
+        SolverParam few = Iterations(n);
+        few.accelerated = false;
+        const GraphPose pose = deformer.Solve(motion, few);
+        EXPECT_EQ(pose.iterations, n);
+        ASSERT_LE(pose.energy, previous * (1 + 1e-12)) << n;
+        previous = pose.energy;
+    }
+}
+
 TEST(Anderson, TellsHowMuchIsLeftFromItsFirstWordOn) {
     // The modes of heat that flows along a line: a smooth part that hardly shrinks, and roughness that goes at once.
     const int n = 30;
