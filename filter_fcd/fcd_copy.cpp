@@ -45,21 +45,6 @@ class Source {
 /// The displacement of a point, and how space turns and stretches there.
 using Displacement = std::function<Eigen::Vector3d(const Eigen::Vector3d &, Eigen::Matrix3f &)>;
 
-/// As the nearest place of the source's surface goes. The arguments must outlive it.
-Displacement displacementOf(const Source &source, const vcg::fcd::Carrier &carrier) {
-    return [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
-        const vcg::fcd::SurfacePlace place = (*source.places)(x);
-        Eigen::Vector3d way = Eigen::Vector3d::Zero();
-        Eigen::Matrix3f each;
-        map.setZero();
-        for (int k = 0; k < place.count; ++k) {
-            way += place.weight[k] * (carrier(std::size_t(place.slot[k]), x, each) - x);
-            map += float(place.weight[k]) * each;
-        }
-        return way;
-    };
-}
-
 /// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
            const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
@@ -146,7 +131,9 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
         source = std::make_unique<Source>(*param.source);
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
-        displacement = displacementOf(*source, *carrier);
+        displacement = [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
+            return carrier->Displacement((*source->places)(x), x, map);
+        };
         matrix = source->matrix;
     } else {
         field = std::make_unique<DeformationField>(

@@ -5,6 +5,7 @@
 #include "graph_mapping.h"
 #include "held_nodes.h"
 #include "loose_parts.h"
+#include "nearest_place.h"
 #include "normals.h"
 #include "rotation_fit.h"
 
@@ -146,6 +147,21 @@ class Carrier {
         if (follower != follows.end() && follower->slot == slot)
             return Followed(*follower, p);
         return matrix.isIdentity(0) ? p : Eigen::Vector3d((matrix * p.homogeneous()).head<3>());
+    }
+
+    /// The displacement of a point that is no vertex: it goes with its place on the surface, which NearestPlace finds
+    /// once for all poses.
+    /// \param place of vertex slots \param p mesh units \param linear how the surface turns and stretches there
+    /// \return mesh units; 0, to the bit, where nothing moves at the place
+    Eigen::Vector3d Displacement(const SurfacePlace &place, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
+        Eigen::Vector3d way = Eigen::Vector3d::Zero();
+        Eigen::Matrix3f each;
+        linear.setZero();
+        for (int k = 0; k < place.count; ++k) {
+            way += place.weight[k] * ((*this)(std::size_t(place.slot[k]), p, each) - p);
+            linear += float(place.weight[k]) * each;
+        }
+        return way;
     }
 
     /// \param position 3 x vertex slots, mesh units; in: at rest, out: deformed. Held vertices are exact: what is fixed

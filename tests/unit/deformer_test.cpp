@@ -134,6 +134,49 @@ TEST(Deformer, CarriesPointsBesideItRigidlyWhereAllMovesSo) {
     }
 }
 
+TEST(Deformer, CarriesPointsThatAreBoundToItOnce) {
+    DeformerRig rig(BentEnd());
+    std::vector<std::array<Index, 3>> triangle;
+    for (const auto &f : rig.mesh.face)
+        triangle.push_back({Index(vcg::tri::Index(rig.mesh, f.cV(0))), Index(vcg::tri::Index(rig.mesh, f.cV(1))),
+                            Index(vcg::tri::Index(rig.mesh, f.cV(2)))});
+    const NearestPlace places(rig.rest, triangle, std::vector<char>(rig.mesh.vert.size(), 1));
+    std::vector<SurfacePlace> bound; // the middles of the triangles, and the vertices
+    Matrix3Xd point(3, triangle.size() + rig.mesh.vert.size());
+    for (std::size_t t = 0; t < triangle.size(); ++t)
+        point.col(Eigen::Index(t)) =
+            (rig.rest.col(triangle[t][0]) + rig.rest.col(triangle[t][1]) + rig.rest.col(triangle[t][2])) / 3;
+    point.rightCols(rig.rest.cols()) = rig.rest;
+    for (Eigen::Index i = 0; i < point.cols(); ++i)
+        bound.push_back(places(point.col(i)));
+    for (double percent : {40.0, 100.0, 0.0}) {
+        rig.param.pose = percent;
+        const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
+        const Carrier carrier(*rig.deformer, pose);
+        Matrix3Xd position = rig.rest;
+        carrier.Apply(position);
+        Eigen::Matrix3f map;
+        for (std::size_t i = 0; i < bound.size(); ++i) {
+            const Vector3d p = point.col(Eigen::Index(i)), way = carrier.Displacement(bound[i], p, map);
+            Vector3d expected = Vector3d::Zero();
+            if (i < triangle.size()) {
+                bool isFixed = true;
+                for (Index v : triangle[i]) {
+                    expected += position.col(v) / 3;
+                    isFixed &= rig.deformer->slotTag[std::size_t(v)] == 0;
+                }
+                if (isFixed || percent == 0) {
+                    EXPECT_EQ(way, Vector3d::Zero());
+                }
+            } else {
+                expected = position.col(Eigen::Index(i - triangle.size()));
+            }
+            // Between the corners the surface bends: off by the square of an edge, 0.2, over the radius, 3.
+            EXPECT_LE((p + way - expected).norm(), i < triangle.size() ? 0.02 : 1e-9) << percent << ", point " << i;
+        }
+    }
+}
+
 TEST(Deformer, KnowsItsNodes) {
     DeformerRig rig(BentEnd());
     const auto nodes = vcg::tri::DeformCentroidal(rig.mesh, rig.bend.handles, rig.param).rest.position;
