@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the parameters that shape a deformation do, in pictures: those of docs/tuning.md.
+"""What the parameters that shape a deformation do, in pictures: those of docs/tuning.md, and of docs/method.md that of the paper.
 
   build/venv/bin/python tests/tuning.py docs/pictures
 """
@@ -41,6 +41,8 @@ ROWS = {
     "smoothness": (lambda: benchmark("cylinder"), "plain", (0, -1, 0.1), "smoothness", [0.0005, 0.0058, 0.1]),
     "patches": (lambda: benchmark("cactus"), "bend", (1, -2, 0.5), "initial_patches", [30, 300, 3000]),
     "influence": (lambda: benchmark("bar"), "bend", (1, -2, 0.5), "influence", [1.2, 4, 8]),
+    "weights": (lambda: benchmark("bar"), "plain", (1, -2, 0.5), "graph_weights",
+                ["The paper to the letter", "As in the paper", "Common border"]),
     "distances": (hairpin, "plain", (0.3, -1, 0.15), "weights", ["Along the surface", "Euclidean"]),
 }
 
@@ -55,7 +57,8 @@ def main(folder):
             ms = pymeshlab.MeshSet(verbose=False)
             ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags))
             ms.apply_filter("generate_fcd_deformed_mesh", graph_layers=False, **{parameter: value}, **motion)
-            panels.append(render.Panel(render.Surface.of_layer(ms.current_mesh()), mode=mode, rest=rest, title=f"{parameter} = {value}"))
+            panels.append(render.Panel(render.Surface.of_layer(ms.current_mesh()), mode=mode, rest=rest,
+                                       title=value if isinstance(value, str) else f"{parameter} = {value}"))
         render.render(folder / f"tuning_{name}.png", panels, view=view, columns=len(panels), size=(340, 340))
 
 
