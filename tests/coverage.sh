@@ -8,9 +8,10 @@ program=$1
 shift
 profile=$(mktemp)
 trap 'rm -f "$profile"' EXIT
-llvm-profdata-14 merge -o "$profile" "$@"
-llvm-cov-14 report "$program" -instr-profile="$profile" -show-region-summary=false -show-branch-summary=false vcg_ext
-llvm-cov-14 export "$program" -instr-profile="$profile" -summary-only vcg_ext | python3 -c '
+llvm=$(clang -dumpversion | cut -d. -f1)
+"llvm-profdata-$llvm" merge -o "$profile" "$@"
+"llvm-cov-$llvm" report "$program" -instr-profile="$profile" -show-region-summary=false -show-branch-summary=false vcg_ext
+"llvm-cov-$llvm" export "$program" -instr-profile="$profile" -summary-only vcg_ext | python3 -c '
 import json, sys
 lines = json.load(sys.stdin)["data"][0]["totals"]["lines"]
 print("{covered} of {count} lines of vcg_ext, {percent:.2f} %".format(**lines))

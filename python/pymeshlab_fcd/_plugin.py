@@ -7,7 +7,9 @@ import re
 import warnings
 from pathlib import Path
 
-VERSIONS = ("2022.2", "2025.7")  # of pymeshlab, that there is a plugin for; python/CMakeLists.txt installs these
+PLUGINS = Path(__file__).parent / "plugins"
+# Of pymeshlab, that there is a plugin for.
+VERSIONS = sorted((folder.name for folder in PLUGINS.iterdir()), key=lambda name: [int(part) for part in name.split(".")])
 METHODS: list[str] = []  # filters that became methods of MeshSet
 
 missing = ""  # why there is no plugin
@@ -30,7 +32,7 @@ def _load() -> str:
     def ours():
         return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")[1:]]  # 2022.2 lists titles, too
     if not ours():  # someone may have loaded one before
-        pymeshlab.load_plugin(str(Path(__file__).parent / "plugins" / version / "libfilter_fcd.so"))
+        pymeshlab.load_plugin(str(PLUGINS / version / "libfilter_fcd.so"))
     for name in ours():
         setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
         METHODS.append(name)
