@@ -12,6 +12,7 @@ The dirty scans are the smallest of the scans with something done to it. What is
 result from the one that it has on the clean scan, at the vertices of that (root mean square, percent of the diagonal)?"""
 import argparse
 import csv
+import importlib
 import json
 import re
 import subprocess
@@ -228,7 +229,7 @@ def plot(times, limit, path):
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(figsize=(7, 4.5), dpi=110)
+    figure, axes = pyplot.subplots(figsize=(9.5, 4.5), dpi=110)
     for method, name in METHODS.items():
         line = sorted((size, seconds) for (m, size), seconds in times.items() if m == method)
         if line:
@@ -237,7 +238,7 @@ def plot(times, limit, path):
     axes.set_xlabel("vertices")
     axes.set_ylabel("seconds from the mesh to the result")
     axes.grid(True, which="major", alpha=0.3)
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     figure.tight_layout()
     figure.savefig(path)
 
@@ -365,6 +366,8 @@ def main():
     if arguments.run:
         run_here(*arguments.run[:2], arguments.plugin, arguments.run[2])
         return
+    for module in ("igl", "matplotlib", "open3d"):  # what is not there would fail in each cell
+        importlib.import_module(module)
     run = Runner(arguments)
     run.report("dirty", dirty(run, arguments.scans[0]))
     text, times = scans(run, arguments.scans)
