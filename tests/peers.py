@@ -225,10 +225,15 @@ def scans(run, stems):
                  ([name, *(cells[method, size] for size in sizes)] for method, name in METHODS.items())), times
 
 
-def plot(times, limit, path):
+def without_window():
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
+    return pyplot
+
+
+def plot(times, limit, path):
+    pyplot = without_window()
     figure, axes = pyplot.subplots(figsize=(9.5, 4.5), dpi=110)
     for method, name in METHODS.items():
         line = sorted((size, seconds) for (m, size), seconds in times.items() if m == method)
@@ -239,6 +244,25 @@ def plot(times, limit, path):
     axes.set_ylabel("seconds from the mesh to the result")
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+# --- how near after how long ---
+
+def plot_errors(files, path):
+    pyplot = without_window()
+    figure, axes = pyplot.subplots(1, len(files), figsize=(3.2 * len(files), 3.6), dpi=110, sharey=True, squeeze=False)
+    for one, file in zip(axes[0], files):
+        rows = list(csv.DictReader(open(file, encoding="utf-8")))
+        for method, name in {"fcd": METHODS["fcd"], "every_vertex": METHODS["every_vertex"], "sr_arap": METHODS["cgal_sr_arap"]}.items():
+            line = [(float(row["seconds"]), float(row["percent"])) for row in rows if row["method"] == method]
+            one.loglog(*zip(*line), "o-" if method != "sr_arap" else "-", label=name, linewidth=2.5 if method == "fcd" else 1.2, markersize=4)
+        one.set_title(file.name.removesuffix("_error.csv"), fontsize=10)
+        one.set_xlabel("seconds from the mesh on")
+        one.grid(True, which="major", alpha=0.3)
+    axes[0][0].set_ylabel("% of the diagonal from SR-ARAP's limit")
+    axes[0][-1].legend(fontsize=8, loc="upper left", bbox_to_anchor=(1, 1))
     figure.tight_layout()
     figure.savefig(path)
 
@@ -358,14 +382,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--cgal", help="cgal_peer")
-    parser.add_argument("--plugin", required=True)
+    parser.add_argument("--plugin")
     parser.add_argument("--scans", type=Path, nargs="+", default=[], help="from small to large")
     parser.add_argument("--seconds", type=int, default=120, help="limit of each cell")
+    parser.add_argument("--errors", type=Path, nargs="+", help="only draw these of deformation_benchmark, NAME_error.csv, to errors.png")
     parser.add_argument("--run", nargs=3, metavar=("METHOD", "STEM", "OUT"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.run:
         run_here(*arguments.run[:2], arguments.plugin, arguments.run[2])
         return
+    if arguments.errors:
+        plot_errors(arguments.errors, arguments.folder / "errors.png")
+        return
+    if not arguments.plugin or not arguments.scans:
+        parser.error("--plugin and --scans are missing")
     for module in ("igl", "matplotlib", "open3d"):  # what is not there would fail in each cell
         importlib.import_module(module)
     run = Runner(arguments)

@@ -6,6 +6,7 @@
 #   dirty.md, dirty_*.png            what becomes of dirty scans
 #   shapes.csv, SHAPE.png            the shapes of the benchmark of Botsch and Sorkine, with CGAL's ARAP and SR-ARAP: time to
 #                                    convergence, and to our distance from it         (see tests/benchmark/deformation_benchmark.cpp)
+#   SHAPE_error.csv, errors.png      how near each is to SR-ARAP's limit after how many seconds
 #
 #   bash tests/peers.sh [STEM ...]
 #
@@ -39,10 +40,13 @@ if [ $# = 0 ]; then
     done
 fi
 build/cmake/peers/tests/deformation_benchmark build/peers "$@" | tee build/peers/shapes.csv
+errors=()
 for stem in "$@"; do
     rest=$stem.off
     [ -e "$rest" ] || rest=$stem.ply
     to=build/peers/$(basename "$stem")
+    errors+=("${to}_error.csv")
     build/venv/bin/python tests/render.py "$to.png" --view 1,-2,0.5 "$rest:tags=$stem.sel@input" "${to}_arap.off@ARAP" \
         "${to}_sr_arap_as_near.off@SR-ARAP" "${to}_fcd.off@FCD" >&2
 done
+build/venv-peers/bin/python tests/peers.py build/peers --errors "${errors[@]}"

@@ -8,12 +8,17 @@
 // seconds. We stop where we do. CGAL's SR-ARAP stops (sr_arap) when nothing moves by more than our solver's tolerance
 // in an iteration, and (sr_arap_as_near) when it is as near to its limit as we are to ours; ARAP is for the eye and
 // stops as sr_arap does. The results go to DIRECTORY/NAME_METHOD.off.
+//
+// DIRECTORY/NAME_error.csv tells how far, after so many seconds, each is from the limit of CGAL's SR-ARAP (root mean
+// square, per cent of the diagonal): CGAL in every iteration, we with the patches of the default and with a node at
+// every vertex, after 1, 2, 4 ... iterations, each from the start.
 #include "case_files.h"
 #include "cgal_deformation.h"
 
 #include <vcg_ext/centroidal_deformation.h>
 
 #include <cstdio>
+#include <fstream>
 
 using benchmark::Mesh;
 using benchmark::Positions;
@@ -73,8 +78,27 @@ int main(int argc, char **argv) {
                                         return moved <= 1e-2 * tolerance;
                                     }).position;
             const double near = distance(rest, ours.position, ourLimit);
+            std::ofstream errors(std::string(argv[1]) + "/" + name + "_error.csv");
+            errors << "method,seconds,percent\n";
+            const auto note = [&](const char *method, double seconds, const Positions &p) {
+                const double off = distance(rest, p, limit);
+                errors << method << ',' << seconds << ',' << 100 * off << '\n';
+                return off;
+            };
+            const vcg::fcd::Stopwatch watch;
             const Result asNear = deformWithCgal<CGAL::SRE_ARAP>(
-                rest, handles, [&](const Positions &p, double) { return distance(rest, p, limit) <= near; });
+                rest, handles, [&](const Positions &p, double) { return note("sr_arap", watch.Seconds(), p) <= near; });
+            for (const bool atEveryVertex : {false, true}) {
+                vcg::fcd::DeformationParam param;
+                if (atEveryVertex)
+                    param.graph.initialPatches = int(rest.vert.size());
+                bool isAtRest = false;
+                for (param.maxIterations = 1; !isAtRest && param.maxIterations <= 1024; param.maxIterations *= 2) {
+                    const Result some = deformWithUs(rest, handles, param);
+                    note(atEveryVertex ? "every_vertex" : "fcd", some.seconds, some.position);
+                    isAtRest = some.iterations < param.maxIterations;
+                }
+            }
 
             const auto report = [&](const char *method, const Result &result, double fromLimit) {
                 std::printf("%s,%s,%d,%d,%.4f,%.4f,%.0f\n", name.c_str(), method, result.nodes, result.iterations,
