@@ -518,18 +518,19 @@ int main(int argc, char **argv) {
                 row(name, value, changed);
             };
             row("as it is", "", outcomes);
-            for (const Constant &constant : constants)
-                for (double factor : {0.5, 2.0}) {
-                    DeformationParam other = param;
-                    constant.at(other) *= factor;
-                    if (sensitivity)
+            if (sensitivity)
+                for (const Constant &constant : constants)
+                    for (double factor : {0.5, 2.0}) {
+                        DeformationParam other = param;
+                        constant.at(other) *= factor;
                         show(constant.name, Text(constant.at(other), 5), other);
-                }
-            DeformationParam other = param;
-            for (const Step &step : steps) {
-                step.take(other);
-                if (withSteps)
+                    }
+            if (withSteps) {
+                DeformationParam other = param;
+                for (const Step &step : steps) {
+                    step.take(other);
                     show(step.name, "", other);
+                }
             }
         }
     } catch (const std::exception &e) {
