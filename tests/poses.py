@@ -50,9 +50,11 @@ def measure(path, shuffle, times):
         return f"2: rotate 1 1 0 {20 + i}"
 
     def drop():
-        ms.set_current_mesh(ms.mesh_number() - 1)
-        ms.delete_current_mesh()
+        for layer in [mesh.id() for mesh in ms if mesh.id() != 0]:
+            ms.set_current_mesh(layer)
+            ms.delete_current_mesh()
         ms.set_current_mesh(0)
+        assert ms.mesh_number() == 1
 
     def deform(i, **parameters):
         ms.apply_filter("generate_fcd_deformed_mesh", transforms=turn(i), graph_layers=False, **parameters)
