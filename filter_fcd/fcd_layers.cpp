@@ -5,6 +5,7 @@
 
 #include "fcd_aside.h"
 #include "fcd_layers.h"
+#include "fcd_mesh_copy.h"
 #include "fcd_normals.h"
 #include "fcd_points.h"
 #include "fcd_rest.h"
@@ -557,7 +558,7 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
     const CMeshO &from = base.cm;
     layer.updateDataMask(elements);
     addAttributes(to, from, remark);
-    host::appendMesh(to, from);
+    copyElements(to, from);
     to.sfn = from.sfn;
     to.svn = from.svn;
     to.pvn = from.pvn;
@@ -580,15 +581,13 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
     MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
     if (!quality.empty())
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
-    auto vertex = layer.cm.vert.begin();
-    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
-        if (!base.cm.vert[i].IsD()) {
-            const auto p = position.col(Eigen::Index(i));
-            vertex->P() = Point3m(Scalarm(p[0]), Scalarm(p[1]), Scalarm(p[2]));
-            if (!quality.empty())
-                vertex->Q() = CVertexO::QualityType(quality[i]);
-            ++vertex;
-        }
+    const Packing packing(base.cm.vert, base.cm.vn);
+    packing.forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        vertex.P() = toPoint(position.col(Eigen::Index(i)));
+        if (!quality.empty())
+            vertex.Q() = CVertexO::QualityType(quality[i]);
+    });
     computeBoxAndNormals(layer.cm);
     if (linear.empty())
         return layer;
@@ -598,20 +597,18 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         for (int d = 0; d < 3; ++d)
             v[d] = turned[d];
     };
-    vertex = layer.cm.vert.begin();
-    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
-        if (!base.cm.vert[i].IsD()) {
-            const Eigen::Matrix3d map = linear[i].cast<double>();
-            if (ownNormals) {
-                vertex->N() = base.cm.vert[i].cN();
-                turn(vcg::fcd::Cofactors(map), vertex->N());
-            }
-            if (directions) {
-                turn(map, vertex->PD1());
-                turn(map, vertex->PD2());
-            }
-            ++vertex;
+    packing.forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        const Eigen::Matrix3d map = linear[i].cast<double>();
+        if (ownNormals) {
+            vertex.N() = base.cm.vert[i].cN();
+            turn(vcg::fcd::Cofactors(map), vertex.N());
         }
+        if (directions) {
+            turn(map, vertex.PD1());
+            turn(map, vertex.PD2());
+        }
+    });
     return layer;
 }
 
@@ -624,14 +621,12 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
     MeshModel &layer = addCopy(what, MeshModel::MM_WEDGTEXCOORD | MeshModel::MM_VERTTEXCOORD | MeshModel::MM_FACECOLOR);
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY |
                          (base.cm.fn > 0 ? MeshModel::MM_FACECOLOR : MeshModel::MM_NONE));
-    auto vertex = layer.cm.vert.begin();
-    for (std::size_t i = 0; i < base.cm.vert.size(); ++i)
-        if (!base.cm.vert[i].IsD()) {
-            const Index patch = patchOf[i];
-            vertex->Q() = CVertexO::QualityType(patch);
-            vertex->C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
-            ++vertex;
-        }
+    Packing(base.cm.vert, base.cm.vn).forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        const Index patch = patchOf[i];
+        vertex.Q() = CVertexO::QualityType(patch);
+        vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
+    });
     // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
     // patch.
     for (CFaceO &face : layer.cm.face)

@@ -18,7 +18,7 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 /// What vcg::tri::UpdateNormal::PerVertexAngleWeighted does for vertices [first, last): sums of the normals of their
-/// faces, in the order of these. Vertices without a face keep theirs.
+/// faces, in the order of these. Vertices without a face keep theirs. \pre computeFaceNormals
 void sumByAngle(CMeshO &mesh, std::size_t first, std::size_t last) {
     std::vector<char> isClear(last - first, 0);
     for (const CFaceO &face : mesh.face) {
@@ -36,7 +36,7 @@ void sumByAngle(CMeshO &mesh, std::size_t first, std::size_t last) {
             Point3m edge = face.cP((k + 1) % 3) - face.cP(k);
             return edge.Normalize();
         };
-        const Point3m normal = vcg::TriangleNormal(face).Normalize(), e0 = way(0), e1 = way(1), e2 = way(2);
+        const Point3m normal = face.cN(), e0 = way(0), e1 = way(1), e2 = way(2);
         const auto add = [&](int k, const Point3m &a, const Point3m &b) {
             if (!isHere[k])
                 return;

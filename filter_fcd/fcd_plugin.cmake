@@ -9,6 +9,7 @@ set(FCD_COMMON_SOURCES
     fcd_copy.cpp fcd_copy.h
     fcd_deformation_file.cpp fcd_deformation_file.h
     fcd_layers.cpp fcd_layers.h
+    fcd_mesh_copy.cpp fcd_mesh_copy.h
     fcd_normals.cpp fcd_normals.h
     fcd_parameters.cpp fcd_parameters.h
     fcd_picked_points.cpp fcd_picked_points.h

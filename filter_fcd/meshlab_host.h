@@ -17,8 +17,6 @@
 #include <common/plugins/interfaces/filter_plugin.h>
 #endif
 
-#include <vcg/complex/append.h>
-
 #include <algorithm>
 #include <exception>
 #include <functional>
@@ -228,16 +226,6 @@ inline void removeLayer(MeshDocument &document, MeshModel *layer) {
     document.delMesh(layer);
 #else
     document.delMesh(layer->id());
-#endif
-}
-
-/// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
-/// both have.
-inline void appendMesh(CMeshO &to, const CMeshO &from) {
-#ifdef FCD_MESHLAB_2020
-    vcg::tri::Append<CMeshO, CMeshO>::Mesh(to, const_cast<CMeshO &>(from)); // not const there, but only reads
-#else
-    vcg::tri::Append<CMeshO, CMeshO>::MeshAppendConst(to, from);
 #endif
 }
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_MESH_COPY_H
+#define FCD_MESH_COPY_H
+
+#include "meshlab_host.h"
+
+#include <vcg_ext/parallel.h>
+
+#include <cstdint>
+#include <vector>
+
+/// Where the live ones of some elements go when they are packed.
+class Packing {
+  public:
+    /// \param live how many there are
+    template <class Elements>
+    Packing(const Elements &elements, int live) : n(elements.size()) {
+        if (std::size_t(live) == n)
+            return;
+        place.resize(n);
+        std::uint32_t next = 0;
+        for (std::size_t i = 0; i < n; ++i)
+            place[i] = elements[i].IsD() ? gone : next++;
+    }
+
+    std::size_t operator()(std::size_t i) const { return place.empty() ? i : place[i]; }
+
+    /// body(i, j) for each live element i, which goes to j; from several threads.
+    template <class Body>
+    void forEach(const Body &body) const {
+        vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                if (place.empty() || place[i] != gone)
+                    body(i, (*this)(i));
+        });
+    }
+
+  private:
+    static constexpr std::uint32_t gone = std::uint32_t(-1);
+    std::size_t n;
+    std::vector<std::uint32_t> place; // empty: all are live
+};
+
+/// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
+/// both have, and the names of the textures: what vcg::tri::Append does, by all threads. Of adjacencies there are those
+/// to vertices alone.
+void copyElements(CMeshO &to, const CMeshO &from);
+
+#endif
