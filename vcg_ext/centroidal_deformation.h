@@ -268,8 +268,10 @@ std::unique_ptr<fcd::Deformer> PrepareDeformer(const MeshType &m, const fcd::Han
                         std::to_string(p.vertex) + ", which does not exist.");
         point.push_back(p.vertex);
     }
-    std::vector<int> slotTag(m.vert.size());
+    std::vector<int> slotTag;
+    AssignLarge(slotTag, m.vert.size(), 0);
     rest.resize(3, Eigen::Index(m.vert.size()));
+    PreferLargePages(rest.data(), std::size_t(rest.size()) * sizeof(double));
     ParallelFor(progress.threads, m.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             slotTag[i] = m.vert[i].IsD() ? noVertex : std::max(-1, handles.tag[i]);
@@ -277,12 +279,12 @@ std::unique_ptr<fcd::Deformer> PrepareDeformer(const MeshType &m, const fcd::Han
         }
     });
     SurfaceGraph surface =
-        ReadFreeSurface(m, handles.tag, {}, handles.world.linear(), progress.Slice(0, 0.25), param.weldDistance);
+        ReadFreeSurface(m, handles.tag, {}, handles.world.linear(), progress.Slice(0, 0.25), param.weldDistance, &rest);
     HeldNodes held = HoldNodes(surface, slotTag, point, progress.Slice(0.25, 0.25));
     LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3));
     if (loose.isPartOfSurface) {
         surface = ReadFreeSurface(m, handles.tag, loose.partOf, handles.world.linear(), progress.Slice(0.3, 0.4),
-                                  param.weldDistance);
+                                  param.weldDistance, &rest);
         held = HoldNodes(surface, slotTag, point, progress.Slice(0.4, 0.4));
     }
     return std::make_unique<Deformer>(std::move(surface), std::move(held), std::move(loose), std::move(slotTag), point,

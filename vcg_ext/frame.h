@@ -102,6 +102,13 @@ Eigen::Vector3d PositionOf(const VertexType &v) {
     return Eigen::Vector3d(v.cP()[0], v.cP()[1], v.cP()[2]);
 }
 
+/// Of vertex slot \p i of a mesh. \param known positions of all of them, 3 x slots, where there are any: vertices are
+/// large, and these are read in a fraction of the time
+template <class MeshType>
+Eigen::Vector3d PositionOf(const MeshType &m, std::size_t i, const Eigen::Matrix3Xd *known) {
+    return known ? Eigen::Vector3d(known->col(Eigen::Index(i))) : PositionOf(m.vert[i]);
+}
+
 } // namespace tri
 } // namespace vcg
 

@@ -8,11 +8,10 @@
 #include "point_cloud.h"
 #include "progress.h"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -31,6 +30,8 @@ struct Region {
                                       ///< where one that is part has the same position
     std::vector<std::uint32_t> faces; ///< as of SurfaceGraph
     std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
+    static constexpr std::size_t boxed = 1 << 12;
+    std::vector<Eigen::AlignedBox3d> box; ///< of the positions of each \p boxed slots, mesh units
 };
 
 } // namespace tri
@@ -42,17 +43,23 @@ namespace detail {
 template <class MeshType>
 class RegionFinder {
   public:
-    RegionFinder(const MeshType &m, const std::vector<int> &tag)
-        : m(m), tag(tag), slots(m.vert.size()), state(new std::atomic<unsigned char>[slots]) {}
+    RegionFinder(const MeshType &m, const std::vector<int> &tag, const Eigen::Matrix3Xd *known)
+        : m(m), tag(tag), known(known), slots(m.vert.size()), state(new std::atomic<unsigned char>[slots]) {}
 
     /// \throw Error a coordinate of any vertex is not finite
     void Classify(const std::vector<char> &excluded, const Progress &progress) {
+        const bool isCompact = std::size_t(m.vn) == slots; // then vertices need not be read
         std::vector<std::size_t> bad((slots + grain - 1) / grain, slots);
+        region.box.resize((slots + tri::Region::boxed - 1) / tri::Region::boxed);
         ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
-                const bool takesPart = !m.vert[i].IsD() && (excluded.empty() || !excluded[i]);
-                if (takesPart && !tri::PositionOf(m.vert[i]).allFinite())
-                    bad[first / grain] = std::min(bad[first / grain], i);
+                const bool takesPart = (isCompact || !m.vert[i].IsD()) && (excluded.empty() || !excluded[i]);
+                if (takesPart) {
+                    const Eigen::Vector3d p = PositionAt(i);
+                    if (!p.allFinite())
+                        bad[first / grain] = std::min(bad[first / grain], i);
+                    region.box[i / tri::Region::boxed].extend(p);
+                }
                 const int held = std::min(int(many), std::max(0, tag[i])) * few;
                 state[i].store((unsigned char)(held | (takesPart ? tag[i] == 1 ? live | free : live : 0)),
                                std::memory_order_relaxed);
@@ -70,7 +77,7 @@ class RegionFinder {
         for (std::size_t i = 0; i < slots; ++i)
             if (Is(i, live)) {
                 slotOf.push_back(i);
-                const Eigen::Vector3d p = metric * tri::PositionOf(m.vert[i]);
+                const Eigen::Vector3d p = metric * PositionAt(i);
                 point.emplace_back(p[0], p[1], p[2]);
             }
         if (point.size() < 2)
@@ -110,6 +117,8 @@ class RegionFinder {
                     slot[j] = std::size_t(face.cV(j) - &m.vert[0]);
                     s[j] = Is(slot[j], all);
                 }
+                if (s[0] == s[1] && s[1] == s[2] && !(s[0] & free) && s[0] / few != many)
+                    continue; // held as one, as mostly where little is free
                 if (Join(slot, s, 3))
                     here.faces.push_back(std::uint32_t(f));
                 for (int j = 0, k = 1; j < 3; ++j, k = k == 2 ? 0 : k + 1) {
@@ -123,10 +132,15 @@ class RegionFinder {
             }
             found[first / grain] = std::move(here);
         });
+        std::vector<std::size_t> begin(1, 0);
         for (const Found &here : found) {
-            region.faces.insert(region.faces.end(), here.faces.begin(), here.faces.end());
+            begin.push_back(begin.back() + here.faces.size());
             region.apart.insert(region.apart.end(), here.apart.begin(), here.apart.end());
         }
+        AssignLarge(region.faces, begin.back(), std::uint32_t(0));
+        ParallelFor(progress.threads, found.size(), 1, [&](std::size_t c, std::size_t) {
+            std::copy(found[c].faces.begin(), found[c].faces.end(), region.faces.begin() + std::ptrdiff_t(begin[c]));
+        });
         std::sort(region.apart.begin(), region.apart.end());
         region.apart.erase(std::unique(region.apart.begin(), region.apart.end()), region.apart.end());
         for (const auto &e : m.edge)
@@ -152,10 +166,12 @@ class RegionFinder {
 
   private:
     static constexpr std::size_t grain = 1 << 16;
+    static_assert(grain % tri::Region::boxed == 0, "one thread a box");
     // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
     // that few tags have to be looked up, its tag.
     static constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
 
+    Eigen::Vector3d PositionAt(std::size_t i) const { return tri::PositionOf(m, i, known); }
     unsigned char Is(std::size_t i, unsigned char what) const {
         return (unsigned char)(state[i].load(std::memory_order_relaxed) & what);
     }
@@ -180,130 +196,11 @@ class RegionFinder {
 
     const MeshType &m;
     const std::vector<int> &tag;
+    const Eigen::Matrix3Xd *known;
     const std::size_t slots;
     std::unique_ptr<std::atomic<unsigned char>[]> state;
     tri::Region region;
 };
-
-/// body(number) for the cell of \p x in a grid of \p cells a unit, and for those nearer than \p hair, which is at most
-/// a cell's width. In the frame, no two cells have the same number.
-template <class Body>
-void ForCells(const Eigen::Vector3f &x, float cells, float hair, const Body &body) {
-    std::uint64_t low[3], high[3];
-    for (int d = 0; d < 3; ++d) {
-        const auto cellAt = [&](float at) {
-            const float most = 1e15f; // far outside of the frame
-            return std::uint64_t(std::int64_t(std::floor(std::min(most, std::max(-most, at * cells))))) &
-                   ((std::uint64_t(1) << 21) - 1);
-        };
-        low[d] = cellAt(x[d] - hair);
-        high[d] = cellAt(x[d] + hair);
-    }
-    for (int corner = 0; corner < 8; ++corner) {
-        std::uint64_t number = 0;
-        bool isNew = true;
-        for (int d = 0; d < 3; ++d) {
-            isNew &= !(corner >> d & 1) || high[d] != low[d];
-            number = number << 21 | (corner >> d & 1 ? high[d] : low[d]);
-        }
-        if (isNew)
-            body(number);
-    }
-}
-
-/// A set of numbers: surely those that were put in, and a few others that share their bits.
-class CellSet {
-  public:
-    /// \param wanted numbers, about
-    explicit CellSet(std::size_t wanted) {
-        while (words < wanted)
-            words *= 2;
-        bits = std::make_unique<std::atomic<std::uint32_t>[]>(words);
-    }
-    void Insert(std::uint64_t cell) {
-        const std::uint64_t h = Hash(cell);
-        bits[Word(h)].fetch_or(1u << (h & 31), std::memory_order_relaxed);
-    }
-    bool Contains(std::uint64_t cell) const {
-        const std::uint64_t h = Hash(cell);
-        return bits[Word(h)].load(std::memory_order_relaxed) >> (h & 31) & 1;
-    }
-
-  private:
-    static std::uint64_t Hash(std::uint64_t cell) {
-        std::uint64_t h = cell * 0x9E3779B97F4A7C15u;
-        h = (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
-        return h >> 20;
-    }
-    std::size_t Word(std::uint64_t hash) const { return (hash >> 5) & (words - 1); }
-
-    std::size_t words = 1 << 10;
-    std::unique_ptr<std::atomic<std::uint32_t>[]> bits;
-};
-
-/// The candidates that may be at a part of the region, or a hair from it, ascending. There is a bit for each cell of a
-/// grid with such a place, some of them shared.
-/// \param parts, candidates how many slots are flagged as such \param at at(slot): position in the frame
-/// \param box of the parts, in the frame \param hair frame units, >= 0
-template <class At>
-std::vector<std::uint32_t> CandidatesBeside(const tri::Region &region, std::size_t parts, std::size_t candidates,
-                                            const At &at, const Eigen::AlignedBox3f &box, float hair,
-                                            const Progress &progress) {
-    using tri::Region;
-    const std::size_t slots = region.flag.size();
-    // Wide enough for most hairs to lie in one, and narrow enough for few others.
-    const float cells = hair > 0 ? 0.05f / hair : 1e6f;
-    // Most candidates are not even near: a part's cell and those a hair from it end before, and so does what floats
-    // round.
-    const Eigen::Vector3f reach =
-        Eigen::Vector3f::Constant(hair + 2 / cells) + 1e-6f * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
-    const Eigen::AlignedBox3f near(box.min() - reach, box.max() + reach);
-    const auto forCells = [&](std::size_t i, bool ofPart, const auto &body) {
-        const Eigen::Vector3f x = at(i);
-        if (ofPart || near.contains(x))
-            ForCells(x, cells, ofPart ? hair : 0, body);
-    };
-    const auto isOn = [&](std::size_t i, bool ofPart) {
-        return region.flag[i] == (ofPart ? Region::part : Region::candidate);
-    };
-    // Of the smaller side, parts or candidates, all cells; then those of the other that are in one of them, and the
-    // same back.
-    const bool partsFirst = parts <= candidates;
-    CellSet first(std::min(parts, candidates));
-    ParallelFor(progress.Slice(0, 0.5), readingStage, slots, 1 << 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (isOn(i, partsFirst))
-                forCells(i, partsFirst, [&](std::uint64_t cell) { first.Insert(cell); });
-    });
-    const auto thoseIn = [&](const CellSet &set, bool ofPart) {
-        return CollectInOrder<std::uint32_t>(
-            progress.Slice(0.5, 1), readingStage, Index(slots), [&](Index i, std::vector<std::uint32_t> &found) {
-                bool isIn = false;
-                if (isOn(std::size_t(i), ofPart))
-                    forCells(std::size_t(i), ofPart, [&](std::uint64_t cell) { isIn = isIn || set.Contains(cell); });
-                if (isIn)
-                    found.push_back(std::uint32_t(i));
-            });
-    };
-    std::vector<std::uint32_t> part = thoseIn(first, !partsFirst), beside;
-    CellSet second(part.size());
-    for (std::uint32_t i : part)
-        forCells(i, !partsFirst, [&](std::uint64_t cell) { second.Insert(cell); });
-    beside = thoseIn(second, partsFirst);
-    if (partsFirst)
-        part.swap(beside);
-    std::vector<std::uint64_t> cell;
-    for (std::uint32_t i : part)
-        forCells(i, true, [&](std::uint64_t c) { cell.push_back(c); });
-    std::sort(cell.begin(), cell.end());
-    const auto isNowhere = [&](std::uint32_t i) {
-        bool isIn = false;
-        forCells(i, false, [&](std::uint64_t c) { isIn = std::binary_search(cell.begin(), cell.end(), c); });
-        return !isIn;
-    };
-    beside.erase(std::remove_if(beside.begin(), beside.end(), isNowhere), beside.end());
-    return beside;
-}
 
 } // namespace detail
 } // namespace fcd
@@ -311,11 +208,12 @@ std::vector<std::uint32_t> CandidatesBeside(const tri::Region &region, std::size
 namespace tri {
 
 /// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; \p excluded ones (flags, or
-/// empty) are left out. \throw fcd::Error a coordinate of any vertex is not finite
+/// empty) are left out. \param known as of PositionOf \throw fcd::Error a coordinate of any vertex is not finite
 template <class MeshType>
 Region FreeRegion(const MeshType &m, const std::vector<int> &tag, const std::vector<char> &excluded,
-                  const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const fcd::Progress &progress = {}) {
-    fcd::detail::RegionFinder<MeshType> finder(m, tag);
+                  const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const fcd::Progress &progress = {},
+                  const Eigen::Matrix3Xd *known = nullptr) {
+    fcd::detail::RegionFinder<MeshType> finder(m, tag, known);
     finder.Classify(excluded, progress.Slice(0, 0.1));
     if (m.fn == 0 && m.en == 0)
         finder.ReachNearest(metric, progress.Slice(0.1, 0.9));

@@ -90,11 +90,13 @@ struct HeldMotions {
 template <class At>
 std::map<Index, Eigen::Vector3d> HandleCenters(const std::vector<int> &tag, const At &at) {
     std::map<Index, std::pair<Eigen::Vector3d, double>> sums;
+    auto last = sums.end(); // that of the vertex before, as mostly
     for (std::size_t i = 0; i < tag.size(); ++i)
         if (tag[i] >= 2) {
-            auto &sum = sums.emplace(tag[i], std::make_pair(Eigen::Vector3d::Zero().eval(), 0.0)).first->second;
-            sum.first += at(i);
-            ++sum.second;
+            if (last == sums.end() || last->first != tag[i])
+                last = sums.emplace(tag[i], std::make_pair(Eigen::Vector3d::Zero().eval(), 0.0)).first;
+            last->second.first += at(i);
+            ++last->second.second;
         }
     std::map<Index, Eigen::Vector3d> center;
     for (const auto &sum : sums)

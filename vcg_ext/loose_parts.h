@@ -28,16 +28,17 @@ struct LooseSurface {
 namespace tri {
 
 /// The free surface of a mesh and the held vertices beside it. \param partOf of LooseSurface; what has a part is left
-/// out
+/// out \param known as of PositionOf
 template <class MeshType>
 fcd::SurfaceGraph ReadFreeSurface(const MeshType &m, const std::vector<int> &tag, const std::vector<fcd::Index> &partOf,
                                   const Eigen::Matrix3d &metric, const fcd::Progress &progress,
-                                  double weldDistance = fcd::defaultWeldDistance) {
+                                  double weldDistance = fcd::defaultWeldDistance,
+                                  const Eigen::Matrix3Xd *known = nullptr) {
     std::vector<char> excluded(partOf.size());
     for (std::size_t i = 0; i < partOf.size(); ++i)
         excluded[i] = partOf[i] >= 0;
-    Region region = FreeRegion(m, tag, excluded, metric, progress.Slice(0, 0.2));
-    fcd::SurfaceGraph surface = BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
+    Region region = FreeRegion(m, tag, excluded, metric, progress.Slice(0, 0.2), known);
+    fcd::SurfaceGraph surface = BuildSurfaceGraph(m, &region, tag, metric, progress.Slice(0.2, 1), weldDistance, known);
     surface.faces = std::move(region.faces);
     surface.apart = std::move(region.apart);
     return surface;

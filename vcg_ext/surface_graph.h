@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_SURFACE_GRAPH_H
 #define VCG_FCD_SURFACE_GRAPH_H
 
+#include "candidates_beside.h"
 #include "frame.h"
 #include "free_region.h"
 #include "graph.h"
@@ -68,8 +69,10 @@ template <class MeshType>
 class SurfaceReader {
   public:
     SurfaceReader(const MeshType &m, const tri::Region *region, const std::vector<int> &tag,
-                  const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance)
-        : m(m), region(region), tag(tag), progress(progress), weldDistance(weldDistance), slots(m.vert.size()) {
+                  const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance,
+                  const Eigen::Matrix3Xd *known)
+        : m(m), region(region), tag(tag), progress(progress), weldDistance(weldDistance), known(known),
+          slots(m.vert.size()) {
         s.frame.SetMetric(metric);
         s.report.pointCloud = s.graph.isCloud = m.fn == 0 && m.en == 0;
         hasSeams = !s.report.pointCloud && weldDistance > 0;
@@ -102,7 +105,8 @@ class SurfaceReader {
         const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
-    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(tri::PositionOf(m.vert[i]))); }
+    Eigen::Vector3d InWorld(std::size_t i) const { return s.frame.ToWorld(tri::PositionOf(m, i, known)); }
+    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(InWorld(i)); }
 
     /// Counts vertices. \return their box, world units \throw Error as BuildSurfaceGraph
     Eigen::AlignedBox3d Measure() {
@@ -117,7 +121,7 @@ class SurfaceReader {
                 c.candidates += region && region->flag[i] == tri::Region::candidate;
                 if (!IsPart(i))
                     continue;
-                const Eigen::Vector3d x = s.frame.ToWorld(tri::PositionOf(m.vert[i]));
+                const Eigen::Vector3d x = InWorld(i);
                 if (!x.allFinite())
                     c.bad = std::min(c.bad, i);
                 c.box.extend(x);
@@ -147,7 +151,7 @@ class SurfaceReader {
             std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
             for (std::size_t i = c * grain, at = begin[c];; ++i)
                 if (IsPart(i) && at++ == k)
-                    return s.frame.ToWorld(tri::PositionOf(m.vert[i]));
+                    return InWorld(i);
         });
         const Eigen::Vector3d extent = box.max() * 0.5 - box.min() * 0.5; // half of it: no overflow
         const double halfDiagonal = extent.stableNorm();
@@ -163,6 +167,7 @@ class SurfaceReader {
         const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f;
         const std::vector<std::uint32_t> found = CandidatesBeside(
             *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
+            [&](const Eigen::Vector3d &p) { return InFrame(s.frame.ToWorld(p)); },
             {InFrame(box.min()), InFrame(box.max())}, hair, progress.Slice(0.05, 0.06));
         if (found.empty()) // as mostly
             return;
@@ -299,6 +304,7 @@ class SurfaceReader {
     const std::vector<int> &tag;
     const Progress &progress;
     const double weldDistance;
+    const Eigen::Matrix3Xd *known;
     const std::size_t slots;
     bool hasSeams;
     std::size_t candidates = 0;
@@ -319,14 +325,14 @@ namespace tri {
 /// result.
 ///
 /// \param region nullptr for all of the mesh \param tag one per vertex slot, read where there is a region
-/// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3]
+/// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3] \param known as of PositionOf
 /// \throw fcd::Error no vertices, or a coordinate that is not finite
 template <class MeshType>
 fcd::SurfaceGraph BuildSurfaceGraph(const MeshType &m, const Region *region, const std::vector<int> &tag,
                                     const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(),
-                                    const fcd::Progress &progress = {},
-                                    double weldDistance = fcd::defaultWeldDistance) {
-    return fcd::detail::SurfaceReader<MeshType>(m, region, tag, metric, progress, weldDistance).Read();
+                                    const fcd::Progress &progress = {}, double weldDistance = fcd::defaultWeldDistance,
+                                    const Eigen::Matrix3Xd *known = nullptr) {
+    return fcd::detail::SurfaceReader<MeshType>(m, region, tag, metric, progress, weldDistance, known).Read();
 }
 
 /// All of the mesh.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "candidates_beside.h"
 #include "free_region.h"
 #include "test_support.h"
+
+#include <random>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -77,4 +80,74 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
             expected[others[j].second] = Region::part;
     }
     EXPECT_EQ(region.flag, expected);
+}
+
+TEST(CandidatesBeside, AreThoseInACellOfAPart) {
+    using vcg::tri::Region;
+    const float hair = 1e-5f;
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        std::mt19937 random(seed);
+        const auto number = [&](double low, double high) {
+            return low + (high - low) * double(random()) / double(std::mt19937::max());
+        };
+        const bool fewParts = seed & 1, isFlat = seed & 2;
+        std::vector<Eigen::Vector3d> point;
+        Region region;
+        const auto add = [&](const Eigen::Vector3d &p, unsigned char flag) {
+            point.push_back(isFlat ? Eigen::Vector3d(p[0], p[1], 0.25) : p);
+            region.flag.push_back(flag);
+        };
+        for (int i = 0; i < 20000; ++i) {
+            const Eigen::Vector3d p(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5));
+            const bool isFew = i % 50 == 0;
+            add(p, seed & 4 && i % 7 == 0 ? Region::none : isFew == fewParts ? Region::part : Region::candidate);
+            if (isFew) { // and one of the others near it
+                const double away = hair * std::vector<double>{0, 0.5, 0.99, 1.5, 20, 50}[std::size_t(i / 50 % 6)];
+                add(p + away * Eigen::Vector3d(number(-1, 1), number(-1, 1), number(-1, 1)),
+                    fewParts ? Region::candidate : Region::part);
+            }
+        }
+        if (seed & 4) {
+            add({40, -30, 20}, Region::part);
+        } else { // the box of the parts is known, and pairs lie at the borders of a grid of it
+            add({-0.5, -0.5, -0.5}, Region::part);
+            add({0.5, 0.5, 0.5}, Region::part);
+            const double reach = 41 * hair + 0.5e-6, width = (1 + 2 * reach) / 64;
+            for (int i = 1; i < 64; ++i) {
+                const Eigen::Vector3d p = Eigen::Vector3d::Constant(i * width - 0.5 - reach);
+                add(p + Eigen::Vector3d(-0.4, -0.4, -0.4) * hair, Region::part);
+                add(p + Eigen::Vector3d(0.4, 0.4, 0.4) * hair, Region::candidate);
+                add(p + Eigen::Vector3d(0.4, -0.5, 0.4) * hair, Region::candidate);
+            }
+        }
+        add({1e6, 0, 0}, Region::candidate);
+        const auto inFrame = [](const Eigen::Vector3d &p) { return Eigen::Vector3f(p.cast<float>()); };
+        const auto at = [&](std::size_t i) { return inFrame(point[i]); };
+        region.box.resize(point.size() / Region::boxed + 1);
+        Eigen::AlignedBox3f box;
+        std::set<std::uint64_t> cells;
+        for (std::size_t i = 0; i < point.size(); ++i) {
+            region.box[i / Region::boxed].extend(point[i]);
+            if (region.flag[i] == Region::part) {
+                box.extend(at(i));
+                detail::ForCells(at(i), 0.05f / hair, hair, [&](std::uint64_t cell) { cells.insert(cell); });
+            }
+        }
+        std::vector<std::uint32_t> expected;
+        for (std::size_t i = 0; i < point.size(); ++i)
+            if (region.flag[i] == Region::candidate)
+                detail::ForCells(at(i), 0.05f / hair, 0, [&](std::uint64_t cell) {
+                    if (cells.count(cell))
+                        expected.push_back(std::uint32_t(i));
+                });
+        const auto count = [&](unsigned char flag) {
+            return std::size_t(std::count(region.flag.begin(), region.flag.end(), flag));
+        };
+        EXPECT_GT(expected.size(), 200u);
+        for (unsigned threads : {1u, 2u})
+            EXPECT_EQ(detail::CandidatesBeside(region, count(Region::part), count(Region::candidate), at, inFrame, box,
+                                               hair, Threads(threads)),
+                      expected)
+                << seed;
+    }
 }
