@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
+#include "../filter_fcd/fcd_aside.h"
 #include "../filter_fcd/fcd_copy.h"
 #include "../filter_fcd/fcd_pose.h"
 #include "../filter_fcd/fcd_rest.h"
@@ -333,6 +334,8 @@ void BendSession::redo() {
 void BendSession::cancel() {
     if (before.empty())
         return;
+    if (marking)
+        coloredByTags(layer);
     marking.reset();
     take(before);
 }
@@ -354,6 +357,7 @@ void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
 void BendSession::endMarks() {
     if (!marking)
         return;
+    coloredByTags(layer); // mark() did it
     now.marks = std::move(marking);
     updateTags();
     showTags();

@@ -52,17 +52,20 @@ def tube(rows, columns):
     return points.astype(np.float32), faces.astype(np.int32)
 
 
-def write_ply(path, points, faces, quality=None):
-    fields = [("p", "<f4", 3)] + ([("q", "<f4")] if quality is not None else [])
+def write_ply(path, points, faces, quality=None, colors=None):
+    fields = [("p", "<f4", 3)] + ([("q", "<f4")] if quality is not None else []) + ([("c", "u1", 3)] if colors is not None else [])
     vertices = np.zeros(len(points), fields)
     vertices["p"] = points
     if quality is not None:
         vertices["q"] = quality
+    if colors is not None:
+        vertices["c"] = colors
     triangles = np.zeros(len(faces), [("n", "u1"), ("v", "<i4", 3)])
     triangles["n"], triangles["v"] = 3, faces
     header = ("ply\nformat binary_little_endian 1.0\n"
               f"element vertex {len(points)}\nproperty float x\nproperty float y\nproperty float z\n" +
               ("property float quality\n" if quality is not None else "") +
+              ("property uchar red\nproperty uchar green\nproperty uchar blue\n" if colors is not None else "") +
               f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
     path.write_bytes(header.encode() + vertices.tobytes() + triangles.tobytes())
     return path
@@ -203,10 +206,10 @@ def mark_two_regions(w):
     w.key("m")
 
 
-def bend_a_marked_tube(window, tmp_path, to):
+def bend_a_marked_tube(window, tmp_path, to, colors=None):
     """The tool on a tube, its ends marked, the right one dragged to a place. Returns its rest shape, too."""
     points, faces = tube(80, 64)
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w = window(write_ply(tmp_path / "tube.ply", points, faces, colors=colors))
     w.start_tool()
     mark_two_regions(w)
     w.drag((MIDDLE[0] + 180, MIDDLE[1]), to)
@@ -253,6 +256,18 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
     moved = np.linalg.norm(expected - points, axis=1)
     assert moved.max() > 0.1 and np.all(moved[tags == 0] == 0)
     assert np.array_equal(bent, expected)
+
+
+def test_a_new_layer_has_the_colours_of_before(window, tmp_path):
+    colors = np.random.default_rng(0).integers(0, 256, (len(tube(80, 64)[0]), 3))
+    w, points, _ = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 120, MIDDLE[1] - 150), colors)
+    assert len(np.unique(colors_of(w.save("marked.ply")), axis=0)) == 3
+    w.key("shift+Return", pause=1.5)
+    w.wait("ms.apply_filter")
+    w.shot("new_layer")
+    bent = w.save("bent.ply")
+    assert np.abs(load(bent)[0] - points).max() > 0.1
+    assert np.array_equal(colors_of(bent), colors)
 
 
 def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
