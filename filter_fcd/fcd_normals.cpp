@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/frame.h> // before Qt
-#include <vcg_ext/parallel.h>
+#include <vcg_ext/graph.h>
 
 #include "fcd_normals.h"
 
@@ -13,15 +13,18 @@
 #include <mutex>
 #include <thread>
 
+using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
+using vcg::fcd::Progress;
 
 namespace {
 
-/// What vcg::tri::UpdateNormal::PerVertexAngleWeighted does for vertices [first, last): sums of the normals of their
-/// faces, in the order of these. Vertices without a face keep theirs. \pre computeFaceNormals
-void sumByAngle(CMeshO &mesh, std::size_t first, std::size_t last) {
+/// What vcg::tri::UpdateNormal::PerFaceNormalized does for the faces whose first vertex is one of [first, last), and
+/// PerVertexAngleWeighted for these vertices: sums of the normals of their faces, in the order of these. Vertices
+/// without a face keep theirs.
+void computeNormals(CMeshO &mesh, std::size_t first, std::size_t last) {
     std::vector<char> isClear(last - first, 0);
-    for (const CFaceO &face : mesh.face) {
+    for (CFaceO &face : mesh.face) {
         if (face.IsD())
             continue;
         std::size_t slot[3];
@@ -36,7 +39,9 @@ void sumByAngle(CMeshO &mesh, std::size_t first, std::size_t last) {
             Point3m edge = face.cP((k + 1) % 3) - face.cP(k);
             return edge.Normalize();
         };
-        const Point3m normal = face.cN(), e0 = way(0), e1 = way(1), e2 = way(2);
+        const Point3m normal = vcg::TriangleNormal(face).Normalize(), e0 = way(0), e1 = way(1), e2 = way(2);
+        if (isHere[0])
+            face.N() = normal;
         const auto add = [&](int k, const Point3m &a, const Point3m &b) {
             if (!isHere[k])
                 return;
@@ -83,11 +88,10 @@ void computeBoxAndNormals(CMeshO &mesh) {
     });
     if (mesh.fn == 0)
         return;
-    computeFaceNormals(mesh, {});
     // A range of vertices each thread, which looks at all faces: in most meshes the vertices of a face are close.
     const std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
     ParallelFor(0, mesh.vert.size(), mesh.vert.size() / threads + 1,
-                [&](std::size_t first, std::size_t last) { sumByAngle(mesh, first, last); });
+                [&](std::size_t first, std::size_t last) { computeNormals(mesh, first, last); });
 }
 
 bool hasOwnNormals(const MeshModel &layer) {
@@ -100,9 +104,20 @@ bool hasOwnNormals(const MeshModel &layer) {
     while (step < mesh.vert.size() / 4096)
         step *= 2;
     std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
-    for (const CFaceO &face : mesh.face)
-        for (int k = 0; !face.IsD() && k < 3; ++k) {
-            const std::size_t i = std::size_t(face.cV(k) - mesh.vert.data());
+    const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
+    const std::vector<std::uint32_t> around = vcg::fcd::CollectInOrder<std::uint32_t>(
+        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<std::uint32_t> &found) {
+            const CFaceO &face = mesh.face[std::size_t(f)];
+            bool isAround = false;
+            for (int k = 0; !face.IsD() && k < 3; ++k)
+                isAround |= (slotOf(face, k) & (step - 1)) == 0;
+            if (isAround)
+                found.push_back(std::uint32_t(f));
+        });
+    for (std::uint32_t f : around)
+        for (int k = 0; k < 3; ++k) {
+            const CFaceO &face = mesh.face[f];
+            const std::size_t i = slotOf(face, k);
             if ((i & (step - 1)) != 0)
                 continue;
             const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
