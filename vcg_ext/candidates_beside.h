@@ -80,26 +80,26 @@ class CoarseCells {
   public:
     /// \param box not flat
     explicit CoarseCells(const Eigen::AlignedBox3f &box)
-        : low(box.min()), scale(across / box.sizes().array()), bits(new std::atomic<std::uint64_t>[across * across]()) {
-    }
+        : low(box.min()), scale(across / box.sizes().array()), bits(new std::atomic<std::uint64_t>[Row(across, 0)]()) {}
     void Insert(const Eigen::Vector3f &x, float margin) {
         const Cell first = At(x.array() - margin), last = At(x.array() + margin);
         for (int i = first[0]; i <= last[0]; ++i)
             for (int j = first[1]; j <= last[1]; ++j) {
                 const std::uint64_t row = std::uint64_t(-1) >> (across - 1 - last[2]) & std::uint64_t(-1) << first[2];
-                auto &word = bits[std::size_t(i * across + j)];
+                auto &word = bits[Row(i, j)];
                 if (row & ~word.load(std::memory_order_relaxed))
                     word.fetch_or(row, std::memory_order_relaxed);
             }
     }
     bool Contains(const Eigen::Vector3f &x) const {
         const Cell c = At(x);
-        return bits[std::size_t(c[0] * across + c[1])].load(std::memory_order_relaxed) >> c[2] & 1;
+        return bits[Row(c[0], c[1])].load(std::memory_order_relaxed) >> c[2] & 1;
     }
 
   private:
     static constexpr int across = 64;
     using Cell = Eigen::Array3i;
+    static std::size_t Row(int i, int j) { return std::size_t(i) * across + std::size_t(j); }
     /// Beyond the box, the outermost cell.
     Cell At(const Eigen::Array3f &x) const { return ((x - low) * scale).max(0.f).min(float(across - 1)).cast<int>(); }
 
