@@ -6,6 +6,8 @@
 #include <vcg/complex/allocate.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 namespace {
 
