@@ -3,6 +3,7 @@
 
 #include "fcd_aside.h"
 #include "fcd_layers.h"
+#include "fcd_mesh_copy.h"
 
 #include <vcg/complex/allocate.h>
 
@@ -114,16 +115,14 @@ void bringBackTo(MeshModel &copy, const MeshModel &layer) {
     const auto *colors = color && aside->hadColor ? host::vertexAttribute<vcg::Color4b>(from, colorName) : nullptr;
     const auto *quality =
         aside->quality && aside->hadQuality ? host::vertexAttribute<Quality>(from, qualityName) : nullptr;
-    auto to = copy.cm.vert.begin();
-    for (std::size_t i = 0; i < from.vert.size() && (color || quality); ++i) {
-        if (from.vert[i].IsD())
-            continue;
-        if (color)
-            to->C() = colors ? colors[i] : vcg::Color4b(vcg::Color4b::White);
-        if (quality)
-            to->Q() = quality[i];
-        ++to;
-    }
+    if (color || quality)
+        Packing(from.vert, from.vn).forEach([&](std::size_t i, std::size_t j) {
+            CVertexO &to = copy.cm.vert[j];
+            if (color)
+                to.C() = colors ? colors[i] : vcg::Color4b(vcg::Color4b::White);
+            if (quality)
+                to.Q() = quality[i];
+        });
     if (color && !colors)
         copy.clearDataMask(MeshModel::MM_VERTCOLOR);
 }

@@ -47,9 +47,7 @@ void copyElements(CMeshO &to, const CMeshO &from) {
         if (std::size_t(place.n()) < texture.size())
             place.n() = texture[std::size_t(place.n())];
     };
-    const auto moved = [&](const CVertexO *vertex) {
-        return &to.vert[vertices(std::size_t(vertex - from.vert.data()))];
-    };
+    const auto moved = [&](const CVertexO *vertex) { return &to.vert[vertices(vcg::tri::Index(from, vertex))]; };
     const bool isVertexTextured = vcg::tri::HasPerVertexTexCoord(to) && vcg::tri::HasPerVertexTexCoord(from),
                isWedgeTextured = vcg::tri::HasPerWedgeTexCoord(to) && vcg::tri::HasPerWedgeTexCoord(from);
     vertices.forEach([&](std::size_t i, std::size_t j) {

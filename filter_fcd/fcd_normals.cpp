@@ -104,28 +104,23 @@ bool hasOwnNormals(const MeshModel &layer) {
     while (step < mesh.vert.size() / 4096)
         step *= 2;
     std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
-    const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
-    const std::vector<std::uint32_t> around = vcg::fcd::CollectInOrder<std::uint32_t>(
-        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<std::uint32_t> &found) {
+    const std::vector<std::size_t> corners = vcg::fcd::CollectInOrder<std::size_t>(
+        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<std::size_t> &found) {
             const CFaceO &face = mesh.face[std::size_t(f)];
-            bool isAround = false;
-            for (int k = 0; !face.IsD() && k < 3; ++k)
-                isAround |= (slotOf(face, k) & (step - 1)) == 0;
-            if (isAround)
-                found.push_back(std::uint32_t(f));
+            for (std::size_t k = 0; !face.IsD() && k < 3; ++k)
+                if ((vcg::tri::Index(mesh, face.cV(int(k))) & (step - 1)) == 0)
+                    found.push_back(3 * std::size_t(f) + k);
         });
-    for (std::uint32_t f : around)
-        for (int k = 0; k < 3; ++k) {
-            const CFaceO &face = mesh.face[f];
-            const std::size_t i = slotOf(face, k);
-            if ((i & (step - 1)) != 0)
-                continue;
-            const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
-                                  a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
-                                  b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
-            byArea[i / step] += n;
-            byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
-        }
+    for (std::size_t corner : corners) {
+        const CFaceO &face = mesh.face[corner / 3];
+        const int k = int(corner % 3);
+        const std::size_t i = vcg::tri::Index(mesh, face.cV(k));
+        const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
+                              a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
+                              b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
+        byArea[i / step] += n;
+        byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
+    }
     const double near = std::cos(5 * double(EIGEN_PI) / 180); // rounding and other weights stay below
     std::size_t all = 0, other = 0;
     for (std::size_t i = 0; i < mesh.vert.size(); i += step) {
