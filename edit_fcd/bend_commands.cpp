@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
+#include <layer_fcd/layer_contents.h>
+
 #include <algorithm>
 
 #include <QMainWindow>
@@ -106,7 +108,7 @@ void BendTool::onCommand(int which) {
     case BendPanel::ApplyInPlace:
         beginApply();
         try {
-            say(session->applyInPlace(*view->md(), remark));
+            say(session->applyInPlace(remark));
         } catch (...) {
             showVertices(true);
             throw;
@@ -117,7 +119,7 @@ void BendTool::onCommand(int which) {
     case BendPanel::ApplyToNewLayer: {
         beginApply();
         try {
-            say(session->applyToNewLayer(*view->md(), panel->graphLayers(), remark));
+            say(session->applyToNewLayer(panel->graphLayers(), remark));
         } catch (...) {
             showVertices(true);
             throw;

@@ -4,7 +4,7 @@
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "edit_host.h"
+#include <layer_fcd/edit_host.h>
 
 /// How a layer is shown in a view while it is bent: smooth, so that its buffers are indexed, and only positions and
 /// normals change.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_overlay.h"
 
-#include "edit_host.h"
+#include <layer_fcd/edit_host.h>
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_panel.h"
 
-#include "../filter_fcd/fcd_parameters.h"
+#include <layer_fcd/parameters.h>
 
 #include <initializer_list>
 

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include "../filter_fcd/fcd_aside.h"
-#include "../filter_fcd/fcd_copy.h"
-#include "../filter_fcd/fcd_pose.h"
-#include "../filter_fcd/fcd_rest.h"
-#include "../filter_fcd/fcd_window.h"
-
-#include <vcg_ext/surface_reach.h>
+#include <layer_fcd/kept_aside.h>
+#include <layer_fcd/tagging.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <set>
 
@@ -21,13 +15,7 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
-const double pointSize = 0.08;    // of a point's radius: so far it is held, that a single vertex makes no spike
-const std::size_t mostSteps = 32; // of undo: each may hold tags of its own
-
-std::string digits(double number) {
-    char text[32];
-    return std::string(text, std::to_chars(text, text + sizeof text, number).ptr);
-}
+const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
 
 /// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
 MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
@@ -46,22 +34,10 @@ MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
     return other;
 }
 
-bool isSame(const MotionStep &a, const MotionStep &b) {
-    return a.kind == b.kind && a.vector == b.vector && a.degrees == b.degrees && a.about == b.about &&
-           a.matrix == b.matrix;
-}
-
 } // namespace
 
-bool BendState::operator==(const BendState &other) const {
-    return marks == other.marks && points == other.points && motion.size() == other.motion.size() &&
-           std::equal(motion.begin(), motion.end(), other.motion.begin(), [](const auto &a, const auto &b) {
-               return a.first == b.first &&
-                      std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), isSame);
-           });
-}
-
-BendSession::BendSession(MeshModel &layer) : layer(layer), world(invertibleMatrixOf(layer)) {
+BendSession::BendSession(MeshDocument &document, MeshModel &layer)
+    : document(document), layer(layer), rest(layer), solver(document, layer) {
     if (layer.cm.vn == 0)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
     BendTags present;
@@ -87,50 +63,9 @@ BendSession::BendSession(MeshModel &layer) : layer(layer), world(invertibleMatri
 }
 
 void BendSession::keepRest() {
-    const CMeshO &mesh = layer.cm;
-    position.resize(mesh.vert.size());
-    normal.resize(mesh.vert.size());
-    faceNormal.resize(mesh.face.size());
-    for (std::size_t i = 0; i < position.size(); ++i) {
-        position[i] = mesh.vert[i].cP();
-        normal[i] = mesh.vert[i].cN();
-    }
-    for (std::size_t f = 0; f < faceNormal.size(); ++f)
-        faceNormal[f] = mesh.face[f].cN();
-    box = mesh.bbox;
-    Eigen::AlignedBox3d all, allInWorld;
-    for (const CVertexO &vertex : mesh.vert)
-        if (!vertex.IsD()) {
-            all.extend(toVector(vertex.cP()));
-            allInWorld.extend(world * toVector(vertex.cP()));
-        }
-    middle = all.center();
-    size = allInWorld.diagonal().norm();
-    shape = shapeOf(mesh);
-    isPosed = false;
-    surface.reset();
-    reachedFrom = std::size_t(-1);
-    deformer.reset();
-    preparedFor.reset();
-    last.reset();
-}
-
-bool BendSession::isUpToDate() const {
-    const CMeshO &mesh = layer.cm;
-    if (mesh.vert.size() != position.size() || mesh.face.size() != faceNormal.size() || shapeOf(mesh) != shape)
-        return false;
-    Eigen::Matrix4d present;
-    mesh.Tr.ToEigenMatrix(present);
-    if (present != world.matrix())
-        return false;
-    if (!now.marks || !target.attribute.isEmpty())
-        return true;
-    if (!layer.hasDataMask(MeshModel::MM_VERTQUALITY))
-        return false;
-    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (!mesh.vert[i].IsD() && double(mesh.vert[i].cQ()) != double((*effective)[i]))
-            return false;
-    return true;
+    rest.keep();
+    reachOfRest.clear();
+    solver.clear();
 }
 
 // --- what is held ---
@@ -151,30 +86,30 @@ int BendSession::unusedTag() const {
 }
 
 Eigen::Vector3d BendSession::centerOf(int tag) const {
-    Eigen::Vector3d rest = world * center.at(tag);
+    const Eigen::Vector3d place = rest.world() * center.at(tag);
     const auto steps = now.motion.find(tag);
     if (steps == now.motion.end())
-        return rest;
-    return (vcg::fcd::ToMotion(steps->second, rest).At(options.pose, rest) * rest.homogeneous()).head<3>();
+        return place;
+    return (vcg::fcd::ToMotion(steps->second, place).At(options.pose, place) * place.homogeneous()).head<3>();
 }
 
 Eigen::Affine3d BendSession::mirror() const {
     Eigen::Affine3d mirror = Eigen::Affine3d::Identity();
     if (options.mirror >= 0) {
         mirror.linear()(options.mirror, options.mirror) = -1;
-        mirror.translation()[options.mirror] = 2 * middle[options.mirror];
+        mirror.translation()[options.mirror] = 2 * rest.middle()[options.mirror];
     }
-    return world * mirror * world.inverse();
+    return rest.world() * mirror * rest.world().inverse();
 }
 
 int BendSession::mirrored(int tag) const {
     if (options.mirror < 0 || !center.count(tag))
         return 0;
-    const Eigen::Vector3d there = mirror() * (world * center.at(tag));
+    const Eigen::Vector3d there = mirror() * (rest.world() * center.at(tag));
     int found = 0;
-    double least = 0.05 * size;
+    double least = 0.05 * rest.diagonal();
     for (const auto &[other, place] : center) {
-        const double distance = (world * place - there).norm();
+        const double distance = (rest.world() * place - there).norm();
         if (other != tag && distance < least) {
             least = distance;
             found = int(other);
@@ -213,7 +148,7 @@ std::optional<std::size_t> nearestOf(const CMeshO &mesh, const Eigen::Vector3d &
 
 std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, double &distance) const {
     const auto slot =
-        nearestOf(layer.cm, world.inverse() * place, [&](std::size_t i) { return layer.cm.vert[i].cP(); });
+        nearestOf(layer.cm, rest.world().inverse() * place, [&](std::size_t i) { return layer.cm.vert[i].cP(); });
     if (slot)
         distance = (positionOf(*slot) - place).norm();
     return slot;
@@ -222,36 +157,23 @@ std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, do
 std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
     if (options.mirror < 0)
         return {};
-    const Eigen::Vector3d there = world.inverse() * (mirror() * (world * toVector(position[slot])));
-    return nearestOf(layer.cm, there, [&](std::size_t i) { return position[i]; });
+    const Eigen::Vector3d there = rest.world().inverse() * (mirror() * (rest.world() * rest.at(slot)));
+    return nearestOf(layer.cm, there, [&](std::size_t i) { return rest.positions()[i]; });
 }
 
-Eigen::Vector3d BendSession::positionOf(std::size_t slot) const { return world * toVector(layer.cm.vert[slot].cP()); }
+Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
+    return rest.world() * toVector(layer.cm.vert[slot].cP());
+}
 
 const std::vector<std::size_t> &BendSession::reach(std::size_t slot, double radius) {
-    if (reachedFrom == slot && reachedRadius == radius)
-        return reached;
-    if (!surface) {
-        const bool posed = isPosed;
-        restoreVertices();
-        surface = std::make_unique<vcg::fcd::SurfaceGraph>(
-            vcg::tri::BuildSurfaceGraph(layer.cm, nullptr, {}, world.linear()));
+    if (!reachOfRest.isReady() && !reachOfRest.knows(slot, radius)) {
+        const bool posed = rest.isPosed();
+        rest.restoreVertices();
+        reachOfRest.read(layer, rest.world().linear());
         if (posed)
             pose(true);
     }
-    reached.clear();
-    const vcg::fcd::Index seed = surface->nodeOf[slot];
-    if (seed >= 0) {
-        std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
-        for (vcg::fcd::Index node : vcg::fcd::NodesWithin(surface->graph, seed, radius / surface->frame.scale))
-            isIn[std::size_t(node)] = 1;
-        for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
-            if (surface->nodeOf[i] >= 0 && isIn[std::size_t(surface->nodeOf[i])])
-                reached.push_back(i);
-    }
-    reachedFrom = slot;
-    reachedRadius = radius;
-    return reached;
+    return reachOfRest.of(slot, radius);
 }
 
 /// Makes the tags that marks and points amount to.
@@ -259,9 +181,10 @@ void BendSession::updateTags() {
     if (now.marks && now.points.empty()) {
         effective = now.marks;
     } else if (!now.marks && now.points.empty()) {
-        effective = std::make_shared<const BendTags>(position.size(), 1);
+        effective = std::make_shared<const BendTags>(rest.positions().size(), 1);
     } else {
-        auto made = now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(position.size(), 0);
+        auto made =
+            now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(rest.positions().size(), 0);
         if (!now.marks)
             for (const auto &each : now.points)
                 for (std::size_t i : reach(each.second.slot, each.second.radius))
@@ -275,7 +198,7 @@ void BendSession::updateTags() {
         if (!effective || *made != *effective)
             effective = made;
     }
-    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return toVector(position[i]); });
+    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }
@@ -298,46 +221,29 @@ void BendSession::showTags() {
 
 // --- changes ---
 
-void BendSession::change() {
-    if (!before.empty() && before.back() == now)
-        return; // nothing came of the last
-    before.push_back(now);
-    if (before.size() > mostSteps)
-        before.erase(before.begin());
-    after.clear();
-}
-
-/// The last of \p states becomes the present one.
-void BendSession::take(std::vector<BendState> &states) {
-    now = states.back();
-    states.pop_back();
+/// The state is another one.
+void BendSession::takeState() {
     updateTags();
     showTags();
 }
 
 void BendSession::undo() {
-    while (!before.empty() && before.back() == now)
-        before.pop_back();
-    if (before.empty())
-        return;
-    after.push_back(now);
-    take(before);
+    if (history.undo(now))
+        takeState();
 }
 
 void BendSession::redo() {
-    if (after.empty())
-        return;
-    before.push_back(now);
-    take(after);
+    if (history.redo(now))
+        takeState();
 }
 
 void BendSession::cancel() {
-    if (before.empty())
+    if (!history.cancel(now))
         return;
     if (marking)
         coloredByTags(layer);
     marking.reset();
-    take(before);
+    takeState();
 }
 
 void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
@@ -383,8 +289,8 @@ int BendSession::addPoint(std::size_t slot, double radius) {
     };
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (toVector(position[*other]) - toVector(position[slot])).norm() > 1e-3 * size &&
-        (*effective)[*other] < 2 && !(now.marks && (*effective)[*other] != 1))
+    if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&
+        !(now.marks && (*effective)[*other] != 1))
         add(*other);
     if (now.marks)
         showTags();
@@ -418,235 +324,9 @@ void BendSession::setMotions(const std::string &text) {
     for (const auto &[tag, steps] : motion) {
         if (!center.count(tag))
             throw Error("The motions move handle " + std::to_string(tag) + ", but no vertex has that tag.");
-        vcg::fcd::ToMotion(steps, world * center.at(tag)); // to say what is wrong with it
+        vcg::fcd::ToMotion(steps, rest.world() * center.at(tag)); // to say what is wrong with it
     }
     now.motion = std::move(motion);
 }
 
 void BendSession::reset() { now.motion.clear(); }
-
-// --- the pose ---
-
-/// What the panel sets, as it reaches a filter.
-template <class Param>
-void BendSession::setUp(Param &param) const {
-    if (!target.attribute.isEmpty()) {
-        param.handles.source = HandleParam::Attribute;
-        param.handles.tagAttribute = target.attribute;
-    }
-    param.handles.transforms = QString::fromStdString(motionText());
-    param.deformation.smoothness = options.smoothness;
-    param.deformation.pose = options.pose;
-    param.deformation.graph.initialPatches = options.initialPatches;
-    param.deformation.weights = options.weights;
-}
-
-PoseParam BendSession::poseParamNow() const {
-    PoseParam param;
-    setUp(param);
-    const MeshDocument none; // hosts hand numbers over in single precision
-    PoseParam given = poseParam(toRichParameters(param, none), none);
-    given.deformation.weights = options.weights; // not in every host's dialog
-    return given;
-}
-
-vcg::fcd::Handles BendSession::handlesNow() const {
-    vcg::fcd::Handles held;
-    held.world = world;
-    for (const auto &[tag, steps] : now.motion)
-        if (center.count(tag))
-            held.motion[tag] = vcg::fcd::ToMotion(steps, world * center.at(tag));
-    return held;
-}
-
-bool BendSession::moves() const {
-    const vcg::fcd::Handles held = handlesNow();
-    return options.pose != 0 && std::any_of(held.motion.begin(), held.motion.end(), [](const auto &each) {
-               return !each.second.matrix.isIdentity(0) || !each.second.turn.isZero(0);
-           });
-}
-
-double BendSession::prepare() {
-    if (deformer && preparedFor == effective && preparedPatches == options.initialPatches &&
-        preparedWeights == options.weights)
-        return 0;
-    const vcg::fcd::Stopwatch watch;
-    restoreVertices();
-    last.reset();
-    deformer.reset();
-    vcg::fcd::Handles held = handlesNow();
-    held.tag = *effective;
-    vcg::tri::CountHandles(layer.cm, held); // something to hold, and to bend
-    Eigen::Matrix3Xd rest;
-    deformer = vcg::tri::PrepareDeformer(layer.cm, held, poseParamNow().deformation, rest);
-    preparedFor = effective;
-    preparedPatches = options.initialPatches;
-    preparedWeights = options.weights;
-    return 1000 * watch.Seconds();
-}
-
-BendSession::Times BendSession::pose(bool full) {
-    Times times;
-    if (!moves()) {
-        restoreShape();
-        updateStretch();
-        return times;
-    }
-    times.prepare = prepare();
-    vcg::fcd::Stopwatch watch;
-    vcg::fcd::DeformationParam param = poseParamNow().deformation;
-    const vcg::fcd::Handles held = handlesNow();
-    if (full) {
-        last = deformer->Solve(held, param);
-    } else {
-        param.maxIterations = 20;
-        param.tolerance = std::max(param.tolerance, 1e-4);
-        last = deformer->Solve(deformer->MotionsOf(held, param.pose), param, last ? &*last : nullptr);
-    }
-    times.solve = 1000 * watch.Seconds();
-    watch = {};
-    writeVertices(*last);
-    if (full) {
-        computeFaceNormals(layer.cm, {});
-        vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-        shape = shapeOf(layer.cm);
-    }
-    updateStretch();
-    times.write = 1000 * watch.Seconds();
-    return times;
-}
-
-/// Positions and normals, in one pass.
-void BendSession::writeVertices(const vcg::fcd::Deformer::Pose &pose) {
-    CMeshO &mesh = layer.cm;
-    isPosed = true;
-    vcg::fcd::Carrier(*deformer, pose)
-        .ApplyWithNormals([&](std::size_t i) { return toVector(position[i]); },
-                          [&](std::size_t i) { return toVector(normal[i]); },
-                          [&] {
-                              return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Vector3d &n) {
-                                  mesh.vert[i].P() = toPoint(p);
-                                  mesh.vert[i].N() = toPoint(n);
-                              };
-                          },
-                          vcg::fcd::Progress(), [&](std::size_t i) { prefetch(position[i], normal[i], mesh.vert[i]); });
-}
-
-void BendSession::restoreVertices() {
-    if (!isPosed || layer.cm.vert.size() != position.size())
-        return;
-    ParallelFor(0, position.size(), grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            layer.cm.vert[i].P() = position[i];
-            layer.cm.vert[i].N() = normal[i];
-        }
-    });
-    isPosed = false;
-}
-
-void BendSession::restore() {
-    hideStretch();
-    restoreShape();
-}
-
-void BendSession::restoreShape() {
-    if (layer.cm.vert.size() != position.size() || layer.cm.face.size() != faceNormal.size())
-        return; // another mesh by now
-    restoreVertices();
-    for (std::size_t f = 0; f < faceNormal.size(); ++f)
-        layer.cm.face[f].N() = faceNormal[f];
-    layer.cm.bbox = box;
-    shape = shapeOf(layer.cm);
-    last.reset();
-}
-
-void BendSession::updateStretch() {
-    if (!options.stretch || marking || layer.cm.fn == 0) {
-        hideStretch();
-        return;
-    }
-    if (!stretch)
-        stretch = std::make_unique<StretchColors>(layer);
-    stretch->show(position, world.linear());
-}
-
-void BendSession::hideStretch() {
-    if (stretch)
-        stretch->bringBack();
-    stretch.reset();
-}
-
-// --- apply ---
-
-std::string BendSession::filterCall(const std::string &script, const std::string &more) const {
-    std::string call =
-        "ms.apply_filter('" + script + "', handles=" +
-        (target.attribute.isEmpty() ? std::string("0") : "2, tag_attribute='" + target.attribute.toStdString() + "'") +
-        ", transforms='" + motionText() + "'";
-    const BendOptions defaults;
-    if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
-    if (options.pose != defaults.pose)
-        call += ", pose=" + digits(double(Scalarm(options.pose)));
-    if (options.initialPatches != defaults.initialPatches)
-        call += ", initial_patches=" + std::to_string(options.initialPatches);
-    if (options.weights != defaults.weights)
-        call += ", weights=" + std::to_string(int(options.weights));
-    return call + more + ")";
-}
-
-std::string BendSession::applyInPlace(MeshDocument &document, const Remark &remark) {
-    const PoseParam param = poseParamNow();
-    restore();
-    TagTarget silent = target;
-    silent.colorize = false; // the look is as it is
-    writeTags(layer, *effective, silent);
-    std::string calls;
-    if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
-        resetPose(layer, true); // poses begin with the shape that it has here
-        calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
-    }
-    PreparedLayers prepared;
-    poseInPlace(document, layer, param, prepared, remark, vcg::fcd::Progress());
-    calls += filterCall("apply_coord_fcd_deformation", "");
-    keepRest();
-    if (!now.marks && target.attribute.isEmpty()) { // the tags that the call needs stay
-        quality.assign(effective->begin(), effective->end());
-    }
-    now.motion.clear();
-    if (!now.marks)
-        now.points.clear();
-    before.clear();
-    after.clear();
-    updateTags();
-    return calls;
-}
-
-std::string BendSession::applyToNewLayer(MeshDocument &document, bool graphLayers, const Remark &remark) {
-    DeformMeshParam param;
-    setUp(param);
-    param.graphLayers = graphLayers;
-    const std::string call = filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False");
-    param = deformMeshParam(toRichParameters(param, document), document);
-    restore();
-    TagTarget silent = target;
-    silent.colorize = false;
-    writeTags(layer, *effective, silent);
-
-    // As FCD: Deform Mesh does it.
-    vcg::fcd::Handles given = readHandles(layer, param.handles);
-    param.deformation.linear = hasDirections(layer);
-    vcg::fcd::DeformationResult result;
-    PreparedLayers cache;
-    const std::shared_ptr<Prepared> prepared = cache.get(document, layer, nullptr, given, param.deformation, [&] {
-        return vcg::tri::PrepareDeformer(layer.cm, given, param.deformation, result.position);
-    });
-    readMotions(document, layer, param.handles, prepared->deformer->center, remark, given);
-    vcg::tri::PoseMesh(layer.cm, given, *prepared->deformer, param.deformation, vcg::fcd::Progress(), result);
-    NewLayers layers(document, layer, remark);
-    const std::vector<MeshModel *> results = addResult(layers, layer, prepared, result, graphLayers, {});
-    now.motion.clear();
-    layers.keep(*results.back());
-    showResult(document, layer, results);
-    return call;
-}

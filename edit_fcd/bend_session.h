@@ -2,54 +2,17 @@
 #ifndef FCD_BEND_SESSION_H
 #define FCD_BEND_SESSION_H
 
-// Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/centroidal_deformation.h>
-#include <vcg_ext/motion_text.h>
-
-#include "../filter_fcd/fcd_tags.h"
+#include "bend_reach.h" // these before Qt
+#include "bend_rest.h"
+#include "bend_solver.h"
+#include "bend_state.h"
 #include "stretch_colors.h"
 
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-/// A handle of a vertex and those beside it.
-struct BendPoint {
-    std::size_t slot = 0;
-    double radius = 0; ///< of what it bends where nothing is marked, along the surface, world units
-
-    bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
-};
-
-using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
-
-/// What is undone and redone: which vertices are held, and how the handles move.
-struct BendState {
-    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked, and points bend what is around them
-    std::map<int, BendPoint> points;       ///< by their tag
-    std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
-
-    bool operator==(const BendState &other) const;
-};
-
-/// What the panel sets.
-struct BendOptions {
-    double smoothness = vcg::fcd::SolverParam().smoothness;
-    double pose = 100; ///< percent of the motions
-    int initialPatches = vcg::fcd::GraphParam().initialPatches;
-    vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
-    int mirror = -1;      ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
-    bool stretch = false; ///< the layer's colours show how much it is stretched
-
-    /// Whether the same marks and motions give the same shape.
-    bool givesSameShape(const BendOptions &other) const {
-        return smoothness == other.smoothness && pose == other.pose && initialPatches == other.initialPatches &&
-               weights == other.weights;
-    }
-};
 
 /// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
 /// prepared for that. Knows nothing of mouse and screen.
@@ -60,10 +23,10 @@ class BendSession {
   public:
     /// The present shape of \p layer becomes the rest shape, its tags the marks.
     /// \throw vcg::fcd::Error no vertices, or a matrix without an inverse
-    explicit BendSession(MeshModel &layer);
+    BendSession(MeshDocument &document, MeshModel &layer);
 
     /// Whether the layer has as many vertices and faces as it had.
-    bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }
+    bool fits() const { return rest.fits(); }
     /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
     bool isUpToDate() const;
 
@@ -88,13 +51,13 @@ class BendSession {
     bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
     /// The vertices within \p radius of \p slot along the surface, in the rest shape.
     const std::vector<std::size_t> &reach(std::size_t slot, double radius);
-    double diagonal() const { return size; } ///< of the bounding box
+    double diagonal() const { return rest.diagonal(); } ///< of the bounding box
 
     // --- changes; each begins with change(), which undo() takes back ---
 
-    void change();
-    bool canUndo() const { return !before.empty(); }
-    bool canRedo() const { return !after.empty(); }
+    void change() { history.begin(now); }
+    bool canUndo() const { return history.canUndo(); }
+    bool canRedo() const { return history.canRedo(); }
     void undo();
     void redo();
     /// Takes back what was done since the last change(), without a redo.
@@ -131,7 +94,7 @@ class BendSession {
     /// Prepares the deformer if it is not. \throw vcg::fcd::Error
     double prepare();
     bool moves() const; ///< whether anything leads away from rest
-    int nodes() const { return deformer ? int(deformer->graph.Size()) : 0; }
+    int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->graph.Size()) : 0; }
 
     /// The rest shape again, to the bit, with the layer's own colours.
     void restore();
@@ -144,59 +107,41 @@ class BendSession {
 
     /// The layer at rest gets the present pose as FCD: Pose in Place gives it, and that becomes the rest shape. \return
     /// the filter calls
-    std::string applyInPlace(MeshDocument &document, const Remark &remark);
-    /// The layer is at rest, and new layers hold the pose as FCD: Deform Mesh gives it. \return the filter call
-    std::string applyToNewLayer(MeshDocument &document, bool graphLayers, const Remark &remark);
+    std::string applyInPlace(const Remark &remark);
+    /// The layer is at rest, and new layers hold the pose as FCD: Deform Mesh gives it; one of them is the current
+    /// layer, so that the tool may end in this. \return the filter call
+    std::string applyToNewLayer(bool graphLayers, const Remark &remark);
 
     BendOptions options;
 
   private:
     void keepRest();
-    void updateTags();
-    void take(std::vector<BendState> &states);
-    void writeVertices(const vcg::fcd::Deformer::Pose &pose);
-    void restoreVertices();
     void restoreShape();
-    template <class Param>
-    void setUp(Param &param) const;
-    PoseParam poseParamNow() const;
-    vcg::fcd::Handles handlesNow() const;
+    void updateTags();
+    void takeState();
+    BendSolver::Motions motionsNow() const;
+    HandleParam handleParam() const;
+    void handOver();
     std::string filterCall(const std::string &script, const std::string &more) const;
 
+    MeshDocument &document;
     MeshModel &layer;
-    Eigen::Affine3d world; ///< the layer's matrix
     TagTarget target;
-    double size = 1;
-    Eigen::Vector3d middle; ///< of the box, layer units
-
-    // The rest shape.
-    std::vector<Point3m> position, normal, faceNormal;
-    vcg::Box3<Scalarm> box;
-    std::uint64_t shape = 0; ///< that the layer has now
-    bool isPosed = false;    ///< the layer is not at rest
+    BendRest rest;
+    BendReach reachOfRest;
 
     // The look of the layer before anything was marked.
     std::vector<vcg::Color4b> color;
     std::vector<CVertexO::QualityType> quality;
 
     BendState now;
-    std::vector<BendState> before, after;
+    BendHistory history;
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
 
-    std::unique_ptr<vcg::fcd::Deformer> deformer; ///< for `preparedFor`
-    std::shared_ptr<const BendTags> preparedFor;
-    int preparedPatches = 0;
-    vcg::fcd::MappingWeights preparedWeights = options.weights;
-    std::optional<vcg::fcd::Deformer::Pose> last;
-
+    BendSolver solver;
     std::unique_ptr<StretchColors> stretch; ///< while it is shown
-
-    std::unique_ptr<vcg::fcd::SurfaceGraph> surface; ///< of the rest shape, once it was asked for
-    std::vector<std::size_t> reached;
-    std::size_t reachedFrom = std::size_t(-1);
-    double reachedRadius = 0;
 };
 
 #endif

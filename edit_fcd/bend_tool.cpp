@@ -62,7 +62,7 @@ void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
 }
 
 void BendTool::open(MeshModel &newModel) {
-    auto opened = std::make_unique<BendSession>(newModel);
+    auto opened = std::make_unique<BendSession>(*view->md(), newModel);
     if (opened->isMarked() && !newModel.hasDataMask(MeshModel::MM_VERTCOLOR))
         opened->showTags();
     session = std::move(opened);

@@ -9,7 +9,8 @@
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
-#include "edit_host.h"
+
+#include <layer_fcd/edit_host.h>
 
 #include <memory>
 #include <optional>

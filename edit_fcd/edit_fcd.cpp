@@ -50,5 +50,5 @@ QString EditFcd::help() const {
            "same shape in a script.";
 }
 
-#include "moc_edit_fcd.cpp"  // NOLINT(bugprone-suspicious-include)
-#include "moc_edit_host.cpp" // NOLINT(bugprone-suspicious-include)
+#include "layer_fcd/moc_edit_host.cpp" // NOLINT(bugprone-suspicious-include)
+#include "moc_edit_fcd.cpp"            // NOLINT(bugprone-suspicious-include)

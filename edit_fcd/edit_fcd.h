@@ -4,7 +4,7 @@
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "edit_host.h"
+#include <layer_fcd/edit_host.h>
 
 /// Fast Centroidal Deformation by hand: the plugin with the tool "FCD: Bend".
 class EditFcd : public HostEditPlugin {

@@ -3,7 +3,7 @@
 
 #include "stretch_colors.h"
 
-#include "../filter_fcd/fcd_parameters.h"
+#include <layer_fcd/parameters.h>
 
 #include <algorithm>
 #include <cmath>

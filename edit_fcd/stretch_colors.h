@@ -4,7 +4,7 @@
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "../filter_fcd/meshlab_host.h"
+#include <layer_fcd/meshlab_host.h>
 
 #include <vector>
 

@@ -2,8 +2,11 @@
 #ifndef FILTER_FCD_H
 #define FILTER_FCD_H
 
-#include "fcd_prepared.h"
-#include "fcd_window.h"
+#include <layer_fcd/prepared_layers.h> // before Qt
+
+#include "dialogs.h"
+
+#include <layer_fcd/filter_host.h>
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
 class FilterFcd : public HostFilterPlugin {

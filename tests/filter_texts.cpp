@@ -2,7 +2,7 @@
 //
 // Prints what the filters tell their users as a page of the manual, docs/filters.md:
 //   filter_texts libfilter_fcd.so
-#include "../filter_fcd/meshlab_host.h"
+#include <layer_fcd/filter_host.h>
 #include "load_plugin.h"
 
 #include <QCoreApplication>

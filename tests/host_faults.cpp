@@ -5,7 +5,7 @@
 // more each time. Each time, the document must be what it was.
 //   MALLOC_ARENA_MAX=1 host_faults libfilter_fcd.so
 // One arena: the C library ends the process where a new thread finds no room for an arena of its own.
-#include "../filter_fcd/meshlab_host.h"
+#include <layer_fcd/filter_host.h>
 #include "load_plugin.h"
 
 #include <vcg/complex/algorithms/update/bounding.h>

@@ -694,6 +694,9 @@ def test_use_graph_layer():
     free = (tags[nearest] == 1).sum()  # the others are not needed
     assert free * 0.8 < result["nodes"] < patches * 3
     assert np.abs(first[tags == 2] - rest[tags == 2] - [0, 0, 0.25]).max() < 1e-12
+    ms.set_current_mesh(0)
+    assert ms.apply_filter(DEFORM, **motion)["seconds_graph"] == 0, "it is prepared"
+    assert same_points(ms.current_mesh().vertex_matrix(), first)
     ms.set_current_mesh(1)
     ms.apply_filter("set_matrix", transformmatrix=translation([5, 0, 0]), freeze=True)
     ms.apply_filter("set_matrix", transformmatrix=translation([-5, 0, 0]), freeze=False)

@@ -2,7 +2,7 @@
 // What libFuzzer comes up with goes through every reader: each returns a valid value, or throws an Error that says
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
-#include "../../filter_fcd/fcd_picked_points.h"
+#include "../../layer_fcd/picked_points.h"
 #include "deformation_file.h"
 #include "handle_file.h"
 #include "motion_text.h"

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_reach.h"
+
+#include <vcg_ext/surface_reach.h>
+
+void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
+    surface = std::make_unique<vcg::fcd::SurfaceGraph>(vcg::tri::BuildSurfaceGraph(layer.cm, nullptr, {}, metric));
+}
+
+void BendReach::clear() {
+    surface.reset();
+    from = std::size_t(-1);
+}
+
+const std::vector<std::size_t> &BendReach::of(std::size_t slot, double radius) {
+    if (knows(slot, radius))
+        return reached;
+    reached.clear();
+    const vcg::fcd::Index seed = surface->nodeOf[slot];
+    if (seed >= 0) {
+        std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
+        for (vcg::fcd::Index node : vcg::fcd::NodesWithin(surface->graph, seed, radius / surface->frame.scale))
+            isIn[std::size_t(node)] = 1;
+        for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
+            if (surface->nodeOf[i] >= 0 && isIn[std::size_t(surface->nodeOf[i])])
+                reached.push_back(i);
+    }
+    from = slot;
+    within = radius;
+    return reached;
+}

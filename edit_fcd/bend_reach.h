@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_REACH_H
+#define FCD_BEND_REACH_H
+
+#include <layer_fcd/parameters.h> // before Qt
+
+#include <memory>
+#include <vector>
+
+/// What lies within some way of a vertex, along the surface of the rest shape.
+class BendReach {
+  public:
+    bool isReady() const { return surface != nullptr; }
+    /// Reads the surface. \pre the layer is at rest \param metric lengths are measured by, that of the layer's matrix
+    void read(const MeshModel &layer, const Eigen::Matrix3d &metric);
+    void clear();
+
+    bool knows(std::size_t slot, double radius) const { return from == slot && within == radius; }
+    /// The vertices within \p radius of \p slot. \pre isReady(), or knows() it
+    const std::vector<std::size_t> &of(std::size_t slot, double radius);
+
+  private:
+    std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
+    std::vector<std::size_t> reached; ///< those of the last
+    std::size_t from = std::size_t(-1);
+    double within = 0;
+};
+
+#endif

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_rest.h"
+
+#include <layer_fcd/layer_matrix.h>
+#include <layer_fcd/rest_shape.h>
+
+using vcg::fcd::ParallelFor;
+
+BendRest::BendRest(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
+
+void BendRest::keep() {
+    const CMeshO &mesh = layer.cm;
+    position.resize(mesh.vert.size());
+    normal.resize(mesh.vert.size());
+    faceNormal.resize(mesh.face.size());
+    for (std::size_t i = 0; i < position.size(); ++i) {
+        position[i] = mesh.vert[i].cP();
+        normal[i] = mesh.vert[i].cN();
+    }
+    for (std::size_t f = 0; f < faceNormal.size(); ++f)
+        faceNormal[f] = mesh.face[f].cN();
+    box = mesh.bbox;
+    Eigen::AlignedBox3d all, allInWorld;
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD()) {
+            all.extend(toVector(vertex.cP()));
+            allInWorld.extend(matrix * toVector(vertex.cP()));
+        }
+    center = all.center();
+    size = allInWorld.diagonal().norm();
+    shape = shapeOf(mesh);
+    posed = false;
+}
+
+void BendRest::restoreVertices() {
+    if (!posed || layer.cm.vert.size() != position.size())
+        return;
+    ParallelFor(0, position.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            layer.cm.vert[i].P() = position[i];
+            layer.cm.vert[i].N() = normal[i];
+        }
+    });
+    posed = false;
+}
+
+void BendRest::restore() {
+    if (!fits())
+        return; // another mesh by now
+    restoreVertices();
+    for (std::size_t f = 0; f < faceNormal.size(); ++f)
+        layer.cm.face[f].N() = faceNormal[f];
+    layer.cm.bbox = box;
+    shape = shapeOf(layer.cm);
+}

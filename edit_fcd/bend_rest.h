@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_REST_H
+#define FCD_BEND_REST_H
+
+#include <layer_fcd/parameters.h> // before Qt
+
+#include <cstdint>
+#include <vector>
+
+/// The rest shape of a layer while the tool bends it, and whether the layer has it.
+class BendRest {
+  public:
+    /// \throw vcg::fcd::Error a matrix without an inverse
+    explicit BendRest(MeshModel &layer);
+    /// The present shape of the layer is the rest shape from now on.
+    void keep();
+
+    /// Whether the layer has as many vertices and faces as it had.
+    bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }
+    bool isPosed() const { return posed; }
+    /// The vertices have another shape from now on; once that is written, know() it.
+    void leave() { posed = true; }
+    void know(std::uint64_t newShape) { shape = newShape; }
+    std::uint64_t known() const { return shape; } ///< the shape that the layer was given last, as shapeOf tells it
+
+    /// Gives the vertices of the layer their positions and normals at rest, where they have others.
+    void restoreVertices();
+    /// The rest shape, to the bit, with normals of faces and the box; nothing where the layer is another mesh by now.
+    void restore();
+
+    /// Per vertex slot, in the layer.
+    const std::vector<Point3m> &positions() const { return position; }
+    const std::vector<Point3m> &normals() const { return normal; }
+    Eigen::Vector3d at(std::size_t slot) const { return toVector(position[slot]); }
+
+    const Eigen::Affine3d &world() const { return matrix; }  ///< the layer's matrix
+    const Eigen::Vector3d &middle() const { return center; } ///< of the box, layer units
+    double diagonal() const { return size; }                 ///< of the box in the world
+
+  private:
+    MeshModel &layer;
+    Eigen::Affine3d matrix;
+    std::vector<Point3m> position, normal, faceNormal;
+    vcg::Box3<Scalarm> box;
+    Eigen::Vector3d center;
+    double size = 1;
+    std::uint64_t shape = 0;
+    bool posed = false;
+};
+
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_solver.h"
+
+#include <algorithm>
+
+vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
+    vcg::fcd::DeformationParam param;
+    param.smoothness = options.smoothness;
+    param.pose = options.pose;
+    param.graph.initialPatches = options.initialPatches;
+    param.weights = options.weights;
+    return asHandedOver(param);
+}
+
+bool BendSolver::isPrepared(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) const {
+    return preparedFor && preparedFor == tags && preparedPatches == options.initialPatches &&
+           preparedWeights == options.weights;
+}
+
+void BendSolver::prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) {
+    last.reset();
+    preparedFor.reset();
+    deformer.takeTags(*tags);
+    deformer.prepare(deformationOf(options));
+    preparedFor = tags;
+    preparedPatches = options.initialPatches;
+    preparedWeights = options.weights;
+}
+
+void BendSolver::clear() {
+    last.reset();
+    preparedFor.reset();
+    deformer.forget();
+    kept.clear();
+}
+
+const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOptions &options, bool full) {
+    vcg::fcd::DeformationParam param = deformationOf(options);
+    deformer.takeMotions(std::move(motions));
+    if (full) {
+        last = deformer.solve(param);
+    } else {
+        param.maxIterations = 20;
+        param.tolerance = std::max(param.tolerance, 1e-4);
+        last = deformer.solveFrom(last ? &*last : nullptr, param);
+    }
+    return *last;
+}

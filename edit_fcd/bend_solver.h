@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_SOLVER_H
+#define FCD_BEND_SOLVER_H
+
+#include "bend_state.h" // before Qt
+
+#include <layer_fcd/layer_deformer.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+
+/// How the filters are asked for what the panel says.
+vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
+
+/// The deformer of a layer while the tool bends it, and the last pose.
+class BendSolver {
+  public:
+    using Motions = std::map<vcg::fcd::Index, vcg::fcd::Motion>;
+
+    BendSolver(MeshDocument &document, MeshModel &layer) : deformer(document, layer, kept) {}
+    BendSolver(const BendSolver &) = delete;
+    BendSolver &operator=(const BendSolver &) = delete;
+
+    /// Whether it is prepared for tags, these very ones, and options.
+    bool isPrepared(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) const;
+    /// \pre the layer is at rest \throw vcg::fcd::Error
+    void prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options);
+    const Prepared *prepared() const { return deformer.prepared().get(); }
+    /// Where a filter finds what is prepared here.
+    PreparedLayers &preparedLayers() { return kept; }
+    void clear();
+
+    /// \param full from rest to the end, as the filters do; otherwise some steps from the last pose
+    const vcg::fcd::Deformer::Pose &solve(Motions motions, const BendOptions &options, bool full);
+    /// The next one begins at rest.
+    void forgetPose() { last.reset(); }
+
+  private:
+    PreparedLayers kept;
+    LayerDeformer deformer;
+    std::shared_ptr<const BendTags> preparedFor; ///< null: for nothing
+    int preparedPatches = 0;
+    vcg::fcd::MappingWeights preparedWeights = BendOptions().weights;
+    std::optional<vcg::fcd::Deformer::Pose> last;
+};
+
+#endif

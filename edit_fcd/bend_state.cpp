@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_state.h"
+
+#include <algorithm>
+
+using vcg::fcd::MotionStep;
+
+namespace {
+
+const std::size_t mostSteps = 32; // of undo: each may hold tags of its own
+
+bool isSame(const MotionStep &a, const MotionStep &b) {
+    return a.kind == b.kind && a.vector == b.vector && a.degrees == b.degrees && a.about == b.about &&
+           a.matrix == b.matrix;
+}
+
+/// The last of \p states becomes the present one.
+bool take(std::vector<BendState> &states, BendState &now) {
+    if (states.empty())
+        return false;
+    now = states.back();
+    states.pop_back();
+    return true;
+}
+
+} // namespace
+
+bool BendState::operator==(const BendState &other) const {
+    return marks == other.marks && points == other.points && motion.size() == other.motion.size() &&
+           std::equal(motion.begin(), motion.end(), other.motion.begin(), [](const auto &a, const auto &b) {
+               return a.first == b.first &&
+                      std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), isSame);
+           });
+}
+
+void BendHistory::begin(const BendState &now) {
+    if (!before.empty() && before.back() == now)
+        return; // nothing came of the last
+    before.push_back(now);
+    if (before.size() > mostSteps)
+        before.erase(before.begin());
+    after.clear();
+}
+
+bool BendHistory::undo(BendState &now) {
+    while (!before.empty() && before.back() == now)
+        before.pop_back();
+    if (before.empty())
+        return false;
+    after.push_back(now);
+    return take(before, now);
+}
+
+bool BendHistory::redo(BendState &now) {
+    if (after.empty())
+        return false;
+    before.push_back(now);
+    return take(after, now);
+}
+
+bool BendHistory::cancel(BendState &now) { return take(before, now); }
+
+void BendHistory::clear() {
+    before.clear();
+    after.clear();
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_STATE_H
+#define FCD_BEND_STATE_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/motion_text.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+/// A handle of a vertex and those beside it.
+struct BendPoint {
+    std::size_t slot = 0;
+    double radius = 0; ///< of what it bends where nothing is marked, along the surface, world units
+
+    bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
+};
+
+using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
+
+/// What is undone and redone: which vertices are held, and how the handles move.
+struct BendState {
+    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked, and points bend what is around them
+    std::map<int, BendPoint> points;       ///< by their tag
+    std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
+
+    bool operator==(const BendState &other) const;
+};
+
+/// What the panel sets.
+struct BendOptions {
+    double smoothness = vcg::fcd::SolverParam().smoothness;
+    double pose = 100; ///< percent of the motions
+    int initialPatches = vcg::fcd::GraphParam().initialPatches;
+    vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
+    int mirror = -1;      ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    bool stretch = false; ///< the layer's colours show how much it is stretched
+
+    /// Whether the same marks and motions give the same shape.
+    bool givesSameShape(const BendOptions &other) const {
+        return smoothness == other.smoothness && pose == other.pose && initialPatches == other.initialPatches &&
+               weights == other.weights;
+    }
+};
+
+/// The states before and after the present one. Each change begins with begin().
+class BendHistory {
+  public:
+    void begin(const BendState &now);
+    bool canUndo() const { return !before.empty(); }
+    bool canRedo() const { return !after.empty(); }
+    /// Each makes \p now another state. \return whether it did
+    bool undo(BendState &now);
+    bool redo(BendState &now);
+    /// Takes back what was done since the last begin(), without a redo.
+    bool cancel(BendState &now);
+    void clear();
+
+  private:
+    std::vector<BendState> before, after;
+};
+
+#endif

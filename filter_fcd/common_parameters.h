@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_COMMON_PARAMETERS_H
+#define FCD_COMMON_PARAMETERS_H
+
+#include "filter_parameters.h"
+
+/// \file
+/// What several filters ask for.
+
+// What moves, and how.
+void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document);
+/// \throw vcg::fcd::Error when a value makes no sense
+HandleParam handleParam(const RichParameterList &list, const MeshDocument &document);
+
+// With which graph.
+void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document);
+void addInitialPatches(RichParameterList &list, int initialPatches);
+void addRandomSeed(RichParameterList &list, unsigned randomSeed);
+vcg::fcd::GraphParam graphParam(const RichParameterList &list);
+
+// How it bends.
+/// \param all also what a filter may lack where scripts may not
+void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all);
+/// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense
+vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all);
+
+/// \p list with the parameters \p first before the others, which come last or, without \p others, not at all; with
+/// handleLayer where a script of before may lack it.
+RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others);
+
+/// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
+int enumValue(const RichParameterList &list, const char *name, int count);
+
+#endif

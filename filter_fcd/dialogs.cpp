@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <layer_fcd/parameters.h> // before Qt
+
+#include "dialogs.h"
+#include "filter_parameters.h"
+
+#include <layer_fcd/layer_contents.h>
+
+#include <algorithm>
+
+#include <QApplication>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QGridLayout>
+#include <QPushButton>
+#include <QScreen>
+#include <QScrollArea>
+#include <QScrollBar>
+#include <QSignalBlocker>
+#include <QTimer>
+
+void LastValues::keep(int filter, const RichParameterList &used, const MeshDocument &document, const MeshModel &meant) {
+    lists[filter] = used;
+    const MeshModel *like =
+        used.hasParameter(handleLayer) ? host::layerParameter(used, handleLayer, document) : nullptr;
+    handleLayers[filter] = like && like != &meant ? like->label() : QString();
+}
+
+void LastValues::recall(int filter, RichParameterList &list, const MeshDocument &document) const {
+    const auto last = lists.find(filter);
+    if (last == lists.end())
+        return;
+    for (const RichParameter &parameter : list)
+        if (!host::isLayerParameter(parameter) && last->second.hasParameter(parameter.name()))
+            list.setValue(parameter.name(), last->second.getParameterByName(parameter.name()).value());
+    const QString &like = handleLayers.at(filter);
+    for (const MeshModel *layer : host::layers(document))
+        if (!like.isEmpty() && layer->label() == like)
+            host::setLayer(list, handleLayer, *layer);
+}
+
+int likelySource(const MeshModel &layer, int last) {
+    if (last > 1) // an attribute or files
+        return last;
+    const CMeshO &mesh = layer.cm;
+    const auto isSelected = [](const auto &element) { return !element.IsD() && element.IsS(); };
+    const bool isAnySelected = std::any_of(mesh.vert.begin(), mesh.vert.end(), isSelected) ||
+                               std::any_of(mesh.face.begin(), mesh.face.end(), isSelected);
+    return isAnySelected && !mayHaveTags(layer) ? 1 : 0;
+}
+
+namespace {
+
+const int highest = 630; // of a dialog: fits the smallest screen that is common, with room for a panel
+
+/// Gives a dialog that scrolls its size, and a place on the screen. \param first its size as the host
+/// made it \param rest that of what is around the area
+void fit(QDockWidget &dialog, QScrollArea &area, const QSize &first, const QSize &rest) {
+    const QScreen *screen = QApplication::screens().value(0);
+    if (!screen)
+        return;
+    const QRect all = screen->availableGeometry();
+    const QSize wanted = (area.widget()->minimumSizeHint() + rest).expandedTo(first);
+    const bool isHigh = wanted.height() > highest;
+    const int bar = isHigh ? area.verticalScrollBar()->sizeHint().width() : 0;
+    dialog.setMinimumSize(0, 0);
+    dialog.resize(std::min(wanted.width() + bar, all.width()),
+                  std::min(isHigh ? highest : wanted.height(), all.height()));
+    QRect place = dialog.frameGeometry();
+    place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
+    place.moveTop(std::max(all.top(), std::min(place.top(), all.bottom() - place.height())));
+    dialog.move(place.topLeft());
+    // The text above may have more lines than it had in the host's size, which is seen when all has its place.
+    QTimer::singleShot(0, &area, [&dialog, &area] {
+        const int height = dialog.height() + area.verticalScrollBar()->maximum();
+        if (height <= highest)
+            dialog.resize(dialog.width(), height);
+    });
+}
+
+/// Puts the parameters of a filter's dialog into an area that scrolls.
+void letScroll(QDockWidget &dialog) {
+    QWidget *content = dialog.widget();
+    auto *grid = content ? qobject_cast<QGridLayout *>(content->layout()) : nullptr;
+    QLayoutItem *item = grid ? grid->itemAtPosition(1, 0) : nullptr;
+    auto *parameters = item ? qobject_cast<QFrame *>(item->widget()) : nullptr;
+    if (!parameters)
+        return;
+    const QSize first = dialog.size(), rest = first - parameters->size();
+    grid->removeWidget(parameters);
+    auto *area = new QScrollArea(content);
+    area->setFrameShape(QFrame::NoFrame);
+    area->setWidgetResizable(true);
+    area->setWidget(parameters);
+    grid->addWidget(area, 1, 0, 1, 2);
+    grid->setRowStretch(1, 1);
+    fit(dialog, *area, first, rest);
+    // The host gives it another size when Help comes or goes.
+    const auto later = [&dialog, area, first, rest] {
+        QTimer::singleShot(0, area, [&dialog, area, first, rest] { fit(dialog, *area, first, rest); });
+    };
+    for (QPushButton *button : content->findChildren<QPushButton *>(QString(), Qt::FindDirectChildrenOnly))
+        QObject::connect(button, &QPushButton::clicked, area, later);
+}
+
+/// Keeps what a dialog lists as layers in step with the layers: the host takes the one that has the place in its list
+/// that the chosen one had when the dialog opened.
+void followLayers(QWidget &content, MeshDocument &document) {
+    struct Layers {
+        QStringList labels;
+        std::vector<int> ids;
+    };
+    const auto present = [&document] {
+        Layers layers;
+        for (const MeshModel *layer : host::layers(document)) {
+            layers.labels << layer->label();
+            layers.ids.push_back(layer->id());
+        }
+        return layers;
+    };
+    Layers shown = present();
+    std::vector<QComboBox *> choosers;
+    for (QComboBox *box : content.findChildren<QComboBox *>()) {
+        QStringList items;
+        for (int i = 0; i < box->count(); ++i)
+            items << box->itemText(i);
+        if (items == shown.labels)
+            choosers.push_back(box);
+    }
+    QObject::connect(&document, &MeshDocument::meshSetChanged, &content,
+                     [&document, present, choosers, shown]() mutable {
+                         const Layers layers = present();
+                         const auto placeOf = [&layers](int id) {
+                             return int(std::find(layers.ids.begin(), layers.ids.end(), id) - layers.ids.begin());
+                         };
+                         for (QComboBox *box : choosers) {
+                             int place = placeOf(shown.ids.at(std::size_t(box->currentIndex())));
+                             if (place == layers.labels.size() && document.mm()) // it is gone
+                                 place = placeOf(document.mm()->id());
+                             const QSignalBlocker quiet(box);
+                             box->clear();
+                             box->addItems(layers.labels);
+                             box->setCurrentIndex(place);
+                         }
+                         shown = layers;
+                     });
+}
+
+/// The host's button Default brings back what the dialog had when it opened, which is remembered: instead, the dialog
+/// opens anew.
+void letDefaultBeDefaults(QWidget &content, const std::function<void()> &openWithDefaults) {
+    for (QPushButton *button : content.findChildren<QPushButton *>())
+        if (button->text() == "Default")
+            QObject::connect(button, &QPushButton::clicked, &content, [&content, openWithDefaults] {
+                for (QCheckBox *preview : content.findChildren<QCheckBox *>())
+                    if (preview->text() == "Preview")
+                        preview->setChecked(false);                // gives the layer its shape back
+                QTimer::singleShot(0, &content, openWithDefaults); // which is the end of the button
+            });
+}
+
+} // namespace
+
+void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults) {
+    QTimer::singleShot(0, &document, [title, &document, openWithDefaults] {
+        static const char *const prepared = "fcd_prepared";
+        for (QWidget *window : QApplication::topLevelWidgets())
+            for (QDockWidget *dialog : window->findChildren<QDockWidget *>()) {
+                QWidget *content = dialog->widget();
+                if (dialog->windowTitle() != title || !content || content->property(prepared).isValid())
+                    continue;
+                content->setProperty(prepared, true);
+                if (!host::dialogsFold)
+                    letScroll(*dialog);
+                followLayers(*content, document);
+                letDefaultBeDefaults(*content, openWithDefaults);
+            }
+    });
+}

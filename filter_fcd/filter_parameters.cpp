@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common_parameters.h"
+
+#include <QRegularExpression>
+
+using host::addParameter;
+using host::Shown;
+using vcg::fcd::Error;
+
+namespace {
+
+/// The last layer whose label fits, or else the current one.
+const MeshModel *lastLayer(const MeshDocument &document, const QRegularExpression &label,
+                           const QRegularExpression &butNot) {
+    const MeshModel *found = document.mm();
+    for (const MeshModel *layer : host::layers(document)) {
+        if (!found)
+            found = layer;
+        if (layer->label().contains(label) && !layer->label().contains(butNot))
+            found = layer;
+    }
+    return found;
+}
+
+QRegularExpression deformedGraphLabel() { return QRegularExpression(" deformed graph[ 0-9()]*$"); }
+
+/// The layers that are most likely meant as deformation graph, and as the same graph deformed.
+const MeshModel *likelyGraph(const MeshDocument &document) {
+    return lastLayer(document, QRegularExpression(" graph( \\d+)?(\\(\\d+\\))?$"), deformedGraphLabel());
+}
+const MeshModel *likelyDeformedGraph(const MeshDocument &document) {
+    return lastLayer(document, deformedGraphLabel(), QRegularExpression("^$"));
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    addTargetRadius(list, param.graph.targetRadius, document);
+    addInitialPatches(list, param.graph.initialPatches);
+    addParameter<RichInt>(list, Shown::Advanced, "max_iterations", param.graph.maxIterations, "Maximum iterations",
+                          "The patches are improved until they hardly change, at most this often. <b>Raising it</b> "
+                          "matters only when the log "
+                          "says that they did not converge.");
+    addRandomSeed(list, param.graph.randomSeed);
+    addParameter<RichBool>(
+        list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
+        "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
+    if (host::scriptsMayLackParameters)
+        addParameter<RichBool>(
+            list, Shown::Always, "surface_layer", param.surfaceLayer, "Layer with the graph as a surface",
+            "Also adds the graph as balls and tubes, which any viewer shows and every format keeps.");
+    return list;
+}
+
+BuildGraphParam buildGraphParam(const RichParameterList &list) {
+    BuildGraphParam param;
+    param.graph = graphParam(list);
+    param.graph.maxIterations = list.getInt("max_iterations");
+    param.patchesLayer = list.getBool("patches_layer");
+    param.surfaceLayer = host::scriptsMayLackParameters ? list.getBool("surface_layer") : host::inWindow();
+    param.graph.Validate();
+    return param;
+}
+
+RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document) {
+    const HandleParam &handles = param.handles;
+    const vcg::fcd::DeformationParam &deformation = param.deformation;
+    RichParameterList list;
+
+    addHandles(list, handles, document);
+
+    // With which graph.
+    addParameter<RichBool>(
+        list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
+        "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
+        "drive several meshes, and nodes can be placed by hand.");
+    host::addLayerParameter(
+        list, Shown::Advanced, "graph_layer", param.graphLayer ? param.graphLayer : likelyGraph(document), document,
+        "Graph layer",
+        "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes "
+        "that are not on the surface are left out; when most of them are not, it is an error.");
+    addTargetRadius(list, deformation.graph.targetRadius, document);
+    addInitialPatches(list, deformation.graph.initialPatches);
+    addRandomSeed(list, deformation.graph.randomSeed);
+
+    addBending(list, deformation, host::scriptsMayLackParameters);
+    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
+                           "Also adds the deformation graph at rest and deformed, as two layers; their attribute "
+                           "<i>energy</i> says where the deformation costs most.");
+    addParameter<RichEnum>(
+        list, Shown::Advanced, "deformed_quality", int(param.quality),
+        QStringList() << "As the input"
+                      << "Stretch"
+                      << "Rotation angle",
+        "Quality of the result",
+        "What the vertex quality of the deformed layer is, to be coloured ('Colorize by vertex "
+        "Quality'), selected by or saved: that of the input, the <b>stretch</b> (length of the edges "
+        "over that at rest: 1 is not stretched, 1.1 is 10 percent longer), or the <b>angle</b> by "
+        "which the surface turned, in degrees.");
+    if (host::dialogsFold)
+        return list;
+    // Where nothing is folded, what one needs comes first.
+    return inOrder(list,
+                   {"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
+                    handleLayer, "smoothness", "pose", "graph_layers", "transforms"},
+                   true);
+}
+
+namespace {
+
+RichParameterList allParameters(const PoseParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    addHandles(list, param.handles, document);
+    addTargetRadius(list, param.deformation.graph.targetRadius, document);
+    addInitialPatches(list, param.deformation.graph.initialPatches);
+    addRandomSeed(list, param.deformation.graph.randomSeed);
+    addBending(list, param.deformation, true);
+    addParameter<RichBool>(
+        list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
+        "Computes the normals of the vertices anew from the faces, as MeshLab does. Without it they are turned as the "
+        "surface turns, which is faster and looks the same.");
+    return list;
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document) {
+    RichParameterList all = allParameters(param, document);
+    if (host::dialogsFold)
+        return all;
+    return inOrder(all,
+                   {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",
+                    "rotation_center", "rotation_point", handleLayer, "initial_patches", "smoothness", "pose"},
+                   false);
+}
+
+PoseParam poseParam(const RichParameterList &given, const MeshDocument &document) {
+    // What is not given has its default; what the host gives besides is its own.
+    const RichParameterList all = allParameters(PoseParam(), document);
+    RichParameterList list = all;
+    for (const RichParameter &parameter : all)
+        if (given.hasParameter(parameter.name()))
+            list.setValue(parameter.name(), given.getParameterByName(parameter.name()).value());
+    PoseParam param;
+    param.handles = handleParam(list, document);
+    param.deformation = deformationParam(list, true);
+    if (!host::scriptsMayLackParameters && !given.hasParameter("weld_distance")) // of no dialog, so not rounded
+        param.deformation.weldDistance = vcg::fcd::DeformerParam().weldDistance;
+    param.exactNormals = list.getBool("exact_normals");
+    return param;
+}
+
+RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document) {
+    RichParameterList list;
+    // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"), "Saved deformation (.ply)",
+        "A file of 'FCD: Save Deformation'. With it, the three layers below are not read, and need not be there. Such "
+        "a file stands in world coordinates. <b>Empty</b> (the default): the layers tell.");
+    host::addLayerParameter(list, Shown::Always, "source_layer", param.source ? param.source : document.mm(), document,
+                            "Source layer", "The layer that 'FCD: Deform Mesh' has deformed, as it was before.");
+    host::addLayerParameter(list, Shown::Always, "rest_graph",
+                            param.restGraph ? param.restGraph : likelyGraph(document), document, "Graph at rest",
+                            "The layer with the deformation graph of the source.");
+    host::addLayerParameter(list, Shown::Always, "deformed_graph",
+                            param.deformedGraph ? param.deformedGraph : likelyDeformedGraph(document), document,
+                            "Deformed graph",
+                            "The layer with the same graph, deformed: it holds what was done to the source.");
+    addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
+                           "Deforms every visible layer but those above, instead of the current one.");
+    return list;
+}
+
+CopyParam copyParam(const RichParameterList &list, const MeshDocument &document) {
+    return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
+            host::layerParameter(list, "deformed_graph", document), list.getOpenFileName("deformation_file"),
+            list.getBool("all_visible")};
+}
+
+RichParameterList toRichParameters(const ResetPoseParam &param) {
+    RichParameterList list;
+    addParameter<RichBool>(
+        list, Shown::Always, "keep_shape", param.keepShape, "Keep the present shape",
+        "Ticked, the layer stays as it is, and later poses begin from this shape. Otherwise it gets the shape back "
+        "that it had before its first pose.");
+    return list;
+}
+
+ResetPoseParam resetPoseParam(const RichParameterList &list) { return {list.getBool("keep_shape")}; }
+
+DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document) {
+    DeformMeshParam param;
+    param.handles = handleParam(list, document);
+
+    param.useGraphLayer = list.getBool("use_graph_layer");
+    if (param.useGraphLayer)
+        param.graphLayer = host::layerParameter(list, "graph_layer", document);
+
+    param.deformation = deformationParam(list, host::scriptsMayLackParameters);
+
+    param.graphLayers = list.getBool("graph_layers");
+    param.quality = DeformMeshParam::Quality(enumValue(list, "deformed_quality", 3));
+    param.deformation.measure = param.quality != DeformMeshParam::Input;
+    return param;
+}
+
+RichParameterList toRichParameters(const SaveDeformationParam &param, const MeshDocument &document) {
+    CopyParam layers;
+    layers.source = param.source;
+    layers.restGraph = param.restGraph;
+    layers.deformedGraph = param.deformedGraph;
+    const RichParameterList all = toRichParameters(layers, document);
+    RichParameterList list;
+    for (const char *name : {"source_layer", "rest_graph", "deformed_graph"})
+        list.addParam(all.getParameterByName(name));
+    host::addParameter<host::RichSaveFileParam>(list, host::Shown::Always, "deformation_file", param.file, "*.ply",
+                                                "Deformation goes to (.ply)",
+                                                "The file to write. An existing file is replaced.");
+    return list;
+}
+
+SaveDeformationParam saveDeformationParam(const RichParameterList &list, const MeshDocument &document) {
+    SaveDeformationParam param;
+    param.source = host::layerParameter(list, "source_layer", document);
+    param.restGraph = host::layerParameter(list, "rest_graph", document);
+    param.deformedGraph = host::layerParameter(list, "deformed_graph", document);
+    param.file = list.getSaveFileName("deformation_file");
+    param.validate();
+    return param;
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FILTER_PARAMETERS_H
+#define FCD_FILTER_PARAMETERS_H
+
+#include <layer_fcd/parameters.h> // before Qt
+
+/// \file
+/// The parameters of the filters as the host shows them, and the way back.
+
+/// Lengths are relative to the current layer, if there is one.
+RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const ResetPoseParam &param);
+RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const SaveDeformationParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const TagSelectionParam &param);
+RichParameterList toRichParameters(const TagsFromFilesParam &param);
+RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocument &document);
+
+/// \throw vcg::fcd::Error when a value makes no sense
+BuildGraphParam buildGraphParam(const RichParameterList &list);
+DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document);
+PoseParam poseParam(const RichParameterList &given, const MeshDocument &document);
+ResetPoseParam resetPoseParam(const RichParameterList &list);
+CopyParam copyParam(const RichParameterList &list, const MeshDocument &document);
+SaveDeformationParam saveDeformationParam(const RichParameterList &list, const MeshDocument &document);
+TagSelectionParam tagSelectionParam(const RichParameterList &list);
+TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
+SaveTagsParam saveTagsParam(const RichParameterList &list, const MeshDocument &document);
+
+/// The parameter that names HandleParam::likeLayer. Scripts of before may lack it.
+inline constexpr const char *handleLayer = "handle_layer";
+
+#endif

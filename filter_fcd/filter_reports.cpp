@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "filter_reports.h"
+
+#include <sstream>
+
+std::string describe(const vcg::fcd::SurfaceReport &surface) {
+    std::ostringstream line;
+    line << (surface.pointCloud ? "Point cloud" : "Surface") << " of " << surface.vertices << " vertices";
+    const auto mention = [&](vcg::fcd::Index count, const char *what) {
+        if (count > 0)
+            line << ", " << count << " " << what;
+    };
+    mention(surface.components, surface.components == 1 ? "connected part" : "connected parts");
+    mention(surface.welded, "vertices at the place of another (treated as one)");
+    mention(surface.seams, "on borders a hair from another (treated as one)");
+    mention(surface.isolated, "isolated vertices");
+    mention(surface.nonManifoldEdges, "non-manifold edges");
+    mention(surface.degenerateFaces, "degenerate faces");
+    return line.str() + ".";
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface) {
+    return {{"components", surface.components},           {"welded_vertices", surface.welded},
+            {"joined_vertices", surface.seams},           {"gap_vertices", surface.gaps},
+            {"isolated_vertices", surface.isolated},      {"non_manifold_edges", surface.nonManifoldEdges},
+            {"degenerate_faces", surface.degenerateFaces}};
+}
+
+std::string describe(const vcg::fcd::TagCount &tags) {
+    std::ostringstream line;
+    line << tags.fixed << " fixed, " << tags.handle << " handle, " << tags.free << " free, " << tags.outside
+         << " outside vertices";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
+    return {{"fixed_vertices", tags.fixed},
+            {"handle_vertices", tags.handle},
+            {"free_vertices", tags.free},
+            {"outside_vertices", tags.outside}};
+}
+
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
+    std::vector<std::string> warnings;
+    const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
+        return std::to_string(n) + " " + (n == 1 ? one : many);
+    };
+    if (check.rigid)
+        warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
+                              "Mark what stays as fixed (tag 0), beside what is free.");
+    if (gaps > 3)
+        warnings.push_back(
+            std::to_string(gaps) +
+            " vertices on open borders lie closer to another border than a tenth of their edges, and "
+            "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
+            (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
+    if (check.overruled > 0)
+        warnings.push_back(
+            count(check.overruled, "handle vertex is", "handle vertices are") +
+            " at the same place as a fixed vertex, or one of a handle with a smaller number, and held as "
+            "that one. Give all vertices at a place the same tag.");
+    if (check.strained > 0) {
+        std::ostringstream line;
+        line << count(check.strained, "edge leads", "edges lead")
+             << " straight from one held region to another that moves otherwise, and stretched or shrunk to less than "
+                "half or more than twice the length (the longest: "
+             << check.longest << " times). Leave free vertices between them.";
+        warnings.push_back(line.str());
+    }
+    if (check.folded > 0)
+        warnings.push_back(count(check.folded, "triangle has", "triangles have") +
+                           " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
+                           "leave more free surface between them.");
+    return warnings;
+}

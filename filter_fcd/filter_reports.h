@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FILTER_REPORTS_H
+#define FCD_FILTER_REPORTS_H
+
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include <layer_fcd/filter_host.h>
+
+#include <string>
+#include <vector>
+
+/// \file
+/// What the filters say of what they did: in words, and in numbers for scripts.
+
+/// What the surface is like, in words. Mentions only what was met.
+std::string describe(const vcg::fcd::SurfaceReport &surface);
+/// What describe() tells, for scripts.
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface);
+
+std::string describe(const vcg::fcd::TagCount &tags);
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
+
+/// A sentence for each thing that is probably not meant.
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);
+
+#endif

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "filter_fcd.h"
+
+// What the filters are called, in the window and in scripts, and what they say of themselves.
+
+namespace {
+
+const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni, <i>Fast centroidal deformation for "
+                              "large mesh models</i>, STAG 2018 "
+                              "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
+
+} // namespace
+
+QString FilterFcd::filterName(int id) const {
+    switch (id) {
+    case BuildGraph: return "FCD: Build Deformation Graph";
+    case DeformMesh: return "FCD: Deform Mesh";
+    case PoseInPlace: return "FCD: Pose in Place";
+    case ResetPose: return "FCD: Reset Pose";
+    case CopyDeformation: return "FCD: Apply Deformation to Layer";
+    case SaveDeformation: return "FCD: Save Deformation";
+    case TagSelection: return "FCD: Tag Selection";
+    case TagsFromFiles: return "FCD: Tags from Files";
+    case ClearTags: return "FCD: Clear Tags";
+    case SaveTags: return "FCD: Save Tags";
+    }
+    return QString();
+}
+
+QString FilterFcd::scriptName(int id) const {
+    switch (id) {
+    case BuildGraph: return "generate_fcd_deformation_graph";
+    case DeformMesh: return "generate_fcd_deformed_mesh";
+    case PoseInPlace: return "apply_coord_fcd_deformation";
+    case ResetPose: return "apply_coord_fcd_reset";
+    case CopyDeformation: return "generate_fcd_deformed_copy";
+    case SaveDeformation: return "save_fcd_deformation";
+    case TagSelection: return "compute_fcd_tags_from_selection";
+    case TagsFromFiles: return "compute_fcd_tags_from_files";
+    case ClearTags: return "clear_fcd_tags";
+    case SaveTags: return "save_fcd_tags";
+    }
+    return QString();
+}
+
+QString FilterFcd::filterInfo(int id) const {
+    switch (id) {
+    case BuildGraph:
+        return QString(
+                   "Divides the surface into a few hundred round patches of similar size and connects the centres of "
+                   "neighbouring patches: this is the <b>deformation graph</b> that 'FCD: Deform Mesh' bends in place "
+                   "of "
+                   "the mesh, which makes the time it takes to bend independent of the size of the mesh.<br>"
+                   "'FCD: Deform Mesh' builds such a graph by itself; this filter is for looking at it, and for using "
+                   "one "
+                   "graph several times.<br>"
+                   "Works on any mesh and on point clouds. The current layer is not changed. New layers: the graph (a "
+                   "vertex per patch at its centre, quality = radius of the patch, in the colour of the patch, and an "
+                   "edge "
+                   "between neighbours) and, if wanted, the mesh coloured by patch.") +
+               reference;
+    case DeformMesh:
+        return shown() +
+               QString(
+                   "Bends a mesh of any size smoothly, with all its detail. Mark what <b>stays</b> fixed and one or "
+                   "more "
+                   "<b>handles</b> (with 'FCD: Tag Selection', or select vertices of the handle and faces that stay), "
+                   "say how the handles move, and the rest follows; fixed vertices stay to the bit. Works on scans as "
+                   "they are (unwelded, non-manifold, in pieces) and on point clouds; the result is a new layer with "
+                   "all that the mesh carries. Motions are in world coordinates. Pose, warp or bend a mesh; as rigid "
+                   "as possible (ARAP).") +
+               reference;
+    case PoseInPlace:
+        return QString(
+                   "Bends the current layer itself, as 'FCD: Deform Mesh' bends a copy of it: tick <i>Preview</i> and "
+                   "see "
+                   "the shape follow while you change a value. The first time the layer is prepared, which takes a "
+                   "moment; each further pose takes a fraction of that, also when you come back to the dialog.<br>"
+                   "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose: "
+                   "poses "
+                   "do not add up, and pose 0 is the rest shape. The layer keeps the rest shape as vertex attributes "
+                   "(fcd_rest, fcd_rest_normal); 'FCD: Reset Pose' brings it back. Changes positions and normals, "
+                   "nothing else. All motions are in world coordinates. Warp, bend, deform with preview; ARAP.") +
+               reference;
+    case ResetPose:
+        return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
+               "exactly; or keeps the shape that it has and lets later poses begin from that.";
+    case CopyDeformation:
+        return QString(
+                   "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "
+                   "decimated copy, then the full scan with it; or a point cloud, landmarks, a textured version. Each "
+                   "vertex follows the nearest place of the source's surface, and what is nearest to something fixed "
+                   "stays, to the bit.<br>"
+                   "What was done is told by the layers with the graph, in the session that made them, or by a file "
+                   "of 'FCD: Save Deformation'.<br>"
+                   "The layers are left as they are: the result is a new layer with everything that the layer "
+                   "carries.") +
+               reference;
+    case SaveDeformation:
+        return QString(
+                   "Writes what 'FCD: Deform Mesh' did to a layer to one small file, for 'FCD: Apply Deformation to "
+                   "Layer' in another session, or for points outside of MeshLab.<br>"
+                   "The file holds the deformation at some thousand vertices of the source, and the triangles "
+                   "between them, in world coordinates. Vertices are added until at none of the source's the file "
+                   "differs from the deformation by more than 0.01 percent of the diagonal of what moves (or there "
+                   "are 50000; the log says so), and all that was fixed stays, to the bit. It is a binary PLY file: "
+                   "any program for meshes shows the "
+                   "thinned surface.<br>"
+                   "The layers are not changed.") +
+               reference;
+    case TagSelection:
+        return "Says what 'FCD: Deform Mesh' does with the selected part of the mesh: it stays <b>fixed</b>, is "
+               "<b>free</b> to follow, is a <b>handle</b> that moves as told, or lies <b>outside</b> the region of "
+               "influence.<br>"
+               "Select what stays, run this filter as <i>Fixed</i>; select what moves, run it as <i>Handle</i>; then "
+               "deform. Selected vertices and the vertices of selected faces count. All else keeps its tag; where the "
+               "layer has no tags yet (no quality, or 0 everywhere) all else is free.<br>"
+               "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
+    case TagsFromFiles:
+        return "Gives the vertices of the current layer the tags of a .sel file, to look at them, to change them with "
+               "'FCD: Tag Selection', or for 'FCD: Deform Mesh'.<br>"
+               "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
+    case ClearTags:
+        return "Gives the current layer back the colours and the quality that it had before it was tagged by 'FCD: Tag "
+               "Selection' or 'FCD: Tags from Files'. Where it had none, none is left.";
+    case SaveTags:
+        return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
+               "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "
+               "the layer and these motions. The layer is not changed.";
+    }
+    return QString();
+}

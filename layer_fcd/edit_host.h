@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_EDIT_HOST_H
+#define FCD_EDIT_HOST_H
+
+/// \file
+/// What a plugin with an editing tool is to the host, for any host; see meshlab_host.h.
+
+#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
+
+#include "meshlab_host.h"
+
+#ifndef FCD_MESHLAB_2020
+#include <common/plugins/interfaces/edit_plugin.h>
+#endif
+#include <meshlab/glarea.h>
+
+#include <exception>
+#include <string>
+
+#include <QAction>
+#include <QKeyEvent>
+#include <QMouseEvent>
+#include <QWheelEvent>
+
+#ifdef FCD_MESHLAB_2020
+#define FCD_EDIT_INTERFACE MeshEditInterface
+#define FCD_EDIT_PLUGIN_INTERFACE MeshEditInterfaceFactory
+#define FCD_EDIT_METADATA Q_PLUGIN_METADATA(IID MESH_EDIT_INTERFACE_FACTORY_IID)
+#define FCD_EDIT_METHOD(name2020, name2022) name2020
+#else
+#define FCD_EDIT_INTERFACE EditTool
+#define FCD_EDIT_PLUGIN_INTERFACE EditPlugin
+#define FCD_EDIT_METADATA Q_PLUGIN_METADATA(IID EDIT_PLUGIN_IID)
+#define FCD_EDIT_METHOD(name2020, name2022) name2022
+#endif
+
+/// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.
+///
+/// Nothing leaves a tool but by return, since an exception would end the program: the text of one goes to the log.
+class HostEditTool : public QObject, public FCD_EDIT_INTERFACE {
+    Q_OBJECT
+
+  public:
+    /// Begins with the current layer. \return whether it can be edited
+    virtual bool start(MeshDocument &document, GLArea *view) = 0;
+    /// Ends; may come several times, and for a layer that is not the tool's.
+    virtual void end() = 0;
+    /// The current layer may be another, or the same, or none.
+    virtual void changeLayer(MeshDocument &document, GLArea *view) = 0;
+    virtual void draw() = 0;
+    virtual void press(QMouseEvent *event) = 0;
+    virtual void move(QMouseEvent *event) = 0;
+    virtual void release(QMouseEvent *event) = 0;
+    virtual void turnWheel(QWheelEvent *event) = 0;
+    virtual void pressKey(QKeyEvent *event) = 0;
+
+    /// Says something in the log, which renders HTML.
+    virtual void say(const std::string &text, bool warning = false) = 0;
+
+    /// Runs \p work; what it throws is said. \return whether it came to its end
+    template <class Work>
+    bool guarded(const Work &work) {
+        try {
+            work();
+            return true;
+        } catch (const std::bad_alloc &) {
+            say("Out of memory: this needs more than is free.", true);
+        } catch (const std::exception &e) {
+            say(e.what(), true);
+        } catch (...) {
+            say("Something that is not a standard exception was thrown.", true);
+        }
+        return false;
+    }
+
+    // --- what the host calls ---
+
+    bool FCD_EDIT_METHOD(StartEdit, startEdit)(MeshDocument &document, GLArea *view,
+                                               MLSceneGLSharedDataContext *) override {
+        bool started = false;
+        return guarded([&] { started = start(document, view); }) && started;
+    }
+    bool FCD_EDIT_METHOD(StartEdit, startEdit)(MeshModel &, GLArea *, MLSceneGLSharedDataContext *) override {
+        return false; // the other is called
+    }
+    void FCD_EDIT_METHOD(EndEdit, endEdit)(MeshModel &, GLArea *, MLSceneGLSharedDataContext *) override {
+        guarded([&] { end(); });
+    }
+    void FCD_EDIT_METHOD(EndEdit, endEdit)(MeshDocument &, GLArea *, MLSceneGLSharedDataContext *) override {
+        guarded([&] { end(); });
+    }
+    void FCD_EDIT_METHOD(LayerChanged, layerChanged)(MeshDocument &document, MeshModel &, GLArea *view,
+                                                     MLSceneGLSharedDataContext *) override {
+        guarded([&] { changeLayer(document, view); });
+    }
+    void FCD_EDIT_METHOD(Decorate, decorate)(MeshModel &, GLArea *, QPainter *) override {
+        guarded([&] { draw(); });
+    }
+    void FCD_EDIT_METHOD(Decorate, decorate)(MeshModel &, GLArea *) override {}
+    void mousePressEvent(QMouseEvent *event, MeshModel &, GLArea *) override {
+        guarded([&] { press(event); });
+    }
+    void mouseMoveEvent(QMouseEvent *event, MeshModel &, GLArea *) override {
+        guarded([&] { move(event); });
+    }
+    void mouseReleaseEvent(QMouseEvent *event, MeshModel &, GLArea *) override {
+        guarded([&] { release(event); });
+    }
+    void wheelEvent(QWheelEvent *event, MeshModel &, GLArea *) override {
+        guarded([&] { turnWheel(event); });
+    }
+    void keyPressEvent(QKeyEvent *event, MeshModel &, GLArea *) override {
+        guarded([&] { pressKey(event); });
+    }
+};
+
+/// Base class of a plugin with one editing tool, for any host.
+class HostEditPlugin : public QObject, public FCD_EDIT_PLUGIN_INTERFACE {
+    Q_OBJECT
+    Q_INTERFACES(FCD_EDIT_PLUGIN_INTERFACE)
+
+  public:
+    virtual QString help() const = 0;
+    virtual HostEditTool *makeTool(QAction *action) const = 0;
+
+#ifdef FCD_MESHLAB_2020
+    QList<QAction *> actions() const override { return {action}; }
+    MeshEditInterface *getMeshEditInterface(QAction *) override { return makeTool(action); }
+    QString getEditToolDescription(QAction *) override { return help(); }
+#else
+    QString pluginName() const override { return "EditFCD"; }
+    QString vendor() const override { return "FCD"; }
+    std::pair<std::string, bool> getMLVersion() const override {
+        return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
+    }
+    EditTool *getEditTool(const QAction *) override { return makeTool(action); }
+    QString getEditToolDescription(const QAction *) override { return help(); }
+#endif
+
+  protected:
+    /// A plugin calls this once, in its constructor. An action without an icon is left out of the tool bar.
+    void announce(const QIcon &icon, const QString &text) {
+        action = new QAction(icon, text, this);
+        action->setCheckable(true);
+#ifndef FCD_MESHLAB_2020
+        actionList.push_back(action);
+#endif
+    }
+
+  private:
+    QAction *action = nullptr;
+};
+
+#endif

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "graph_layer.h"
+#include "kept_deformation.h"
+#include "layer_contents.h"
+#include "layer_deformer.h"
+#include "layer_matrix.h"
+#include "layer_normals.h"
+#include "motion_sources.h"
+#include "new_layers.h"
+#include "results.h"
+#include "tag_sources.h"
+
+#include <algorithm>
+
+using vcg::fcd::DeformationParam;
+using vcg::fcd::Deformer;
+using vcg::fcd::DeformerParam;
+using vcg::fcd::Error;
+using vcg::fcd::Progress;
+using vcg::fcd::Stopwatch;
+
+LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark)
+    : document(document), layer(layer), preparedLayers(preparedLayers),
+      remark(remark ? std::move(remark) : [](const std::string &) {}) {}
+
+// --- the steps ---
+
+void LayerDeformer::goToRest() {
+    if (rest && !atRest)
+        atRest = std::make_unique<WhileAtRest>(layer.cm, rest);
+}
+
+void LayerDeformer::readHandles(const HandleParam &param) {
+    if (!param.pointFile.isEmpty()) // points are near places of the rest shape
+        goToRest();
+    handles = ::readHandles(layer, param);
+}
+
+void LayerDeformer::takeTags(std::vector<int> tag) {
+    handles = {};
+    handles.tag = std::move(tag);
+    handles.world = invertibleMatrixOf(layer);
+}
+
+bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress) {
+    Eigen::Matrix3Xd position;
+    return prepare(param, progress, position);
+}
+
+/// \param position those of the layer at rest, out, where it is prepared anew
+bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress, Eigen::Matrix3Xd &position) {
+    const PreparedLayers::Key key = PreparedLayers::keyOf(layer, rest, handles, param);
+    found = preparedLayers.find(key);
+    if (found)
+        return false;
+    found = preparedLayers.add(key, document, layer, handles, [&] {
+        goToRest();
+        return vcg::tri::PrepareDeformer(layer.cm, handles, param, position, progress);
+    });
+    return true;
+}
+
+/// Prepares it with the vertices of a layer as nodes, or, where these are the nodes of the graph that is made without
+/// them, with that graph, which has its patches, too. \param param its nodes are set when they are used
+/// \param nodes how many the layer has, out \return whether the graph is that one
+bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam &param, const Progress &progress,
+                                       Eigen::Matrix3Xd &position, vcg::fcd::Index &nodes) {
+    DeformationParam given = param;
+    given.nodes = readNodes(layer, graph);
+    nodes = vcg::fcd::Index(given.nodes.cols());
+    if (!isGraph(*graph)) {
+        param = std::move(given);
+        prepare(param, progress, position);
+        return false;
+    }
+    // Where that is known, the other graph is not prepared once more.
+    found = preparedLayers.find(PreparedLayers::keyOf(layer, rest, handles, given));
+    if (!found || !found->isOfOthers) {
+        prepare(param, progress, position);
+        if (vcg::fcd::HasNodes(*found->deformer, given.nodes))
+            return true;
+        prepare(given, progress, position);
+        found->isOfOthers = true;
+    }
+    param = std::move(given);
+    return false;
+}
+
+bool LayerDeformer::readMotions(const HandleParam &param) {
+    return ::readMotions(document, layer, param, found->deformer->center, remark, handles);
+}
+
+Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progress &progress) const {
+    return found->deformer->Solve(handles, param, progress);
+}
+
+Deformer::Pose LayerDeformer::solveFrom(const Deformer::Pose *last, const DeformationParam &param) const {
+    return found->deformer->Solve(found->deformer->MotionsOf(handles, param.pose), param, last);
+}
+
+// --- FCD: Deform Mesh ---
+
+namespace {
+
+/// Adds the layers of a deformation: if wanted, the graph at rest and the deformed one, which keeps the deformation;
+/// last, the deformed mesh.
+std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer, const std::shared_ptr<Prepared> &prepared,
+                                   const vcg::fcd::DeformationResult &result, const DeformMeshParam &param) {
+    static const std::vector<float> none;
+    std::vector<MeshModel *> added;
+    if (param.graphLayers) {
+        added.push_back(&layers.addGraph("graph", result.rest));
+        added.push_back(&layers.addGraph("deformed graph", result.deformed));
+        keepDeformation(*added.back(), layer, prepared, result.pose);
+    }
+    added.push_back(&layers.addDeformed("deformed", result.position, result.linear,
+                                        param.quality == DeformMeshParam::Stretch    ? result.stretch
+                                        : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                                                                     : none));
+    return added;
+}
+
+} // namespace
+
+DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier, const Progress &progress) {
+    const bool inWindow = host::inWindow();
+    DeformedLayers made;
+    vcg::fcd::DeformationResult &result = made.result;
+    readHandles(param.handles);
+    param.deformation.linear = hasDirections(layer);
+    if (param.useGraphLayer)
+        made.isOwnGraph = prepareWithNodesOf(param.graphLayer, param.deformation, progress.Slice(0, 0.7),
+                                             result.position, made.givenNodes);
+    else
+        prepare(param.deformation, progress.Slice(0, 0.7), result.position);
+    if (result.position.cols() == 0)
+        result.position = positionsOf(layer);
+    const bool moves = readMotions(param.handles);
+    if (inWindow && (!moves || param.deformation.pose == 0))
+        throw Error(
+            "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix, a layer that lies "
+            "elsewhere or a motion as text, and a pose that is not 0.");
+    vcg::tri::PoseMesh(layer.cm, handles, *found->deformer, param.deformation, progress.Slice(0.7, 0.9), result);
+    result.secondsGraph = found->seconds;
+    result.tags = found->tags;
+
+    const Progress adding = progress.Slice(0.9, 1);
+    adding(0, "Adding layers...");
+    std::vector<MeshModel *> earlier;
+    if (replaceEarlier)
+        earlier = earlierResults(document, layer);
+    earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
+    made.replaced = int(earlier.size());
+    NewLayers layers(document, layer, remark, earlier);
+    made.layers = addResult(layers, layer, found, result, param);
+    adding(1, "Done");
+    layers.keep(*made.layers.back());
+    if (inWindow) // one sees what one asked for, and the next try takes its place
+        showResult(document, layer, made.layers);
+    return made;
+}
+
+// --- FCD: Pose in Place ---
+
+PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress) {
+    CMeshO &mesh = layer.cm;
+    PoseResult result;
+    Stopwatch watch;
+    progress(0, "Reading the layer");
+    const bool isFirst = !RestShape::exists(layer);
+    if (!isFirst && !RestShape(layer).knows(shapeOf(mesh)))
+        throw Error(
+            "The layer '" + layer.label().toStdString() +
+            "' was changed since its last pose, and posing it would undo that. Run 'FCD: Reset Pose' "
+            "(apply_coord_fcd_reset): with 'Keep the present shape' poses begin from the shape that it has now, "
+            "without it from the shape before the first pose.");
+    rest = isFirst ? nullptr : RestShape(layer).positions();
+    readHandles(param.handles);
+    result.prepared = prepare(param.deformation, progress.Slice(0, 0.9));
+    result.secondsPrepare = found->seconds;
+    result.secondsFind = watch.Seconds() - (result.prepared ? found->seconds : 0);
+    result.tags = found->tags;
+
+    watch = {};
+    readMotions(param.handles);
+    const Deformer::Pose pose = solve(param.deformation, progress.Slice(0.9, 1));
+    atRest.reset();
+    if (isFirst)
+        RestShape::keep(layer);
+    result.nodes = int(found->deformer->graph.Size());
+    result.iterations = pose.iterations;
+    result.converged = pose.graph.converged;
+    result.secondsSolve = watch.Seconds();
+
+    watch = {};
+    RestShape restShape(layer);
+    try {
+        const ShapeSum sum = writePose(mesh, restShape, *found, pose);
+        mesh.bbox = sum.box;
+        restShape.add(sum.shape);
+    } catch (...) { // no memory
+        restShape.restore();
+        throw;
+    }
+    result.secondsMap = watch.Seconds();
+
+    watch = {};
+    if (param.exactNormals && mesh.fn > 0)
+        computeBoxAndNormals(mesh);
+    else
+        computeFaceNormals(mesh, found->moving);
+    result.secondsNormals = watch.Seconds();
+    progress(1, "Done");
+    return result;
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYER_DEFORMER_H
+#define FCD_LAYER_DEFORMER_H
+
+#include "parameters.h"
+#include "pose_in_place.h"
+#include "prepared_layers.h"
+
+#include <map>
+#include <memory>
+#include <vector>
+
+/// What FCD: Deform Mesh did.
+struct DeformedLayers {
+    vcg::fcd::DeformationResult result;
+    std::vector<MeshModel *> layers; ///< that are new, the deformed one last
+    int replaced = 0;                ///< layers of an earlier try, which are gone
+    bool isOwnGraph = false;         ///< the graph layer is the graph that the parameters make
+    vcg::fcd::Index givenNodes = 0;  ///< of the graph layer
+};
+
+/// What posing a layer in place did.
+struct PoseResult {
+    int nodes = 0, iterations = 0;
+    bool converged = false;
+    vcg::fcd::TagCount tags;
+    bool prepared = false; ///< anew
+    double secondsFind = 0, secondsPrepare = 0, secondsSolve = 0, secondsMap = 0, secondsNormals = 0;
+};
+
+/// A layer that is deformed, by a filter or by the tool: what holds it, its deformer, which is found or prepared, and
+/// how its handles move. deform() and pose() are the filters; the steps that they are made of, in their order, are
+/// there for whoever has tags and motions at hand.
+class LayerDeformer {
+  public:
+    /// \param preparedLayers where deformers are found, and kept \param remark may be empty
+    LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark = {});
+
+    /// FCD: Deform Mesh: the result is in new layers. \param replaceEarlier those of the try before go
+    /// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
+    DeformedLayers deform(DeformMeshParam param, bool replaceEarlier, const vcg::fcd::Progress &progress);
+
+    /// FCD: Pose in Place: gives the layer's vertices the positions that the deformation of its rest shape has, and
+    /// turns the normals. The first time, the present shape is the rest shape, which the layer keeps from then on.
+    /// \throw vcg::fcd::Error when the layer was changed since its last pose, or as above
+    /// \throw vcg::fcd::Cancelled; the layer is then as it was
+    PoseResult pose(const PoseParam &param, const vcg::fcd::Progress &progress);
+
+    // --- the steps ---
+
+    /// Reads tags and point handles. \throw vcg::fcd::Error when they cannot be had
+    void readHandles(const HandleParam &param);
+    /// Takes tags, one per vertex slot.
+    void takeTags(std::vector<int> tag);
+
+    /// Finds what is prepared for these, or prepares it. \return whether it was prepared anew
+    /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
+    bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
+    const std::shared_ptr<Prepared> &prepared() const { return found; }
+    /// Lets go of what was prepared.
+    void forget() { found.reset(); }
+
+    /// Reads the motions. \return whether any handle moves
+    bool readMotions(const HandleParam &param);
+    /// Takes the motions of handles, in world coordinates.
+    void takeMotions(std::map<vcg::fcd::Index, vcg::fcd::Motion> motion) { handles.motion = std::move(motion); }
+
+    /// The pose from rest to the end.
+    vcg::fcd::Deformer::Pose solve(const vcg::fcd::DeformationParam &param,
+                                   const vcg::fcd::Progress &progress = {}) const;
+    /// The pose after some steps from another one, or from rest.
+    vcg::fcd::Deformer::Pose solveFrom(const vcg::fcd::Deformer::Pose *last,
+                                       const vcg::fcd::DeformationParam &param) const;
+
+  private:
+    bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position);
+    bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
+                            const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position, vcg::fcd::Index &nodes);
+    void goToRest();
+
+    MeshDocument &document;
+    MeshModel &layer;
+    PreparedLayers &preparedLayers;
+    Remark remark;
+    const Point3m *rest = nullptr;       ///< positions per vertex slot, null where the layer is at rest
+    std::unique_ptr<WhileAtRest> atRest; ///< while the layer is read
+    vcg::fcd::Handles handles;
+    std::shared_ptr<Prepared> found;
+};
+
+#endif

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYER_LABELS_H
+#define FCD_LAYER_LABELS_H
+
+#include "meshlab_host.h"
+
+#include <vector>
+
+/// What a layer is called that is made from \p base: "NAME what"; "NAME what 2" where \p base is "NAME deformed", and
+/// so on.
+QString labelOf(const MeshModel &base, const QString &what);
+
+/// \p label, or "LABEL(n)" where a layer that is not among \p but has it. MeshLab does so too, but takes a dot for the
+/// beginning of an extension.
+QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but);
+
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/graph.h> // before Qt
+
+#include "layer_matrix.h"
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <string>
+
+using vcg::fcd::Error;
+
+Eigen::Affine3d matrixOf(const MeshModel &layer) {
+    Eigen::Matrix4d matrix;
+    layer.cm.Tr.ToEigenMatrix(matrix);
+    const std::string name = "The matrix of the layer '" + layer.label().toStdString() + "' ";
+    if (!matrix.allFinite())
+        throw Error(name + "holds a number that is not finite. Reset the matrix.");
+    if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw Error(name + "is a projection: its last row is not 0 0 0 1. Reset the matrix.");
+    return Eigen::Affine3d(matrix);
+}
+
+namespace {
+
+bool isInvertible(const Eigen::Matrix3d &linear) {
+    return linear.allFinite() && Eigen::FullPivLU<Eigen::Matrix3d>(linear).isInvertible() &&
+           std::isnormal(linear.determinant()); // not beyond the range of numbers
+}
+
+} // namespace
+
+Eigen::Matrix3d metricOf(const MeshModel &layer) {
+    Eigen::Matrix4d matrix;
+    layer.cm.Tr.ToEigenMatrix(matrix);
+    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+    return isInvertible(linear) ? linear : Eigen::Matrix3d::Identity();
+}
+
+Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer) {
+    const Eigen::Affine3d matrix = matrixOf(layer);
+    if (!isInvertible(matrix.linear()))
+        throw Error("The matrix of the layer '" + layer.label().toStdString() +
+                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+    return matrix;
+}
+
+Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer) {
+    return (matrixOf(other) * invertibleMatrixOf(layer).inverse()).matrix();
+}

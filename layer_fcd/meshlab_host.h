@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_MESHLAB_HOST_H
+#define FCD_MESHLAB_HOST_H
+
+/// \file
+/// With filter_host.h (what a filter is to the host) and edit_host.h (what a tool is), the only place that knows which
+/// MeshLab all this is built for. What is here, parameters, attributes and layers, looks the same for every host.
+///
+/// FCD_MESHLAB_2020 is defined (by CMake) for MeshLab 2020.09, whose filters are MeshFilterInterface; later hosts have
+/// FilterPlugin. (A define, since moc does not evaluate __has_include.)
+
+#ifdef FCD_MESHLAB_2020
+#include <common/interfaces.h>
+#else
+#include <common/plugins/interfaces/filter_plugin.h>
+#endif
+
+#include <vcg/complex/allocate.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <typeinfo>
+#include <vector>
+
+#include <QApplication>
+#include <QDir>
+#include <QFileInfo>
+#include <QWidget>
+
+namespace host {
+
+/// Whether a person sits at MeshLab's window. Otherwise a script runs, which wants the same whatever was done before.
+inline bool inWindow() {
+    const QWidgetList windows = QApplication::topLevelWidgets();
+    return std::any_of(windows.begin(), windows.end(),
+                       [](const QWidget *window) { return window->inherits("MainWindow"); });
+}
+
+// --- parameters ---
+
+#if defined(FCD_MESHLAB_2020)
+using RichPositionParam = RichPoint3f;
+using RichDirectionParam = RichPoint3f;
+#else
+using RichPositionParam = RichPosition;
+using RichDirectionParam = RichDirection;
+#endif
+
+#if __has_include(<common/parameters/rich_parameter.h>) || defined(FCD_MESHLAB_2020) // their names up to 2022.02
+using RichPercentageParam = RichAbsPerc;
+using RichMatrixParam = RichMatrix44f;
+using RichFileParam = RichOpenFile;
+using RichSaveFileParam = RichSaveFile;
+#else
+using RichPercentageParam = RichPercentage;
+using RichMatrixParam = RichMatrix44;
+using RichFileParam = RichFileOpen;
+using RichSaveFileParam = RichFileSave;
+#endif
+
+/// Where the dialog shows a parameter, where the host makes the difference (2022.02 on).
+enum class Shown { Always, Advanced };
+
+/// Appends a Rich parameter made from \p arguments: all of the constructor's up to the tool tip.
+template <class Rich, class... Arguments>
+void addParameter(RichParameterList &list, Shown shown, const Arguments &...arguments) {
+#ifdef FCD_MESHLAB_2020
+    (void)shown;
+    list.addParam(Rich(arguments...));
+#else
+    list.addParam(Rich(arguments..., shown == Shown::Advanced));
+#endif
+}
+
+/// Appends a parameter that names a layer; \p layer is the default, null for none (a document without layers).
+inline void addLayerParameter(RichParameterList &list, Shown shown, const QString &name, const MeshModel *layer,
+                              const MeshDocument &document, const QString &label, const QString &tip) {
+#ifdef FCD_MESHLAB_2020
+    (void)shown;
+    auto *owner = layer ? const_cast<MeshDocument *>(&document) : nullptr;
+    list.addParam(RichMesh(name, const_cast<MeshModel *>(layer), owner, label, tip));
+#else
+    list.addParam(RichMesh(name, layer ? layer->id() : 0, &document, label, tip, shown == Shown::Advanced));
+#endif
+}
+
+/// Sets an enum parameter.
+inline void setEnum(RichParameterList &list, const QString &name, int value) {
+#ifdef FCD_MESHLAB_2020
+    list.setValue(name, EnumValue(value));
+#else
+    list.setValue(name, IntValue(value));
+#endif
+}
+
+/// Sets a layer parameter.
+inline void setLayer(RichParameterList &list, const QString &name, const MeshModel &layer) {
+#ifdef FCD_MESHLAB_2020
+    list.setValue(name, RichMesh(name, const_cast<MeshModel *>(&layer), nullptr, QString(), QString()).value());
+#else
+    list.setValue(name, IntValue(layer.id()));
+#endif
+}
+
+/// Whether a parameter names a layer.
+inline bool isLayerParameter(const RichParameter &parameter) {
+    return dynamic_cast<const RichMesh *>(&parameter) != nullptr;
+}
+
+/// The layer that a layer parameter names, null when there is none.
+inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, const MeshDocument &document) {
+#ifdef FCD_MESHLAB_2020
+    MeshModel *layer = list.getMesh(name); // maybe deleted since the dialog was opened
+    return document.meshList.contains(layer) ? layer : nullptr;
+#else
+    return const_cast<MeshDocument &>(document).getMesh(list.getMeshId(name)); // which is not changed
+#endif
+}
+
+/// The value of a 4x4 matrix parameter.
+inline Matrix44m matrixParameter(const RichParameterList &list, const QString &name) {
+#ifdef FCD_MESHLAB_2020
+    return list.getMatrix44m(name);
+#else
+    return list.getMatrix44(name);
+#endif
+}
+
+/// Whether a script may lack parameters, which then have their defaults. Where it may not, a filter keeps the
+/// parameters that it has, so that scripts written for it go on running.
+#ifdef FCD_MESHLAB_2020
+constexpr bool scriptsMayLackParameters = false;
+#else
+constexpr bool scriptsMayLackParameters = true;
+#endif
+
+/// Whether a script may lack the first parameter only: a new one, which stands elsewhere in the window, stands there.
+inline bool firstMayBeLacking() { return !scriptsMayLackParameters && !inWindow(); }
+
+/// Whether a dialog that is taller than the screen scrolls, and folds advanced parameters. Where it does not, a long
+/// one has its buttons below the screen.
+#ifdef FCD_MESHLAB_2020
+constexpr bool dialogsFold = false;
+#else
+constexpr bool dialogsFold = true;
+#endif
+
+// --- attributes ---
+
+// The filters and the tool are two libraries that find each other's attributes, and so may be two builds of one
+// library. What a C++ type is called is the same for both; where its name stands in memory, by which some compilers
+// compare types, is not.
+
+/// Whether the values of an attribute are of a type.
+template <class T>
+bool isOfType(const vcg::PointerToAttribute &attribute) {
+    return attribute._sizeof == int(sizeof(T)) && attribute._padding == 0 &&
+           std::strcmp(attribute._type.name(), typeid(T).name()) == 0;
+}
+
+/// The values of the vertex attribute of a name and a type, one per slot, null where there is none.
+template <class T>
+T *vertexAttribute(const CMeshO &mesh, const char *name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
+        if (attribute._name == name && isOfType<T>(attribute))
+            return mesh.vert.empty() ? nullptr : static_cast<T *>(attribute._handle->DataBegin());
+    return nullptr;
+}
+
+/// The same, made where there is none. One of that name and another type goes.
+template <class T>
+T *madeVertexAttribute(CMeshO &mesh, const char *name) {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    if (!vertexAttribute<T>(mesh, name)) {
+        if (vcg::tri::HasPerVertexAttribute(mesh, name))
+            Allocator::DeletePerVertexAttribute(mesh, name);
+        Allocator::AddPerVertexAttribute<T>(mesh, name);
+    }
+    return vertexAttribute<T>(mesh, name);
+}
+
+/// The mesh attribute of a name and a size, null where there is none. The name stands for the type, so it has a number
+/// that changes with the layout: whoever has another one does not find it. (vcg's own functions read a counter that
+/// 2020.09 does not initialise.)
+template <class T>
+T *meshAttribute(const CMeshO &mesh, const std::string &name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.mesh_attr)
+        if (attribute._name == name && attribute._sizeof == int(sizeof(T)) && attribute._padding == 0)
+            return static_cast<T *>(attribute._handle->DataBegin());
+    return nullptr;
+}
+
+/// The same, made where there is none. One of that name and another size goes.
+template <class T>
+T &madeMeshAttribute(CMeshO &mesh, const std::string &name) {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    if (!meshAttribute<T>(mesh, name)) {
+        Allocator::DeletePerMeshAttribute(mesh, name);
+        Allocator::AddPerMeshAttribute<T>(mesh, name);
+    }
+    return *meshAttribute<T>(mesh, name);
+}
+
+// --- layers ---
+
+/// All layers, in the document's order.
+inline std::vector<const MeshModel *> layers(const MeshDocument &document) {
+    std::vector<const MeshModel *> all;
+#ifdef FCD_MESHLAB_2020
+    for (const MeshModel *layer : document.meshList)
+        all.push_back(layer);
+#else
+    for (const MeshModel &layer : document.meshIterator())
+        all.push_back(&layer);
+#endif
+    return all;
+}
+
+/// Shows a layer in the window, or hides it, once showChanges() is called.
+inline void setVisible(MeshModel &layer, bool visible) {
+#ifdef FCD_MESHLAB_2020
+    layer.visible = visible;
+#else
+    layer.setVisible(visible);
+#endif
+}
+
+/// Lets the window know which layers are visible: it asks when layers come and go.
+inline void showChanges(MeshDocument &document) { emit document.meshSetChanged(); }
+
+/// Deletes a layer. The current layer may change.
+inline void removeLayer(MeshDocument &document, MeshModel *layer) {
+#ifdef FCD_MESHLAB_2020
+    document.delMesh(layer);
+#else
+    document.delMesh(layer->id());
+#endif
+}
+
+/// Gives \p to the texture images of \p from. In 2020.09 a layer has names of files only.
+inline void copyTextures(MeshModel &to, const MeshModel &from) {
+#ifdef FCD_MESHLAB_2020
+    // The window reads the files of a new layer from the current directory.
+    (void)to;
+    if (!inWindow() || from.cm.textures.empty())
+        return;
+    const QDir folder = QFileInfo(from.fullName()).absoluteDir();
+    if (folder.exists(QString::fromStdString(from.cm.textures.front())))
+        QDir::setCurrent(folder.path());
+#else
+    for (const auto &texture : from.getTextures())
+        to.addTexture(texture.first, texture.second);
+#endif
+}
+
+} // namespace host
+
+#endif

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_MOTION_SOURCES_H
+#define FCD_MOTION_SOURCES_H
+
+#include "parameters.h"
+
+#include <map>
+
+/// Adds to \p handles of \p layer their motions, in world coordinates. That of a handle is the first that there is: in
+/// the text, in the file, or what the dialog says. \param centers of the handles, in the layer's coordinates
+/// \return whether any handle moves
+/// \throw vcg::fcd::Error when the motions cannot be had: each message says what to do
+bool readMotions(const MeshDocument &document, const MeshModel &layer, const HandleParam &param,
+                 const std::map<vcg::fcd::Index, Eigen::Vector3d> &centers, const Remark &remark,
+                 vcg::fcd::Handles &handles);
+
+#endif

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "kept_aside.h"
+#include "layer_labels.h"
+#include "layer_normals.h"
+#include "mesh_copy.h"
+#include "new_layers.h"
+#include "rest_shape.h"
+
+#include <vcg/complex/allocate.h>
+
+#include <map>
+#include <typeinfo>
+
+using vcg::fcd::Index;
+
+namespace {
+
+/// Makes attributes in a mesh, by the name of the type of their values.
+struct AttributeMakers {
+    using Make = void (*)(CMeshO &, const std::string &);
+    std::map<std::string, Make> vertex, face;
+
+    AttributeMakers() {
+        add<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long, unsigned long,
+            long long, unsigned long long, float, double>();
+        add<vcg::Point2f, vcg::Point2d, vcg::Point2i, vcg::Point3f, vcg::Point3d, vcg::Point3i, vcg::Point4f,
+            vcg::Point4d, vcg::Color4b, vcg::Color4f, vcg::Matrix33f, vcg::Matrix33d, vcg::Matrix44f, vcg::Matrix44d,
+            std::string>();
+    }
+
+  private:
+    template <class... Types>
+    void add() {
+        (vertex.emplace(typeid(Types).name(),
+                        [](CMeshO &mesh, const std::string &name) {
+                            vcg::tri::Allocator<CMeshO>::template AddPerVertexAttribute<Types>(mesh, name);
+                        }),
+         ...);
+        (face.emplace(typeid(Types).name(),
+                      [](CMeshO &mesh, const std::string &name) {
+                          vcg::tri::Allocator<CMeshO>::template AddPerFaceAttribute<Types>(mesh, name);
+                      }),
+         ...);
+    }
+};
+
+/// Adds to \p to, empty, the attributes of \p from, without values. Tells about those of types that are not known.
+void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
+    const AttributeMakers makers;
+    const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
+        for (const vcg::PointerToAttribute &attribute : attributes) {
+            if (attribute._name.empty() || isOfRest(attribute._name) || isAside(attribute._name))
+                continue; // scratch data of some algorithm, or what belongs to the layer alone
+            const auto maker = makersOfKind.find(attribute._type.name());
+            if (maker == makersOfKind.end())
+                remark(std::string("The ") + kind + " attribute '" + attribute._name +
+                       "' has values of an unknown type; the new layer does not have it.");
+            else
+                maker->second(to, attribute._name);
+        }
+    };
+    add(from.vert_attr, makers.vertex, "vertex");
+    add(from.face_attr, makers.face, "face");
+}
+
+} // namespace
+
+NewLayers::NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark,
+                     std::vector<MeshModel *> replaced)
+    : document(document), base(base), remark(remark), replaced(std::move(replaced)) {}
+
+NewLayers::~NewLayers() {
+    if (kept)
+        return;
+    for (auto layer = added.rbegin(); layer != added.rend(); ++layer)
+        host::removeLayer(document, *layer);
+    if (!added.empty() && document.mm() != &base)
+        document.setCurrentMesh(base.id());
+}
+
+void NewLayers::keep(const MeshModel &current) {
+    kept = true;
+    for (MeshModel *layer : replaced)
+        host::removeLayer(document, layer);
+    document.setCurrentMesh(current.id());         // last: removing a layer may make another one the current
+    for (std::size_t i = 0; i < added.size(); ++i) // the host has changed those that were taken
+        added[i]->setLabel(labels[i]);
+}
+
+MeshModel &NewLayers::add(const QString &what) {
+    const QString label = unusedLabel(document, labelOf(base, what), replaced);
+    labels.push_back(label);
+    added.reserve(added.size() + 1); // nothing can fail between adding and remembering
+    MeshModel *layer = document.addNewMesh("", label, false);
+    added.push_back(layer);
+    layer->cm.Tr = base.cm.Tr;
+    return *layer;
+}
+
+MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
+    // Adjacencies are not copied; whoever needs them computes them.
+    const int elements = base.dataMask() & ~(MeshModel::MM_FACEFACETOPO | MeshModel::MM_VERTFACETOPO | withoutElements);
+    MeshModel &layer = add(what);
+    CMeshO &to = layer.cm;
+    const CMeshO &from = base.cm;
+    layer.updateDataMask(elements);
+    addAttributes(to, from, remark);
+    copyElements(to, from);
+    to.sfn = from.sfn;
+    to.svn = from.svn;
+    to.pvn = from.pvn;
+    to.pfn = from.pfn;
+    to.shot = from.shot;
+    to.imark = from.imark;
+    to.bbox = from.bbox;
+    bringBackTo(layer, base);
+    if (withoutElements & MeshModel::MM_WEDGTEXCOORD) {
+        to.textures.clear();
+    } else {
+        to.normalmaps = from.normalmaps;
+        host::copyTextures(layer, base);
+    }
+    return layer;
+}
+
+MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
+                                  const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality) {
+    MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
+    if (!quality.empty())
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+    const Packing packing(base.cm.vert, base.cm.vn);
+    packing.forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        vertex.P() = toPoint(position.col(Eigen::Index(i)));
+        if (!quality.empty())
+            vertex.Q() = CVertexO::QualityType(quality[i]);
+    });
+    computeBoxAndNormals(layer.cm);
+    if (linear.empty())
+        return layer;
+    const bool ownNormals = hasOwnNormals(base), directions = base.hasDataMask(MeshModel::MM_VERTCURVDIR);
+    const auto turn = [](const Eigen::Matrix3d &map, auto &v) {
+        const Eigen::Vector3d turned = (map * Eigen::Vector3d(v[0], v[1], v[2])).stableNormalized();
+        for (int d = 0; d < 3; ++d)
+            v[d] = turned[d];
+    };
+    packing.forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        const Eigen::Matrix3d map = linear[i].cast<double>();
+        if (ownNormals) {
+            vertex.N() = base.cm.vert[i].cN();
+            turn(vcg::fcd::Cofactors(map), vertex.N());
+        }
+        if (directions) {
+            turn(map, vertex.PD1());
+            turn(map, vertex.PD2());
+        }
+    });
+    return layer;
+}
+
+MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,
+                                 const std::vector<vcg::Color4b> &color) {
+    MeshModel &layer = addCopy(what, MeshModel::MM_WEDGTEXCOORD | MeshModel::MM_VERTTEXCOORD | MeshModel::MM_FACECOLOR);
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY |
+                         (base.cm.fn > 0 ? MeshModel::MM_FACECOLOR : MeshModel::MM_NONE));
+    Packing(base.cm.vert, base.cm.vn).forEach([&](std::size_t i, std::size_t j) {
+        CVertexO &vertex = layer.cm.vert[j];
+        const Index patch = patchOf[i];
+        vertex.Q() = CVertexO::QualityType(patch);
+        vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
+    });
+    // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
+    // patch.
+    for (CFaceO &face : layer.cm.face)
+        face.C() = face.cV(1)->cQ() == face.cV(2)->cQ() ? face.cV(1)->cC() : face.cV(0)->cC();
+    return layer;
+}

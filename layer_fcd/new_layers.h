@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_NEW_LAYERS_H
+#define FCD_NEW_LAYERS_H
+
+#include "parameters.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+/// New layers that stay in the document all or none: those that were added are removed again, and the current layer is
+/// the one it was, unless keep() is reached.
+class NewLayers {
+  public:
+    /// \p base names the layers ("NAME what"; "NAME what 2" where it is itself "NAME deformed", and so on) and gives
+    /// them its matrix. \p replaced go when the new ones are kept, which may have their names.
+    NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark,
+              std::vector<MeshModel *> replaced = {});
+    NewLayers(const NewLayers &) = delete;
+    NewLayers &operator=(const NewLayers &) = delete;
+    ~NewLayers();
+
+    /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour, attribute
+    /// "energy" if there is any) and its edges.
+    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
+
+    /// "NAME what": \p graph as a surface, which every format keeps: a ball for each node, a tube for each edge.
+    MeshModel &addGraphSurface(const QString &what, const vcg::fcd::GraphGeometry &graph);
+
+    /// "NAME what": the base coloured by patch, vertices and faces, quality = patch number. \p patchOf per slot of the
+    /// base's vertices, \p color per patch. Textures, which would hide the colours, are left out.
+    MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
+                          const std::vector<vcg::Color4b> &color);
+
+    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p linear
+    /// per slot turns normals that are not those of the faces, and principal directions; empty: there are none.
+    /// \p quality per slot is that of the new layer; empty: the base's.
+    MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
+                           const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality);
+
+    /// Keeps the layers; \p current becomes the current one.
+    void keep(const MeshModel &current);
+
+  private:
+    MeshModel &add(const QString &what);
+    MeshModel &addCopy(const QString &what, int withoutElements);
+
+    MeshDocument &document;
+    const MeshModel &base;
+    Remark remark;
+    std::vector<MeshModel *> added, replaced;
+    std::vector<QString> labels; ///< of those that are added
+    bool kept = false;
+};
+
+#endif

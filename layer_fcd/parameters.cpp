@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parameters.h"
+
+#include "save_files.h"
+
+#include <cmath>
+
+using vcg::fcd::Error;
+
+void HandleParam::validate() const {
+    if (!translation.allFinite() || !rotationAxis.allFinite() || !rotationPoint.allFinite() ||
+        !std::isfinite(rotationAngle))
+        throw Error("translation, rotation_axis, rotation_angle and rotation_point must be finite numbers.");
+    if (rotationAngle != 0 && !(rotationAxis.norm() > 0))
+        throw Error("rotation_axis is 0 0 0, which is no direction. Give an axis, or set rotation_angle to 0.");
+    if (!matrix.allFinite() || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw Error("TransformMatrix is not affine: its last row must be 0 0 0 1 and all its entries finite numbers.");
+    if (source == Attribute && tagAttribute.isEmpty())
+        throw Error("tag_attribute is empty. Give the name of the per-vertex attribute that holds the tags.");
+    if (source == Files && tagFile.isEmpty() && pointFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file with one tag per vertex, or a file with point handles, or "
+                    "choose another source of handles.");
+}
+
+void SaveDeformationParam::validate() const {
+    if (file.isEmpty())
+        throw Error("deformation_file is empty. Give the .ply file to write the deformation to.");
+}
+
+void TagSelectionParam::validate() const {
+    if (role == Handle && handleNumber < 2)
+        throw Error("handle_number is " + std::to_string(handleNumber) +
+                    "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
+}
+
+void TagsFromFilesParam::validate() const {
+    if (tagFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
+}
+
+void SaveTagsParam::validate() const {
+    if (tagFile.isEmpty())
+        throw Error("tag_file is empty. Give the .sel file to write the tags to.");
+    if (!transformFile.isEmpty() && isSameFile(tagFile, transformFile))
+        throw Error("tag_file and transform_file are the same file. Give two different files.");
+}
+
+vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
+    const auto round = [](double &number) { number = double(Scalarm(number)); };
+    round(param.graph.targetRadius);
+    round(param.smoothness);
+    round(param.tolerance);
+    round(param.influence);
+    round(param.pose);
+    if (host::scriptsMayLackParameters) // else it is no parameter
+        round(param.weldDistance);
+    return param;
+}
+
+EnumText weightsText() {
+    return {"Distances",
+            {"Along the surface", "Euclidean"},
+            "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close in space but "
+            "not connected (fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: as in the paper, by "
+            "straight distance."};
+}

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYER_PARAMETERS_H
+#define FCD_LAYER_PARAMETERS_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+
+#include "meshlab_host.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+
+/// \file
+/// What the filters, and the tool, are asked for. How a host shows it is the filters' (filter_fcd/filter_parameters.h).
+
+/// Says something that is worth knowing but no error.
+using Remark = std::function<void(const std::string &)>;
+
+inline Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
+inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
+
+/// What "FCD: Build Deformation Graph" is asked for.
+struct BuildGraphParam {
+    vcg::fcd::GraphParam graph;
+    bool patchesLayer = true;  ///< also a copy of the mesh coloured by patch
+    bool surfaceLayer = false; ///< also the graph as a surface
+};
+
+/// Where tags and motions of the handles come from. Motions are in world coordinates: as seen on the screen, that is
+/// after the layer's matrix.
+struct HandleParam {
+    enum Source { Quality, Selection, Attribute, Files };
+    enum Center { Barycenter, Origin, Point };
+
+    Source source = Quality;
+    QString tagAttribute = "fcd_tag"; ///< per-vertex scalar attribute (Attribute)
+    QString tagFile;                  ///< .sel (Files)
+    QString transformFile;            ///< .def, may be empty; read with every source
+    QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
+    QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
+
+    // The motion of handles that neither of these moves: first as the layer, then matrix, rotation and translation.
+    const MeshModel *likeLayer = nullptr; ///< from the layer that is deformed to this one; itself or null: not used
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    Eigen::Vector3d rotationAxis = Eigen::Vector3d::UnitZ(); ///< any length but 0
+    double rotationAngle = 0;                                ///< degrees
+    Center rotationCenter = Barycenter;
+    Eigen::Vector3d rotationPoint = Eigen::Vector3d::Zero(); ///< centre of rotation (Point)
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// What "FCD: Deform Mesh" is asked for.
+struct DeformMeshParam {
+    enum Quality { Input, Stretch, Rotation };
+
+    HandleParam handles;
+    vcg::fcd::DeformationParam deformation; ///< without nodes
+    bool useGraphLayer = false;             ///< take the nodes from graphLayer
+    const MeshModel *graphLayer = nullptr;
+    bool graphLayers = true; ///< keep the rest and the deformed graph as layers
+    Quality quality = Input; ///< of the deformed layer
+};
+
+/// What "FCD: Pose in Place" is asked for.
+struct PoseParam {
+    HandleParam handles;
+    vcg::fcd::DeformationParam deformation; ///< without nodes
+    bool exactNormals = false;              ///< computed from the faces instead of turned
+};
+
+/// What "FCD: Reset Pose" is asked for.
+struct ResetPoseParam {
+    bool keepShape = false; ///< make the present shape the rest shape
+};
+
+/// What "FCD: Apply Deformation to Layer" is asked for.
+struct CopyParam {
+    MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+    QString file;            ///< of a saved deformation; empty: the layers have it
+    bool allVisible = false; ///< to all visible layers but these, instead of to the current one
+};
+
+/// What "FCD: Save Deformation" is asked for.
+struct SaveDeformationParam {
+    MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+    QString file; ///< .ply
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// Where a layer keeps its tags.
+struct TagTarget {
+    QString attribute;    ///< per-vertex scalar attribute; empty: the vertex quality
+    bool colorize = true; ///< colour the vertices by tag
+};
+
+/// What "FCD: Tag Selection" is asked for.
+struct TagSelectionParam {
+    enum Role { Fixed, Free, Handle, Outside };
+
+    Role role = Handle;
+    int handleNumber = 2; ///< the tag (Handle)
+    TagTarget target;
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// What "FCD: Tags from Files" is asked for.
+struct TagsFromFilesParam {
+    QString tagFile; ///< .sel
+    TagTarget target;
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// What "FCD: Save Tags" is asked for.
+struct SaveTagsParam {
+    HandleParam handles;   ///< not from files, and without files
+    QString tagFile;       ///< .sel
+    QString transformFile; ///< .def, may be empty
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// \p param with its numbers as they are when a host has handed them over to a filter: in the host's precision.
+vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param);
+
+/// A choice as people read it.
+struct EnumText {
+    QString label;
+    QStringList values;
+    QString help;
+};
+
+/// That of "weights"; its values stand in the order of vcg::fcd::MappingWeights.
+EnumText weightsText();
+
+#endif

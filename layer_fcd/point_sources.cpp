@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/handle_file.h> // before Qt
+
+#include "layer_contents.h"
+#include "layer_matrix.h"
+#include "picked_points.h"
+#include "point_sources.h"
+
+#include <vcg/space/index/kdtree/kdtree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <QFile>
+
+using vcg::fcd::Error;
+using vcg::fcd::PointHandle;
+using vcg::fcd::PointPair;
+
+namespace {
+
+std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
+
+std::vector<PointPair> readPairs(const QString &path, std::size_t mostBytes) {
+    const std::string name = QFile::encodeName(path).toStdString();
+    if (!path.endsWith(".pp", Qt::CaseInsensitive))
+        return vcg::fcd::ReadPointHandleFile(name, mostBytes);
+    return readPickedPoints(QByteArray::fromStdString(vcg::fcd::ReadFile(name, mostBytes)), quoted(path));
+}
+
+} // namespace
+
+std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString &file) {
+    const std::vector<PointPair> pairs = readPairs(file, mostBytes(layer, 1000));
+    const CMeshO &mesh = layer.cm;
+    const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
+
+    // Live vertices: a file counts them as MeshLab would save them.
+    std::vector<std::size_t> live;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            live.push_back(i);
+
+    // To find the vertex nearest to a point.
+    std::vector<std::size_t> slot;
+    std::vector<vcg::Point3d> position;
+    if (std::any_of(pairs.begin(), pairs.end(), [](const PointPair &pair) { return pair.vertex < 0; }))
+        for (std::size_t i : live) {
+            const vcg::Point3d p = vcg::Point3d::Construct(mesh.vert[i].cP());
+            if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) {
+                slot.push_back(i);
+                position.push_back(p);
+            }
+        }
+    vcg::ConstDataWrapper<vcg::Point3d> wrapper(position.data(), int(position.size()));
+    std::unique_ptr<vcg::KdTree<double>> tree;
+    if (!position.empty())
+        tree = std::make_unique<vcg::KdTree<double>>(wrapper);
+
+    std::vector<PointHandle> handles;
+    for (const PointPair &pair : pairs) {
+        PointHandle handle;
+        handle.target = toLayer * pair.target;
+        if (pair.vertex >= 0) {
+            if (std::size_t(pair.vertex) >= live.size())
+                throw Error(quoted(file) + " names vertex " + std::to_string(pair.vertex) +
+                            ", but the layer has vertices 0 to " + std::to_string(live.size() - 1) + ".");
+            handle.vertex = live[std::size_t(pair.vertex)];
+        } else if (tree) {
+            const Eigen::Vector3d start = toLayer * pair.start;
+            unsigned nearest = 0;
+            double distance = 0;
+            tree->doQueryClosest(vcg::Point3d(start[0], start[1], start[2]), nearest, distance);
+            handle.vertex = slot[nearest];
+            const vcg::Point3d &p = position[nearest];
+            handle.target += Eigen::Vector3d(p[0], p[1], p[2]) - start;
+        } else {
+            throw Error("The coordinates of the layer are not finite numbers, so no vertex is nearest to a point.");
+        }
+        handles.push_back(handle);
+    }
+    return handles;
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "prepared_layers.h"
+
+#include <algorithm>
+#include <cstring>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+using vcg::fcd::ParallelFor;
+using vcg::tri::CountHandles;
+
+namespace {
+
+/// Deformers of so many vertices are kept, and the latest: each takes about 100 bytes.
+const std::size_t mostVertices = 8000000;
+
+/// The bytes of numbers, one after the other.
+class Bytes {
+  public:
+    template <class T>
+    void add(const T &value) {
+        static_assert(std::is_arithmetic<T>::value || std::is_enum<T>::value, "no gaps");
+        const std::size_t at = bytes.size();
+        bytes.resize(at + sizeof(T));
+        std::memcpy(&bytes[at], &value, sizeof(T));
+    }
+    XXH128_hash_t hash() const { return XXH3_128bits(bytes.data(), bytes.size()); }
+
+  private:
+    std::vector<unsigned char> bytes;
+};
+
+/// Adds the hashes of consecutive ranges of n items of \p Size bytes, which write(i, to) writes.
+template <std::size_t Size, class Write>
+void addHashes(Bytes &bytes, std::size_t n, const Write &write) {
+    const std::size_t grain = 1 << 12;
+    std::vector<XXH128_hash_t> hashes((n + grain - 1) / grain);
+    ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) {
+        thread_local std::vector<unsigned char> buffer(grain * Size);
+        for (std::size_t i = first; i < last; ++i)
+            write(i, buffer.data() + (i - first) * Size);
+        hashes[first / grain] = XXH3_128bits(buffer.data(), (last - first) * Size);
+    });
+    bytes.add(n);
+    for (const XXH128_hash_t &hash : hashes) {
+        bytes.add(hash.low64);
+        bytes.add(hash.high64);
+    }
+}
+
+} // namespace
+
+PreparedLayers::Key PreparedLayers::keyOf(const MeshModel &layer, const Point3m *rest, const vcg::fcd::Handles &handles,
+                                          const vcg::fcd::DeformerParam &param) {
+    const CMeshO &mesh = layer.cm;
+    Bytes bytes;
+    constexpr std::size_t place = 3 * sizeof(Scalarm);
+    const bool isCompact = std::size_t(mesh.vn) == mesh.vert.size(); // vertices are large, and need not be read
+    addHashes<place + sizeof(int)>(bytes, mesh.vert.size(), [&](std::size_t i, unsigned char *to) {
+        const int tag = !isCompact && mesh.vert[i].IsD() ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
+        std::memcpy(to, rest ? &rest[i][0] : &mesh.vert[i].cP()[0], place);
+        std::memcpy(to + place, &tag, sizeof tag);
+    });
+    const auto addElements = [&](const auto &elements, auto corners) {
+        constexpr std::size_t count = decltype(corners)::value;
+        addHashes<count * sizeof(std::uint32_t)>(bytes, elements.size(), [&](std::size_t e, unsigned char *to) {
+            std::uint32_t slot[count] = {};
+            for (std::size_t k = 0; k < count; ++k)
+                slot[k] =
+                    elements[e].IsD() ? std::uint32_t(-1) : std::uint32_t(elements[e].cV(int(k)) - mesh.vert.data());
+            std::memcpy(to, slot, sizeof slot);
+        });
+    };
+    addElements(mesh.face, std::integral_constant<std::size_t, 3>());
+    addElements(mesh.edge, std::integral_constant<std::size_t, 2>());
+    for (const vcg::fcd::PointHandle &point : handles.point)
+        bytes.add(point.vertex);
+    for (int i = 0; i < 9; ++i)
+        bytes.add(handles.world.linear()(i / 3, i % 3));
+    for (Eigen::Index i = 0; i < param.nodes.size(); ++i)
+        bytes.add(param.nodes.data()[i]);
+    bytes.add(param.graph.targetRadius);
+    bytes.add(param.graph.initialPatches);
+    bytes.add(param.graph.maxIterations);
+    bytes.add(param.graph.tolerance);
+    bytes.add(param.graph.randomSeed);
+    bytes.add(param.graph.measure);
+    bytes.add(param.graphWeights);
+    bytes.add(param.weights);
+    bytes.add(param.influence);
+    bytes.add(param.looseParts);
+    bytes.add(param.weldDistance);
+    const XXH128_hash_t hash = bytes.hash();
+    return {hash.low64, hash.high64};
+}
+
+void PreparedLayers::forget(const MeshDocument &document, int layer) {
+    const auto isThere = [&](int id) {
+        const std::vector<const MeshModel *> layers = host::layers(document);
+        return std::any_of(layers.begin(), layers.end(), [&](const MeshModel *each) { return each->id() == id; });
+    };
+    entries.remove_if([&](const Entry &entry) {
+        return entry.document == &document && (entry.layer == layer || !isThere(entry.layer));
+    });
+}
+
+std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {
+    const auto found =
+        std::find_if(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.key == key; });
+    if (found == entries.end())
+        return nullptr;
+    entries.splice(entries.begin(), entries, found);
+    found->prepared->seconds = 0;
+    return found->prepared;
+}
+
+std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument &document, const MeshModel &layer,
+                                              const vcg::fcd::Handles &handles,
+                                              const std::function<std::unique_ptr<vcg::fcd::Deformer>()> &prepare) {
+    forget(document, layer.id());
+    const vcg::fcd::Stopwatch watch;
+    auto prepared = std::make_shared<Prepared>();
+    prepared->tags = CountHandles(layer.cm, handles);
+    prepared->deformer = prepare();
+    prepared->moving.assign(layer.cm.vert.size(), 0);
+    prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
+    prepared->seconds = watch.Seconds();
+    entries.push_front({key, &document, layer.id(), prepared});
+    std::size_t vertices = 0;
+    for (auto entry = entries.begin(); entry != entries.end();) {
+        vertices += entry->prepared->moving.size();
+        entry = vertices > mostVertices && entry != entries.begin() ? entries.erase(entry) : std::next(entry);
+    }
+    return prepared;
+}

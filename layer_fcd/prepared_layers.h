@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_PREPARED_LAYERS_H
+#define FCD_PREPARED_LAYERS_H
+
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/centroidal_deformation.h>
+
+#include "meshlab_host.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+
+/// A layer that is prepared to be deformed.
+struct Prepared {
+    std::unique_ptr<vcg::fcd::Deformer> deformer;
+    std::vector<char> moving; ///< per vertex slot: whether it may move in some pose
+    vcg::fcd::TagCount tags;
+    double seconds = 0;      ///< that preparing it took; 0 once it has been used
+    bool isOfOthers = false; ///< known: its nodes were given, and are not those of the graph that is made without
+};
+
+/// The deformers of the layers that were deformed last, so that the next pose of one does not begin anew. Each is found
+/// by a hash of all that it was made from, so that none is ever used for anything else.
+class PreparedLayers {
+  public:
+    using Key = std::array<std::uint64_t, 2>;
+
+    /// What \p layer, with the tags and point handles of \p handles, is found by.
+    /// \param rest positions per vertex slot, null where the layer is at rest
+    static Key keyOf(const MeshModel &layer, const Point3m *rest, const vcg::fcd::Handles &handles,
+                     const vcg::fcd::DeformerParam &param);
+
+    /// What is prepared, null where nothing is.
+    std::shared_ptr<Prepared> find(const Key &key);
+    /// Adds what \p prepare makes; what else was prepared of \p layer goes.
+    std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, const MeshModel &layer,
+                                  const vcg::fcd::Handles &handles,
+                                  const std::function<std::unique_ptr<vcg::fcd::Deformer>()> &prepare);
+    void clear() { entries.clear(); }
+
+  private:
+    struct Entry {
+        Key key;
+        const MeshDocument *document; ///< of the layer, which may be gone
+        int layer;                    ///< its number
+        std::shared_ptr<Prepared> prepared;
+    };
+    void forget(const MeshDocument &document, int layer);
+
+    std::list<Entry> entries; ///< the latest first
+};
+
+#endif

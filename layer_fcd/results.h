@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_RESULTS_H
+#define FCD_RESULTS_H
+
+#include "meshlab_host.h"
+
+#include <vector>
+
+/// \file
+/// For a person at the window (host::inWindow): what was made from what, so that one try replaces another.
+
+/// Shows the last of \p results, hides the others and the \p source that they were made from, and remembers that they
+/// were, so that another try replaces them.
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
+
+/// The layer that \p layer was made from, if it was and that is still there, or else \p layer itself.
+MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
+
+/// What was made from \p source before and is as it was made: not moved, not renamed.
+std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
+
+#endif

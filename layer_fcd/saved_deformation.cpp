@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/deformation_file.h>
+
+#include "kept_deformation.h"
+#include "layer_matrix.h"
+#include "rest_shape.h"
+#include "save_files.h"
+#include "saved_deformation.h"
+
+namespace {
+
+/// Maps positions, displacements and how the surface turns from the coordinates of a layer to those of the world. What
+/// rests goes on doing so to the bit.
+void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matrix3Xd &deformed,
+             std::vector<Eigen::Matrix3f> &linear) {
+    if (matrix.matrix().isIdentity(0))
+        return;
+    const Eigen::Matrix3d to = matrix.linear(), back = to.inverse();
+    vcg::fcd::ParallelFor(0, linear.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t slot = first; slot < last; ++slot) {
+            const auto i = Eigen::Index(slot);
+            rest.col(i) = matrix * Eigen::Vector3d(rest.col(i));
+            deformed.col(i) = matrix * Eigen::Vector3d(deformed.col(i));
+            if (linear[slot] != Eigen::Matrix3f::Identity())
+                linear[slot] = (to * linear[slot].cast<double>() * back).cast<float>();
+        }
+    });
+}
+
+} // namespace
+
+vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress) {
+    progress(0, "Reading the source");
+    const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
+    const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
+    Eigen::Matrix3Xd rest = restPositionsOf(*param.source), deformed = rest;
+    std::vector<Eigen::Matrix3f> linear;
+    vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
+        .Apply(deformed, &linear, progress.Slice(0, 0.1));
+    toWorld(matrix, rest, deformed, linear);
+    vcg::fcd::SampledField field =
+        vcg::tri::SampleField(param.source->cm, rest, deformed, linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
+    saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
+    progress(1, "Done");
+    return field;
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/handle_file.h>
+
+#include "layer_contents.h"
+#include "layer_matrix.h"
+#include "point_sources.h"
+#include "tag_sources.h"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <QFile>
+
+using vcg::fcd::Error;
+using vcg::fcd::Handles;
+
+namespace {
+
+/// The meaning of the tags, for messages.
+const char *const tagMeaning = "0 = fixed, 1 = free, 2, 3, ... = handles, negative = outside";
+
+/// Tags from a number per slot, where \p of(slot) gives the number. \p what names the numbers in messages.
+template <class NumberOf>
+std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const NumberOf &of) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<int> tag(mesh.vert.size(), 1);
+    const auto wholeOf = [](double number, double &whole) {
+        whole = std::round(number);
+        // The tolerance is for files that store numbers as text.
+        return std::abs(number - whole) <= 1e-6 && whole >= std::numeric_limits<int>::lowest() &&
+               whole <= std::numeric_limits<int>::max();
+    };
+    std::atomic<bool> isGood{true};
+    vcg::fcd::ParallelFor(0, tag.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        double whole = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD()) {
+                if (!wholeOf(of(i), whole))
+                    isGood = false;
+                else
+                    tag[i] = int(whole);
+            }
+    });
+    for (std::size_t i = 0; i < tag.size() && !isGood; ++i)
+        if (double whole = 0; !mesh.vert[i].IsD() && !wholeOf(of(i), whole)) {
+            std::ostringstream message;
+            message << "The " << what << " of vertex " << i << " is " << of(i)
+                    << ", but tags are whole numbers: " << tagMeaning
+                    << ". Round them, or take the tags from another source.";
+            throw Error(message.str());
+        }
+    return tag;
+}
+
+std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
+    const CMeshO &mesh = layer.cm;
+    const bool tagged = hasQuality(layer);
+    if (!tagged && freeIfNone)
+        return std::vector<int>(mesh.vert.size(), 1);
+    if (!tagged)
+        throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
+                                "vertices yet. Set the quality to a tag per vertex (") +
+                    tagMeaning +
+                    "), for example with 'FCD: Tag Selection' (compute_fcd_tags_from_selection) or 'Per Vertex Quality "
+                    "Function' (compute_scalar_by_function_per_vertex), or select the "
+                    "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
+    return tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
+}
+
+std::vector<int> tagsFromSelection(const MeshModel &layer, bool freeIfNone) {
+    const CMeshO &mesh = layer.cm;
+    const std::vector<char> onFaces = onSelectedFaces(layer);
+    std::vector<int> tag(mesh.vert.size(), 1);
+    bool handle = false;
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        if (onFaces[i])
+            tag[i] = 0;
+        if (!mesh.vert[i].IsD() && mesh.vert[i].IsS()) {
+            tag[i] = 2;
+            handle = true;
+        }
+    }
+    if (!handle && !freeIfNone)
+        throw Error(
+            "No handle: no vertex is selected. Select the vertices of the handle, and the faces of what stays fixed, "
+            "or choose another source with 'handles'.");
+    return tag;
+}
+
+std::vector<int> tagsFromAttribute(const MeshModel &layer, const QString &name) {
+    const CMeshO &mesh = layer.cm;
+    std::string others;
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
+        if (attribute._name != name.toStdString()) {
+            if (!attribute._name.empty())
+                others += (others.empty() ? " It has: " : ", ") + attribute._name;
+            continue;
+        }
+        // The handle's own index, not its operator[]: that one refers to the container the attribute was made for.
+        const vcg::SimpleTempDataBase *data = attribute._handle;
+        const std::string what = "attribute '" + name.toStdString() + "'";
+        if (host::isOfType<float>(attribute))
+            return tagsFrom(layer, what,
+                            [&](std::size_t i) { return double(*static_cast<const float *>(data->At(i))); });
+        if (host::isOfType<double>(attribute))
+            return tagsFrom(layer, what, [&](std::size_t i) { return *static_cast<const double *>(data->At(i)); });
+        if (host::isOfType<int>(attribute))
+            return tagsFrom(layer, what, [&](std::size_t i) { return double(*static_cast<const int *>(data->At(i))); });
+        throw Error("The vertex attribute '" + name.toStdString() +
+                    "' does not hold one number per vertex. Use a scalar attribute (float, double or int).");
+    }
+    throw Error("This layer has no vertex attribute '" + name.toStdString() +
+                "'. Add a scalar attribute of that name with a tag per vertex (" + tagMeaning +
+                "), or give its name as 'tag_attribute'." +
+                (others.empty() ? " It has no attributes at all." : others + "."));
+}
+
+std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
+    const CMeshO &mesh = layer.cm;
+    const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString(), mostBytes(layer, 100));
+    if (listed.size() != std::size_t(mesh.vn))
+        throw Error(path.toStdString() + " has " + std::to_string(listed.size()) + " tags, but the layer '" +
+                    layer.label().toStdString() + "' has " + std::to_string(mesh.vn) +
+                    " vertices. It must list one tag per vertex of this very mesh, in the order of the vertices.");
+    std::vector<int> tag(mesh.vert.size(), 1);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            tag[i] = listed[next++];
+    return tag;
+}
+
+} // namespace
+
+std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
+    const bool freeIfNone = !param.pointFile.isEmpty();
+    switch (param.source) {
+    case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone);
+    case HandleParam::Selection: return tagsFromSelection(layer, freeIfNone);
+    case HandleParam::Attribute: return tagsFromAttribute(layer, param.tagAttribute);
+    case HandleParam::Files:
+        if (freeIfNone && param.tagFile.isEmpty())
+            return std::vector<int>(layer.cm.vert.size(), 1);
+        return tagsFromFile(layer, param.tagFile);
+    }
+    throw Error("Unknown source of tags.");
+}
+
+Handles readHandles(const MeshModel &layer, const HandleParam &param) {
+    Handles handles;
+    handles.tag = readTags(layer, param);
+    handles.world = invertibleMatrixOf(layer);
+    if (!param.pointFile.isEmpty())
+        handles.point = readPointHandles(layer, param.pointFile);
+    return handles;
+}

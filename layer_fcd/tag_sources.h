@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_TAG_SOURCES_H
+#define FCD_TAG_SOURCES_H
+
+#include "parameters.h"
+
+#include <vector>
+
+/// The tags of \p layer, one per slot of its vertex vector. With point handles, all is free where nothing is tagged.
+/// \throw vcg::fcd::Error when they cannot be had
+std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
+
+/// Tags (per slot of the layer's vertex vector) and point handles of \p layer, without motions.
+/// \throw vcg::fcd::Error when they cannot be had: each message says what to do
+vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param);
+
+#endif

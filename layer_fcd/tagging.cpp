@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/handle_file.h>
+
+#include "kept_aside.h"
+#include "layer_contents.h"
+#include "motion_sources.h"
+#include "save_files.h"
+#include "tag_sources.h"
+#include "tagging.h"
+
+#include <vcg/complex/allocate.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+using vcg::fcd::Error;
+using vcg::fcd::TagCount;
+
+namespace {
+
+/// The attribute \p name, null when there is none. \throw Error when it holds something else than a scalar
+const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString &name) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
+        if (attribute._name != name.toStdString())
+            continue;
+        if (!host::isOfType<float>(attribute) && !host::isOfType<double>(attribute))
+            throw Error("This layer has a vertex attribute '" + name.toStdString() +
+                        "' already, and it is no scalar (float or double), so it cannot hold tags. Give another name "
+                        "as 'tag_attribute', or leave it empty to use the vertex quality.");
+        return &attribute;
+    }
+    return nullptr;
+}
+
+} // namespace
+
+std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
+    const CMeshO &mesh = layer.cm;
+    HandleParam source;
+    bool tagged;
+    if (target.attribute.isEmpty()) {
+        tagged = hasQuality(layer);
+    } else {
+        source.source = HandleParam::Attribute;
+        source.tagAttribute = target.attribute;
+        tagged = scalarAttribute(mesh, target.attribute);
+    }
+    if (!tagged)
+        return std::vector<int>(mesh.vert.size(), 1);
+    try {
+        return readTags(layer, source);
+    } catch (const Error &e) {
+        throw Error(
+            std::string(e.what()) +
+            (target.attribute.isEmpty()
+                 ? " To tag this layer from the beginning, set its quality to 0 everywhere, or give the name of "
+                   "a new attribute as 'tag_attribute' to leave the quality as it is."
+                 : " To tag this layer from the beginning, give the name of a new attribute as "
+                   "'tag_attribute'."));
+    }
+}
+
+vcg::Color4b colorOfTag(int tag) {
+    const auto color = [](double r, double g, double b) {
+        const auto byte = [](double x) { return (unsigned char)std::lround(x); };
+        return vcg::Color4b(byte(r), byte(g), byte(b), 255);
+    };
+    if (tag < 0)
+        return color(154, 154, 154);
+    if (tag == 0)
+        return color(59, 111, 201);
+    if (tag == 1)
+        return color(240, 197, 60);
+    // Two sequences that spread evenly, however many handles there are: one darkens the red, the other lightens it.
+    const auto fraction = [&](double step) { return std::fmod((tag - 2) * step, 1); };
+    const double dark = 1 - 0.5 * fraction(0.6180339887), light = 0.45 * fraction(0.7548776662);
+    const auto shade = [&](double x) { return dark * x + light * (255 - dark * x); };
+    return color(shade(210), shade(60), shade(50));
+}
+
+TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target) {
+    CMeshO &mesh = layer.cm;
+    const vcg::PointerToAttribute *attribute = nullptr;
+    bool single = std::is_same<CVertexO::QualityType, float>::value;
+    if (!target.attribute.isEmpty()) {
+        attribute = scalarAttribute(mesh, target.attribute);
+        single = attribute ? host::isOfType<float>(*attribute) : std::is_same<Scalarm, float>::value;
+    }
+    for (std::size_t i = 0; i < tag.size() && single; ++i)
+        if (!mesh.vert[i].IsD() && double(float(tag[i])) != double(tag[i]))
+            throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
+                        " is too large to be kept in single precision. Use smaller numbers.");
+    const TagCount count = vcg::tri::CountTags(mesh, tag);
+    keepAside(layer, target.colorize, target.attribute.isEmpty());
+
+    const auto write = [&](const auto &number) {
+        for (std::size_t i = 0; i < tag.size(); ++i)
+            if (!mesh.vert[i].IsD())
+                number(i) = typename std::decay<decltype(number(i))>::type(tag[i]);
+    };
+    if (target.attribute.isEmpty()) {
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+        write([&](std::size_t i) -> auto & { return mesh.vert[i].Q(); });
+    } else {
+        if (!attribute) {
+            vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, target.attribute.toStdString());
+            attribute = scalarAttribute(mesh, target.attribute);
+        }
+        vcg::SimpleTempDataBase *data = attribute->_handle;
+        if (host::isOfType<float>(*attribute))
+            write([&](std::size_t i) -> float & { return *static_cast<float *>(data->At(i)); });
+        else
+            write([&](std::size_t i) -> double & { return *static_cast<double *>(data->At(i)); });
+    }
+    if (target.colorize) {
+        layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+        for (std::size_t i = 0; i < tag.size(); ++i)
+            if (!mesh.vert[i].IsD())
+                mesh.vert[i].C() = colorOfTag(tag[i]);
+        coloredByTags(layer);
+    }
+    return count;
+}
+
+// --- FCD: Tag Selection ---
+
+TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<char> selected = onSelectedFaces(layer);
+    for (std::size_t i = 0; i < selected.size(); ++i)
+        if (!mesh.vert[i].IsD() && mesh.vert[i].IsS())
+            selected[i] = 1;
+    if (std::find(selected.begin(), selected.end(), 1) == selected.end())
+        throw Error("Nothing is selected. Select the vertices or faces to tag first.");
+
+    int wanted = param.handleNumber;
+    switch (param.role) {
+    case TagSelectionParam::Fixed: wanted = 0; break;
+    case TagSelectionParam::Free: wanted = 1; break;
+    case TagSelectionParam::Handle: break;
+    case TagSelectionParam::Outside: wanted = -1; break;
+    }
+    std::vector<int> tag = presentTags(layer, param.target);
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (selected[i])
+            tag[i] = wanted;
+    return writeTags(layer, tag, param.target);
+}
+
+// --- FCD: Tags from Files ---
+
+TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param) {
+    HandleParam source;
+    source.source = HandleParam::Files;
+    source.tagFile = param.tagFile;
+    return writeTags(layer, readTags(layer, source), param.target);
+}
+
+// --- FCD: Save Tags ---
+
+TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
+                  const Remark &remark) {
+    std::vector<int> tag;
+    std::vector<Eigen::Matrix4d> matrix;
+    if (param.transformFile.isEmpty()) {
+        tag = readTags(layer, param.handles);
+    } else {
+        vcg::fcd::Handles handles = readHandles(layer, param.handles);
+        const auto centers =
+            vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); });
+        if (centers.empty())
+            throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
+                        "leave transform_file empty.");
+        readMotions(document, layer, param.handles, centers, remark, handles);
+        const int last = handles.motion.rbegin()->first, most = 100000;
+        if (last > most)
+            throw Error("The largest handle number is " + std::to_string(last) +
+                        ", and the file would need a matrix for each number up to it. Number the handles 2, 3, ...");
+        matrix.assign(std::size_t(last) - 1, Eigen::Matrix4d::Identity());
+        for (const auto &[number, motion] : handles.motion)
+            matrix[std::size_t(number) - 2] = motion.matrix;
+        tag = handles.tag;
+    }
+    const TagCount count = vcg::tri::CountTags(layer.cm, tag);
+    std::vector<int> live;
+    live.reserve(std::size_t(layer.cm.vn));
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!layer.cm.vert[i].IsD())
+            live.push_back(tag[i]);
+
+    std::vector<FileContent> files{{param.tagFile, vcg::fcd::TagText(live)}};
+    if (!matrix.empty())
+        files.push_back({param.transformFile, vcg::fcd::TransformText(matrix)});
+    saveFiles(files);
+    return count;
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_TAGGING_H
+#define FCD_TAGGING_H
+
+#include "parameters.h"
+
+#include <vector>
+
+/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
+/// when what is kept there are no tags
+std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
+
+/// The colour that shows a tag.
+vcg::Color4b colorOfTag(int tag);
+
+/// Gives \p layer the tags, one per slot of its vertices. \throw vcg::fcd::Error before anything is changed
+vcg::fcd::TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target);
+
+/// Tags the selected vertices, and the vertices of selected faces; the others keep their tags, or are free where the
+/// layer has none yet. \throw vcg::fcd::Error, and leaves the layer as it was
+vcg::fcd::TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param);
+
+/// Tags all vertices as a file says. \throw vcg::fcd::Error, and leaves the layer as it was
+vcg::fcd::TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param);
+
+/// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; the files are then as
+/// they were
+vcg::fcd::TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
+                            const Remark &remark);
+
+#endif
