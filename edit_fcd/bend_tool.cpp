@@ -163,10 +163,10 @@ void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
 void BendTool::endDrag(bool keep) {
     if (!drag)
         return;
-    if (keep)
-        step();
-    else
+    if (!keep)
         session->cancel();
+    else if (layer())
+        session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
     drag.reset();
     isStepWanted = false;
     view->setMouseTracking(false);
