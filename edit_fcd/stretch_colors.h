@@ -6,6 +6,7 @@
 
 #include <layer_fcd/meshlab_host.h>
 
+#include <cstdint>
 #include <vector>
 
 /// The colour of a place whose stretch is a power of two: blue for half as long or less (-1), grey for 0, red for twice
@@ -25,10 +26,15 @@ class StretchColors {
     void bringBack();
 
   private:
+    void connect();
+
     MeshModel &layer;
     const bool hadColors;
     std::vector<vcg::Color4b> own, shown;
     std::vector<float> exponent, area; ///< of faces
+
+    // The faces of the vertex at each slot are those from begin[slot] to begin[slot + 1], ascending.
+    std::vector<std::uint32_t> begin, faceOf;
 };
 
 #endif
