@@ -16,6 +16,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
+import host_window
 from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
 
 MESHLAB = Path(os.environ.get("FCD_MESHLAB", Path(SERVER).with_name("meshlab")))
@@ -182,6 +183,20 @@ class Window:
             process.wait()
 
 
+class Filters(host_window.Window):
+    """The filters' dialogs in such a window."""
+
+    def __init__(self, window):
+        self.screen, self.clicks, self.log, self.program = window, 0, window.log, window.meshlab
+        self.main = self.wait(f"MeshLab {VERSION}")
+
+    def back(self):
+        """The view has the keyboard, as before a dialog."""
+        self.x("windowactivate", "--sync", self.main)
+        self.x("mousemove", *MIDDLE)
+        time.sleep(0.3)
+
+
 @pytest.fixture
 def window(tmp_path):
     opened = []
@@ -268,6 +283,87 @@ def test_a_new_layer_has_the_colours_of_before(window, tmp_path):
     bent = w.save("bent.ply")
     assert np.abs(load(bent)[0] - points).max() > 0.1
     assert np.array_equal(colors_of(bent), colors)
+
+
+def layer_of(path):
+    """Positions, tags and colours."""
+    return *load(path), colors_of(path)
+
+
+# Filters and tool are two libraries that tell each other by the layer what it keeps aside, what was made of it, and how it is bent.
+the_dialogs_are_those_of_2020 = pytest.mark.skipif(VERSION != "2020.09", reason="host_window.py knows the dialogs of 2020.09")
+
+
+@the_dialogs_are_those_of_2020
+def test_tags_of_the_filter_then_marks_of_the_tool(window, tmp_path):
+    points, faces = tube(80, 64)
+    colors = np.random.default_rng(0).integers(0, 256, points.shape)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces, colors=colors))
+    filters = Filters(w)
+    filters.select("x < -0.5")
+    filters.tag("Home") # fixed
+    filters.back()
+    w.start_tool()
+    x, y = MIDDLE
+    w.key("v", "t", "h")
+    w.drag((x + 280, y + 200), (x + 110, y - 200))
+    w.key("m")
+    w.shot("tagged_and_marked")
+    _, tags, shown = layer_of(w.save("marked.ply"))
+    expect_tags(tags)
+    assert np.array_equal(tags == 0, points[:, 0] < -0.5) and len(np.unique(shown, axis=0)) == 3
+    w.drag((x + 180, y), (x + 120, y - 150))
+    w.key("shift+Return", pause=1.5)
+    w.wait("ms.apply_filter")
+    bent, _, own = layer_of(w.save("bent.ply"))
+    assert np.abs(bent - points).max() > 0.1 and np.array_equal(bent[tags == 0], points[tags == 0])
+    assert np.array_equal(own, colors) # which the filter has kept aside
+
+    # What the tool has made is a result for the filter: the layer is bent that it was made from.
+    filters.back()
+    dialog = filters.dialog("FCD: Deform Mesh")
+    filters.enter(dialog, *host_window.MOVE_X, "1")
+    filters.apply(dialog)
+    filters.wait_for_log("layers of the last try are replaced")
+    filters.finish(dialog)
+    filters.back()
+    again, _, own = layer_of(w.save("again.ply"))
+    assert np.abs(again - (points + (tags == 2)[:, None] * [1, 0, 0]))[tags != 1].max() < 1e-6
+    assert np.array_equal(own, colors)
+
+
+@the_dialogs_are_those_of_2020
+def test_marks_of_the_tool_then_tags_of_the_filter(window, tmp_path):
+    points, faces = tube(80, 64)
+    colors = np.random.default_rng(0).integers(0, 256, points.shape)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces, colors=colors))
+    before = w.save("before.ply").read_bytes()
+    filters = Filters(w)
+    w.start_tool()
+    mark_two_regions(w)
+    w.toggle_tool()
+    filters.select("x > 0.5")
+    filters.tag("End", "Up") # handle
+    filters.back()
+    _, tags, shown = layer_of(w.save("tagged.ply"))
+    expect_tags(tags)
+    assert np.all(tags[points[:, 0] > 0.5] == 2) and len(np.unique(shown, axis=0)) == 3
+
+    dialog = filters.dialog("FCD: Deform Mesh")
+    filters.enter(dialog, *host_window.MOVE_X, "1")
+    filters.apply(dialog)
+    filters.wait_for_log("is shown")
+    filters.finish(dialog)
+    filters.back()
+    bent, _, own = layer_of(w.save("bent.ply"))
+    assert np.abs(bent - (points + (tags == 2)[:, None] * [1, 0, 0]))[tags != 1].max() < 1e-6
+    assert np.array_equal(own, colors) # which the tool has kept aside
+
+    filters.current_layer(0)
+    filters.run("FCD: Clear Tags")
+    filters.back()
+    assert np.array_equal(colors_of(w.save("cleared.ply")), colors)
+    assert (tmp_path / "cleared.ply").read_bytes() == before
 
 
 def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):

@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # Adds to a MeshLab checkout (2022.02 or newer, with submodules) what a pull request to MeshLab would add, and builds it there, in
-# build/pull_request: the plugins by MeshLab's own CMake. Installs what it lacks; MeshLab's library takes minutes the first time. A second
-# run leaves the same checkout.
+# build/pull_request-COMPILER: the plugins by MeshLab's own CMake, with clang and with GCC, or with FCD_COMPILERS. Installs what it
+# lacks; MeshLab's library takes minutes the first time. A second run leaves the same checkout.
 #
 #   bash tests/pull_request.sh CHECKOUT [CMAKE-ARGUMENT...]
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build/pull_request
 fail() {
     echo "$1" >&2
     exit 1
@@ -32,6 +31,7 @@ add() {
 # In vcglib beside vcg and wrap, which every plugin has among its include directories: <vcg_ext/...> is found, and nothing is rewritten.
 # (vcglib is a repository of its own, so this is a pull request there.) Plugins are beside each other, as here.
 add vcg_ext "$src/vcglib"
+add layer_fcd "$src/meshlabplugins" # which the plugins bring, so that the list has plugins only
 add filter_fcd "$src/meshlabplugins"
 add edit_fcd "$src/meshlabplugins"
 
@@ -50,20 +50,23 @@ list edit_fcd edit_manipulators
 # MeshLab 2022.02 has no CMakeLists.txt at its top, and other names for the options. No other plugin is built, and no optional library needed.
 top=$checkout
 [ -e "$top/CMakeLists.txt" ] || top=$src
-mkdir -p "$build"
-rm -f "$build/CMakeCache.txt" # it may be of another checkout
-cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
-    -DMESHLAB_BUILD_ONLY_LIBRARIES=ON -DBUILD_ONLY_MESHLAB_LIBRARIES=ON -DMESHLAB_ALLOW_OPTIONAL_EXTERNAL_LIBRARIES=OFF \
-    -DALLOW_OPTIONAL_EXTERNAL_MESHLAB_LIBRARIES=OFF "$@" >"$build/configure.log" 2>&1 ||
-    fail "MeshLab is not configured: $(grep -m 1 -A 2 'CMake Error' "$build/configure.log" | tr '\n' ' ') (log: $build/configure.log)"
-nice ninja -C "$build" -j "${FCD_JOBS:-$(nproc)}" filter_fcd edit_fcd
+for compiler in ${FCD_COMPILERS:-clang++ g++}; do
+    build=$root/build/pull_request-$compiler
+    mkdir -p "$build"
+    rm -f "$build/CMakeCache.txt" # it may be of another checkout
+    cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
+        -DMESHLAB_BUILD_ONLY_LIBRARIES=ON -DBUILD_ONLY_MESHLAB_LIBRARIES=ON -DMESHLAB_ALLOW_OPTIONAL_EXTERNAL_LIBRARIES=OFF \
+        -DALLOW_OPTIONAL_EXTERNAL_MESHLAB_LIBRARIES=OFF "$@" >"$build/configure.log" 2>&1 ||
+        fail "MeshLab is not configured: $(grep -m 1 -A 2 'CMake Error' "$build/configure.log" | tr '\n' ' ') (log: $build/configure.log)"
+    nice ninja -C "$build" -j "${FCD_JOBS:-$(nproc)}" filter_fcd edit_fcd
 
-# Nothing but Qt's two entry points is visible, and all that they need is found.
-for plugin in filter_fcd edit_fcd; do
-    library=$(find "$build" -name "lib$plugin.so")
-    visible=$(nm -D --defined-only "$library" | awk '{ print $3 }' | sort | paste -sd ' ')
-    [ "$visible" = "qt_plugin_instance qt_plugin_query_metadata" ] || fail "$library shows $visible"
-    missing=$(ldd -r "$library" 2>&1 | grep -m 1 -E 'not found|undefined symbol' || true)
-    [ -z "$missing" ] || fail "$library lacks: $missing"
-    echo "built $library"
+    # Nothing but Qt's two entry points is visible, and all that they need is found.
+    for plugin in filter_fcd edit_fcd; do
+        library=$(find "$build" -name "lib$plugin.so")
+        visible=$(nm -D --defined-only "$library" | awk '{ print $3 }' | sort | paste -sd ' ')
+        [ "$visible" = "qt_plugin_instance qt_plugin_query_metadata" ] || fail "$library shows $visible"
+        missing=$(ldd -r "$library" 2>&1 | grep -m 1 -E 'not found|undefined symbol' || true)
+        [ -z "$missing" ] || fail "$library lacks: $missing"
+        echo "built $library"
+    done
 done
