@@ -86,7 +86,7 @@ int BendSession::unusedTag() const {
 }
 
 Eigen::Vector3d BendSession::centerOf(int tag) const {
-    const Eigen::Vector3d place = rest.world() * center.at(tag);
+    Eigen::Vector3d place = rest.world() * center.at(tag);
     const auto steps = now.motion.find(tag);
     if (steps == now.motion.end())
         return place;
