@@ -4,61 +4,15 @@
 
 #include "layer_normals.h"
 
-#include <vcg/complex/algorithms/update/normal.h>
-
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <thread>
 
 using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
-
-namespace {
-
-/// What vcg::tri::UpdateNormal::PerFaceNormalized does for the faces whose first vertex is one of [first, last), and
-/// PerVertexAngleWeighted for these vertices: sums of the normals of their faces, in the order of these. Vertices
-/// without a face keep theirs.
-void computeNormals(CMeshO &mesh, std::size_t first, std::size_t last) {
-    std::vector<char> isClear(last - first, 0);
-    for (CFaceO &face : mesh.face) {
-        if (face.IsD())
-            continue;
-        std::size_t slot[3];
-        bool isHere[3];
-        for (int k = 0; k < 3; ++k) {
-            slot[k] = std::size_t(face.cV(k) - mesh.vert.data());
-            isHere[k] = slot[k] >= first && slot[k] < last;
-        }
-        if (!(isHere[0] || isHere[1] || isHere[2]))
-            continue;
-        const auto way = [&](int k) {
-            Point3m edge = face.cP((k + 1) % 3) - face.cP(k);
-            return edge.Normalize();
-        };
-        const Point3m normal = vcg::TriangleNormal(face).Normalize(), e0 = way(0), e1 = way(1), e2 = way(2);
-        if (isHere[0])
-            face.N() = normal;
-        const auto add = [&](int k, const Point3m &a, const Point3m &b) {
-            if (!isHere[k])
-                return;
-            Point3m &sum = mesh.vert[slot[k]].N();
-            if (!isClear[slot[k] - first])
-                sum.SetZero();
-            isClear[slot[k] - first] = 1;
-            if (face.IsR())
-                sum += normal * vcg::AngleN(a, b);
-        };
-        add(0, e0, -e2);
-        add(1, -e0, e1);
-        add(2, -e1, e2);
-    }
-}
-
-} // namespace
 
 void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -75,10 +29,15 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     });
 }
 
-void computeBoxAndNormals(CMeshO &mesh) {
+void computeNormals(CMeshO &mesh, unsigned threads) {
+    if (mesh.fn > 0)
+        computeAngleNormals(mesh, threads);
+}
+
+void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
     std::mutex lock;
     mesh.bbox.SetNull();
-    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+    ParallelFor(threads, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         vcg::Box3<Scalarm> box;
         for (std::size_t i = first; i < last; ++i)
             if (!mesh.vert[i].IsD())
@@ -86,12 +45,7 @@ void computeBoxAndNormals(CMeshO &mesh) {
         const std::lock_guard<std::mutex> guard(lock);
         mesh.bbox.Add(box);
     });
-    if (mesh.fn == 0)
-        return;
-    // A range of vertices each thread, which looks at all faces: in most meshes the vertices of a face are close.
-    const std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
-    ParallelFor(0, mesh.vert.size(), mesh.vert.size() / threads + 1,
-                [&](std::size_t first, std::size_t last) { computeNormals(mesh, first, last); });
+    computeNormals(mesh, threads);
 }
 
 bool hasOwnNormals(const MeshModel &layer) {

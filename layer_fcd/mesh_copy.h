@@ -6,6 +6,8 @@
 
 #include <vcg_ext/parallel.h>
 
+#include <Eigen/Core>
+
 #include <cstdint>
 #include <vector>
 
@@ -42,8 +44,9 @@ class Packing {
 };
 
 /// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
-/// both have, and the names of the textures: what vcg::tri::Append does, by all threads. Of adjacencies there are those
-/// to vertices alone.
-void copyElements(CMeshO &to, const CMeshO &from);
+/// both have, and the names of the textures: what vcg::tri::Append does, in one pass over the memory. Of adjacencies
+/// there are those to vertices alone.
+/// \param position of the copies, 3 x slots of \p from, whose box \p to gets, then; nullptr: those of \p from
+void copyElements(CMeshO &to, const CMeshO &from, const Eigen::Matrix3Xd *position = nullptr);
 
 #endif

@@ -99,7 +99,7 @@ MeshModel &NewLayers::add(const QString &what) {
     return *layer;
 }
 
-MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
+MeshModel &NewLayers::addCopy(const QString &what, int withoutElements, const Eigen::Matrix3Xd *position) {
     // Adjacencies are not copied; whoever needs them computes them.
     const int elements = base.dataMask() & ~(MeshModel::MM_FACEFACETOPO | MeshModel::MM_VERTFACETOPO | withoutElements);
     MeshModel &layer = add(what);
@@ -107,14 +107,15 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
     const CMeshO &from = base.cm;
     layer.updateDataMask(elements);
     addAttributes(to, from, remark);
-    copyElements(to, from);
+    copyElements(to, from, position);
     to.sfn = from.sfn;
     to.svn = from.svn;
     to.pvn = from.pvn;
     to.pfn = from.pfn;
     to.shot = from.shot;
     to.imark = from.imark;
-    to.bbox = from.bbox;
+    if (!position)
+        to.bbox = from.bbox;
     bringBackTo(layer, base);
     if (withoutElements & MeshModel::MM_WEDGTEXCOORD) {
         to.textures.clear();
@@ -127,17 +128,14 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements) {
 
 MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
                                   const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality) {
-    MeshModel &layer = addCopy(what, MeshModel::MM_NONE);
-    if (!quality.empty())
-        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+    MeshModel &layer = addCopy(what, MeshModel::MM_NONE, &position);
     const Packing packing(base.cm.vert, base.cm.vn);
-    packing.forEach([&](std::size_t i, std::size_t j) {
-        CVertexO &vertex = layer.cm.vert[j];
-        vertex.P() = toPoint(position.col(Eigen::Index(i)));
-        if (!quality.empty())
-            vertex.Q() = CVertexO::QualityType(quality[i]);
-    });
-    computeBoxAndNormals(layer.cm);
+    if (!quality.empty()) {
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+        packing.forEach(
+            [&](std::size_t i, std::size_t j) { layer.cm.vert[j].Q() = CVertexO::QualityType(quality[i]); });
+    }
+    computeNormals(layer.cm);
     if (linear.empty())
         return layer;
     const bool ownNormals = hasOwnNormals(base), directions = base.hasDataMask(MeshModel::MM_VERTCURVDIR);

@@ -43,7 +43,7 @@ class NewLayers {
 
   private:
     MeshModel &add(const QString &what);
-    MeshModel &addCopy(const QString &what, int withoutElements);
+    MeshModel &addCopy(const QString &what, int withoutElements, const Eigen::Matrix3Xd *position = nullptr);
 
     MeshDocument &document;
     const MeshModel &base;
