@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_drag.h"
 
+#include <vcg_ext/base/words.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>

@@ -2,7 +2,7 @@
 #ifndef FCD_BEND_DRAG_H
 #define FCD_BEND_DRAG_H
 
-#include <vcg_ext/motion_text.h> // before Qt
+#include <vcg_ext/handles/motion_text.h> // before Qt
 
 #include "bend_view.h"
 

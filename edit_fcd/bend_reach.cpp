@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_reach.h"
 
-#include <vcg_ext/surface_reach.h>
+#include <vcg_ext/surface/read_surface.h>
+#include <vcg_ext/surface/surface_reach.h>
 
 void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
-    surface = std::make_unique<vcg::fcd::SurfaceGraph>(vcg::tri::BuildSurfaceGraph(layer.cm, nullptr, {}, metric));
+    surface = std::make_unique<vcg::fcd::SurfaceGraph>(
+        vcg::fcd::BuildSurfaceGraph(vcg::tri::ReadSurface(layer.cm).View(), nullptr, {}, metric));
 }
 
 void BendReach::clear() {

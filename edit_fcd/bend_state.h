@@ -4,7 +4,7 @@
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
-#include <vcg_ext/motion_text.h>
+#include <vcg_ext/handles/motion_text.h>
 
 #include <map>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/triangle_stretch.h> // before Qt
+#include <vcg_ext/surface/triangle_stretch.h> // before Qt
 
 #include "stretch_colors.h"
 

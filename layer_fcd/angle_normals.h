@@ -2,7 +2,7 @@
 #ifndef FCD_ANGLE_NORMALS_H
 #define FCD_ANGLE_NORMALS_H
 
-#include <vcg_ext/parallel.h>
+#include <vcg_ext/base/parallel.h>
 
 #include <vcg/complex/complex.h>
 #include <vcg/space/triangle3.h>

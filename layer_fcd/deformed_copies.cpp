@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/deformation_file.h>
+#include <vcg_ext/field/deformation_file.h>
 
 #include "deformed_copies.h"
 #include "kept_deformation.h"

@@ -126,7 +126,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                 const double angle = double(EIGEN_PI) * r / along;
                 return std::pair<double, double>(-ball * radius * std::cos(angle), ball * radius * std::sin(angle));
             },
-            graph.color[i]);
+            toColor(graph.color[i]));
     computeBoxAndNormals(layer.cm);
     return layer;
 }
@@ -141,7 +141,7 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
         vertex.P() = toPoint(graph.position.col(i));
         vertex.N() = toPoint(graph.normal.col(i)).Normalize(); // without a normal, MeshLab draws it black
         vertex.Q() = CVertexO::QualityType(graph.radius[i]);
-        vertex.C() = graph.color[std::size_t(i)];
+        vertex.C() = toColor(graph.color[std::size_t(i)]);
     }
     if (graph.energy.size() > 0) {
         auto energy = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, "energy");

@@ -27,16 +27,15 @@ LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedL
 
 // --- the steps ---
 
-void LayerDeformer::goToRest() {
-    if (rest && !atRest)
-        atRest = std::make_unique<WhileAtRest>(layer.cm, rest);
+/// Once for each deformation: all that follows works on arrays.
+void LayerDeformer::readSurface() {
+    if (rest)
+        surface = vcg::tri::ReadSurface(layer.cm, {}, [this](std::size_t slot) { return rest[slot]; });
+    else
+        surface = vcg::tri::ReadSurface(layer.cm);
 }
 
-void LayerDeformer::readHandles(const HandleParam &param) {
-    if (!param.pointFile.isEmpty()) // points are near places of the rest shape
-        goToRest();
-    handles = ::readHandles(layer, param);
-}
+void LayerDeformer::readHandles(const HandleParam &param) { handles = ::readHandles(layer, rest, param); }
 
 void LayerDeformer::takeTags(std::vector<int> tag) {
     handles = {};
@@ -45,20 +44,18 @@ void LayerDeformer::takeTags(std::vector<int> tag) {
 }
 
 bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress) {
-    Eigen::Matrix3Xd position;
-    return prepare(param, progress, position);
+    readSurface();
+    const bool isNew = prepareRead(param, progress);
+    surface = {};
+    return isNew;
 }
 
-/// \param position those of the layer at rest, out, where it is prepared anew
-bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress, Eigen::Matrix3Xd &position) {
-    const PreparedLayers::Key key = PreparedLayers::keyOf(layer, rest, handles, param);
+bool LayerDeformer::prepareRead(const DeformerParam &param, const Progress &progress) {
+    const PreparedLayers::Key key = PreparedLayers::keyOf(surface.View(), handles, param);
     found = preparedLayers.find(key);
     if (found)
         return false;
-    found = preparedLayers.add(key, document, layer, handles, [&] {
-        goToRest();
-        return vcg::tri::PrepareDeformer(layer.cm, handles, param, position, progress);
-    });
+    found = preparedLayers.add(key, document, layer, surface.View(), handles, param, progress);
     return true;
 }
 
@@ -66,22 +63,22 @@ bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress
 /// them, with that graph, which has its patches, too. \param param its nodes are set when they are used
 /// \param nodes how many the layer has, out \return whether the graph is that one
 bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam &param, const Progress &progress,
-                                       Eigen::Matrix3Xd &position, vcg::fcd::Index &nodes) {
+                                       vcg::fcd::Index &nodes) {
     DeformationParam given = param;
     given.nodes = readNodes(layer, graph);
     nodes = vcg::fcd::Index(given.nodes.cols());
     if (!isGraph(*graph)) {
         param = std::move(given);
-        prepare(param, progress, position);
+        prepareRead(param, progress);
         return false;
     }
     // Where that is known, the other graph is not prepared once more.
-    found = preparedLayers.find(PreparedLayers::keyOf(layer, rest, handles, given));
+    found = preparedLayers.find(PreparedLayers::keyOf(surface.View(), handles, given));
     if (!found || !found->isOfOthers) {
-        prepare(param, progress, position);
+        prepareRead(param, progress);
         if (vcg::fcd::HasNodes(*found->deformer, given.nodes))
             return true;
-        prepare(given, progress, position);
+        prepareRead(given, progress);
         found->isOfOthers = true;
     }
     param = std::move(given);
@@ -89,7 +86,7 @@ bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam 
 }
 
 bool LayerDeformer::readMotions(const HandleParam &param) {
-    return ::readMotions(document, layer, param, found->deformer->center, remark, handles);
+    return ::readMotions(document, layer, rest, param, found->deformer->center, remark, handles);
 }
 
 Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progress &progress) const {
@@ -130,19 +127,21 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     vcg::fcd::DeformationResult &result = made.result;
     readHandles(param.handles);
     param.deformation.linear = hasDirections(layer);
+    readSurface();
     if (param.useGraphLayer)
-        made.isOwnGraph = prepareWithNodesOf(param.graphLayer, param.deformation, progress.Slice(0, 0.7),
-                                             result.position, made.givenNodes);
+        made.isOwnGraph =
+            prepareWithNodesOf(param.graphLayer, param.deformation, progress.Slice(0, 0.7), made.givenNodes);
     else
-        prepare(param.deformation, progress.Slice(0, 0.7), result.position);
-    if (result.position.cols() == 0)
-        result.position = positionsOf(layer);
+        prepareRead(param.deformation, progress.Slice(0, 0.7));
     const bool moves = readMotions(param.handles);
     if (inWindow && (!moves || param.deformation.pose == 0))
         throw Error(
             "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix, a layer that lies "
             "elsewhere or a motion as text, and a pose that is not 0.");
-    vcg::tri::PoseMesh(layer.cm, handles, *found->deformer, param.deformation, progress.Slice(0.7, 0.9), result);
+    result.position = surface.View().Copy();
+    vcg::fcd::PoseSurface(surface.View(), vcg::tri::NormalsOf(layer.cm), handles, *found->deformer, param.deformation,
+                          progress.Slice(0.7, 0.9), result);
+    surface = {};
     result.secondsGraph = found->seconds;
     result.tags = found->tags;
 
@@ -186,7 +185,6 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     watch = {};
     readMotions(param.handles);
     const Deformer::Pose pose = solve(param.deformation, progress.Slice(0.9, 1));
-    atRest.reset();
     if (isFirst)
         RestShape::keep(layer);
     result.nodes = int(found->deformer->graph.Size());

@@ -73,17 +73,17 @@ class LayerDeformer {
                                        const vcg::fcd::DeformationParam &param) const;
 
   private:
-    bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position);
+    bool prepareRead(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
     bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
-                            const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position, vcg::fcd::Index &nodes);
-    void goToRest();
+                            const vcg::fcd::Progress &progress, vcg::fcd::Index &nodes);
+    void readSurface();
 
     MeshDocument &document;
     MeshModel &layer;
     PreparedLayers &preparedLayers;
     Remark remark;
-    const Point3m *rest = nullptr;       ///< positions per vertex slot, null where the layer is at rest
-    std::unique_ptr<WhileAtRest> atRest; ///< while the layer is read
+    const Point3m *rest = nullptr;   ///< positions per vertex slot, null where the layer is at rest
+    vcg::fcd::SurfaceArrays surface; ///< of the layer at rest, once it has been read
     vcg::fcd::Handles handles;
     std::shared_ptr<Prepared> found;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/frame.h> // before Qt
-#include <vcg_ext/graph.h>
+#include <vcg_ext/base/graph.h> // these before Qt
+#include <vcg_ext/surface/read_surface.h>
 
 #include "layer_normals.h"
 

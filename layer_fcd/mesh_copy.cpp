@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/memory.h> // before Qt
+#include <vcg_ext/base/memory.h> // before Qt
+
+#include "parameters.h" // which includes others before Qt
 
 #include "mesh_copy.h"
 

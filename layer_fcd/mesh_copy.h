@@ -4,7 +4,7 @@
 
 #include "meshlab_host.h"
 
-#include <vcg_ext/parallel.h>
+#include <vcg_ext/base/parallel.h>
 
 #include <Eigen/Core>
 

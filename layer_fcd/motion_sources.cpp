@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/handle_file.h>
-#include <vcg_ext/motion_text.h>
+#include <vcg_ext/handles/handle_file.h>
+#include <vcg_ext/handles/motion_text.h>
 
 #include "layer_contents.h"
 #include "layer_matrix.h"
@@ -102,7 +102,7 @@ std::string listOfKeys(const Map &map) {
 
 } // namespace
 
-bool readMotions(const MeshDocument &document, const MeshModel &layer, const HandleParam &param,
+bool readMotions(const MeshDocument &document, const MeshModel &layer, const Point3m *rest, const HandleParam &param,
                  const std::map<Index, Eigen::Vector3d> &centers, const Remark &remark, Handles &handles) {
     const CMeshO &mesh = layer.cm;
     std::vector<Eigen::Matrix4d> listed;
@@ -164,7 +164,7 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Han
         remark(line.str());
     }
     for (const vcg::fcd::PointHandle &point : handles.point)
-        moves = moves || point.target != vcg::tri::PositionOf(mesh.vert[point.vertex]);
+        moves = moves || point.target != toVector(rest ? rest[point.vertex] : mesh.vert[point.vertex].cP());
     if (!moves && !(centers.empty() && handles.point.empty()))
         remark("No handle moves: nothing that was given leads them away from where they are.");
     return moves;

@@ -8,9 +8,9 @@
 
 /// Adds to \p handles of \p layer their motions, in world coordinates. That of a handle is the first that there is: in
 /// the text, in the file, or what the dialog says. \param centers of the handles, in the layer's coordinates
-/// \return whether any handle moves
+/// \param rest as readHandles takes it \return whether any handle moves
 /// \throw vcg::fcd::Error when the motions cannot be had: each message says what to do
-bool readMotions(const MeshDocument &document, const MeshModel &layer, const HandleParam &param,
+bool readMotions(const MeshDocument &document, const MeshModel &layer, const Point3m *rest, const HandleParam &param,
                  const std::map<vcg::fcd::Index, Eigen::Vector3d> &centers, const Remark &remark,
                  vcg::fcd::Handles &handles);
 

@@ -19,6 +19,7 @@ using Remark = std::function<void(const std::string &)>;
 
 inline Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
 inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
+inline vcg::Color4b toColor(const vcg::fcd::Rgba &c) { return vcg::Color4b(c[0], c[1], c[2], c[3]); }
 
 /// What "FCD: Build Deformation Graph" is asked for.
 struct BuildGraphParam {

@@ -2,7 +2,7 @@
 #ifndef FCD_PICKED_POINTS_H
 #define FCD_PICKED_POINTS_H
 
-#include <vcg_ext/handle_file.h> // before Qt
+#include <vcg_ext/handles/handle_file.h> // before Qt
 
 #include <QByteArray>
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/handle_file.h> // before Qt
+#include <vcg_ext/base/point_tree.h> // these before Qt
+#include <vcg_ext/handles/handle_file.h>
 
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "picked_points.h"
 #include "point_sources.h"
 
-#include <vcg/space/index/kdtree/kdtree.h>
-
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include <QFile>
@@ -31,7 +29,7 @@ std::vector<PointPair> readPairs(const QString &path, std::size_t mostBytes) {
 
 } // namespace
 
-std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString &file) {
+std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file) {
     const std::vector<PointPair> pairs = readPairs(file, mostBytes(layer, 1000));
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
@@ -44,19 +42,18 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString 
 
     // To find the vertex nearest to a point.
     std::vector<std::size_t> slot;
-    std::vector<vcg::Point3d> position;
+    std::vector<Eigen::Vector3d> position;
     if (std::any_of(pairs.begin(), pairs.end(), [](const PointPair &pair) { return pair.vertex < 0; }))
         for (std::size_t i : live) {
-            const vcg::Point3d p = vcg::Point3d::Construct(mesh.vert[i].cP());
-            if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) {
+            const Eigen::Vector3d p = toVector(rest ? rest[i] : mesh.vert[i].cP());
+            if (p.allFinite()) {
                 slot.push_back(i);
                 position.push_back(p);
             }
         }
-    vcg::ConstDataWrapper<vcg::Point3d> wrapper(position.data(), int(position.size()));
-    std::unique_ptr<vcg::KdTree<double>> tree;
+    std::unique_ptr<vcg::fcd::PointTree<double>> tree;
     if (!position.empty())
-        tree = std::make_unique<vcg::KdTree<double>>(wrapper);
+        tree = std::make_unique<vcg::fcd::PointTree<double>>(position);
 
     std::vector<PointHandle> handles;
     for (const PointPair &pair : pairs) {
@@ -69,12 +66,9 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const QString 
             handle.vertex = live[std::size_t(pair.vertex)];
         } else if (tree) {
             const Eigen::Vector3d start = toLayer * pair.start;
-            unsigned nearest = 0;
-            double distance = 0;
-            tree->doQueryClosest(vcg::Point3d(start[0], start[1], start[2]), nearest, distance);
+            const auto nearest = std::size_t(tree->Nearest(start));
             handle.vertex = slot[nearest];
-            const vcg::Point3d &p = position[nearest];
-            handle.target += Eigen::Vector3d(p[0], p[1], p[2]) - start;
+            handle.target += position[nearest] - start;
         } else {
             throw Error("The coordinates of the layer are not finite numbers, so no vertex is nearest to a point.");
         }

@@ -3,7 +3,7 @@
 #define FCD_POINT_SOURCES_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/handles.h>
+#include <vcg_ext/handles/handles.h>
 
 #include "meshlab_host.h"
 
@@ -12,7 +12,8 @@
 /// Point handles of \p layer from a file in world coordinates: MeshLab's picked points (.pp), active ones in pairs of
 /// start and target, or a list of correspondences (see vcg::fcd::ReadPointHandleFile). A start that is no vertex stands
 /// for the vertex nearest to it, which moves as the start does.
+/// \param rest positions per vertex slot, null where the layer is at rest
 /// \throw vcg::fcd::Error when the file cannot be read or names a vertex that there is not: says what to do
-std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const QString &file);
+std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file);
 
 #endif

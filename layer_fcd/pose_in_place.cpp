@@ -37,18 +37,6 @@ void write(CVertexO &vertex, const Eigen::Vector3d &position, const Eigen::Vecto
 
 } // namespace
 
-WhileAtRest::WhileAtRest(CMeshO &mesh, const Point3m *rest) : mesh(mesh), before(mesh.vert.size()) {
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        before[i] = mesh.vert[i].cP();
-        mesh.vert[i].P() = rest[i];
-    }
-}
-
-WhileAtRest::~WhileAtRest() {
-    for (std::size_t i = 0; i < before.size(); ++i)
-        mesh.vert[i].P() = before[i];
-}
-
 void ShapeSum::add(std::size_t slot, const Point3m &position) {
     shape += shapeTerm(slot, position);
     box.Add(position);

@@ -5,22 +5,6 @@
 #include "prepared_layers.h"
 #include "rest_shape.h"
 
-#include <vector>
-
-/// A layer at rest for a while: the positions of its vertices are those at rest until this goes.
-class WhileAtRest {
-  public:
-    /// \param rest positions per vertex slot
-    WhileAtRest(CMeshO &mesh, const Point3m *rest);
-    WhileAtRest(const WhileAtRest &) = delete;
-    WhileAtRest &operator=(const WhileAtRest &) = delete;
-    ~WhileAtRest();
-
-  private:
-    CMeshO &mesh;
-    std::vector<Point3m> before;
-};
-
 /// What all vertices of a shape sum up to.
 struct ShapeSum {
     std::uint64_t shape = 0; ///< as shapeOf tells it

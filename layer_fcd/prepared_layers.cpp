@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 using vcg::fcd::ParallelFor;
-using vcg::tri::CountHandles;
+using vcg::fcd::SurfaceView;
 
 namespace {
 
@@ -31,16 +32,16 @@ class Bytes {
     std::vector<unsigned char> bytes;
 };
 
-/// Adds the hashes of consecutive ranges of n items of \p Size bytes, which write(i, to) writes.
-template <std::size_t Size, class Write>
-void addHashes(Bytes &bytes, std::size_t n, const Write &write) {
-    const std::size_t grain = 1 << 12;
+/// Adds the hashes of consecutive ranges of n items: range(first, last, to) gives the bytes of one, in \p to or
+/// elsewhere.
+template <class Range>
+void addHashes(Bytes &bytes, std::size_t n, const Range &range) {
+    const std::size_t grain = 1 << 14;
     std::vector<XXH128_hash_t> hashes((n + grain - 1) / grain);
     ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) {
-        thread_local std::vector<unsigned char> buffer(grain * Size);
-        for (std::size_t i = first; i < last; ++i)
-            write(i, buffer.data() + (i - first) * Size);
-        hashes[first / grain] = XXH3_128bits(buffer.data(), (last - first) * Size);
+        thread_local std::vector<int> buffer(grain);
+        const auto [data, size] = range(first, last, buffer.data());
+        hashes[first / grain] = XXH3_128bits(data, size);
     });
     bytes.add(n);
     for (const XXH128_hash_t &hash : hashes) {
@@ -51,29 +52,22 @@ void addHashes(Bytes &bytes, std::size_t n, const Write &write) {
 
 } // namespace
 
-PreparedLayers::Key PreparedLayers::keyOf(const MeshModel &layer, const Point3m *rest, const vcg::fcd::Handles &handles,
+PreparedLayers::Key PreparedLayers::keyOf(const SurfaceView &surface, const vcg::fcd::Handles &handles,
                                           const vcg::fcd::DeformerParam &param) {
-    const CMeshO &mesh = layer.cm;
     Bytes bytes;
-    constexpr std::size_t place = 3 * sizeof(Scalarm);
-    const bool isCompact = std::size_t(mesh.vn) == mesh.vert.size(); // vertices are large, and need not be read
-    addHashes<place + sizeof(int)>(bytes, mesh.vert.size(), [&](std::size_t i, unsigned char *to) {
-        const int tag = !isCompact && mesh.vert[i].IsD() ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
-        std::memcpy(to, rest ? &rest[i][0] : &mesh.vert[i].cP()[0], place);
-        std::memcpy(to + place, &tag, sizeof tag);
-    });
-    const auto addElements = [&](const auto &elements, auto corners) {
-        constexpr std::size_t count = decltype(corners)::value;
-        addHashes<count * sizeof(std::uint32_t)>(bytes, elements.size(), [&](std::size_t e, unsigned char *to) {
-            std::uint32_t slot[count] = {};
-            for (std::size_t k = 0; k < count; ++k)
-                slot[k] =
-                    elements[e].IsD() ? std::uint32_t(-1) : std::uint32_t(elements[e].cV(int(k)) - mesh.vert.data());
-            std::memcpy(to, slot, sizeof slot);
+    const auto addArray = [&](const auto *array, std::size_t each, std::size_t n) {
+        addHashes(bytes, n, [&](std::size_t first, std::size_t last, int *) {
+            return std::pair<const void *, std::size_t>(array + each * first, each * (last - first) * sizeof *array);
         });
     };
-    addElements(mesh.face, std::integral_constant<std::size_t, 3>());
-    addElements(mesh.edge, std::integral_constant<std::size_t, 2>());
+    addArray(surface.position, 3, surface.vertexSlots);
+    addHashes(bytes, surface.vertexSlots, [&](std::size_t first, std::size_t last, int *tag) {
+        for (std::size_t i = first; i < last; ++i)
+            tag[i - first] = surface.IsDeleted(i) ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
+        return std::pair<const void *, std::size_t>(tag, (last - first) * sizeof *tag);
+    });
+    addArray(surface.corner, 3, surface.faces);
+    addArray(surface.end, 2, surface.edges);
     for (const vcg::fcd::PointHandle &point : handles.point)
         bytes.add(point.vertex);
     for (int i = 0; i < 9; ++i)
@@ -116,14 +110,15 @@ std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {
 }
 
 std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument &document, const MeshModel &layer,
-                                              const vcg::fcd::Handles &handles,
-                                              const std::function<std::unique_ptr<vcg::fcd::Deformer>()> &prepare) {
+                                              const SurfaceView &surface, const vcg::fcd::Handles &handles,
+                                              const vcg::fcd::DeformerParam &param,
+                                              const vcg::fcd::Progress &progress) {
     forget(document, layer.id());
     const vcg::fcd::Stopwatch watch;
     auto prepared = std::make_shared<Prepared>();
-    prepared->tags = CountHandles(layer.cm, handles);
-    prepared->deformer = prepare();
-    prepared->moving.assign(layer.cm.vert.size(), 0);
+    prepared->tags = vcg::fcd::CountHandles(handles, surface.vertexSlots, surface.deleted);
+    prepared->deformer = vcg::fcd::PrepareDeformer(surface, handles, param, progress);
+    prepared->moving.assign(surface.vertexSlots, 0);
     prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
     prepared->seconds = watch.Seconds();
     entries.push_front({key, &document, layer.id(), prepared});

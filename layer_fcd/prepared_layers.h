@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <list>
 #include <memory>
 
@@ -28,17 +27,17 @@ class PreparedLayers {
   public:
     using Key = std::array<std::uint64_t, 2>;
 
-    /// What \p layer, with the tags and point handles of \p handles, is found by.
-    /// \param rest positions per vertex slot, null where the layer is at rest
-    static Key keyOf(const MeshModel &layer, const Point3m *rest, const vcg::fcd::Handles &handles,
+    /// What a surface, with the tags and point handles of \p handles, is found by.
+    static Key keyOf(const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                      const vcg::fcd::DeformerParam &param);
 
     /// What is prepared, null where nothing is.
     std::shared_ptr<Prepared> find(const Key &key);
-    /// Adds what \p prepare makes; what else was prepared of \p layer goes.
+    /// Prepares \p surface, which is that of \p layer; what else was prepared of the layer goes.
+    /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, const MeshModel &layer,
-                                  const vcg::fcd::Handles &handles,
-                                  const std::function<std::unique_ptr<vcg::fcd::Deformer>()> &prepare);
+                                  const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
+                                  const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
     void clear() { entries.clear(); }
 
   private:

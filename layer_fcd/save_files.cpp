@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/graph.h> // before Qt
+#include <vcg_ext/base/graph.h> // before Qt
 
 #include "save_files.h"
 

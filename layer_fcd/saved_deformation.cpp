@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/deformation_file.h>
+#include <vcg_ext/field/deformation_file.h>
 
 #include "kept_deformation.h"
 #include "layer_matrix.h"
@@ -39,8 +39,8 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const 
     vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
         .Apply(deformed, &linear, progress.Slice(0, 0.1));
     toWorld(matrix, rest, deformed, linear);
-    vcg::fcd::SampledField field =
-        vcg::tri::SampleField(param.source->cm, rest, deformed, linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
+    vcg::fcd::SampledField field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed,
+                                                         linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
     saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
     progress(1, "Done");
     return field;

@@ -3,7 +3,7 @@
 #define FCD_SAVED_DEFORMATION_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/field_sampling.h>
+#include <vcg_ext/field/field_sampling.h>
 
 #include "parameters.h"
 

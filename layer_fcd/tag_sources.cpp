@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/handle_file.h>
+#include <vcg_ext/handles/handle_file.h>
 
 #include "layer_contents.h"
 #include "layer_matrix.h"
@@ -149,11 +149,11 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
     throw Error("Unknown source of tags.");
 }
 
-Handles readHandles(const MeshModel &layer, const HandleParam &param) {
+Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param) {
     Handles handles;
     handles.tag = readTags(layer, param);
     handles.world = invertibleMatrixOf(layer);
     if (!param.pointFile.isEmpty())
-        handles.point = readPointHandles(layer, param.pointFile);
+        handles.point = readPointHandles(layer, rest, param.pointFile);
     return handles;
 }

@@ -11,7 +11,8 @@
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 
 /// Tags (per slot of the layer's vertex vector) and point handles of \p layer, without motions.
+/// \param rest positions per vertex slot, null where the layer is at rest
 /// \throw vcg::fcd::Error when they cannot be had: each message says what to do
-vcg::fcd::Handles readHandles(const MeshModel &layer, const HandleParam &param);
+vcg::fcd::Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param);
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/handle_file.h>
+#include <vcg_ext/handles/handle_file.h>
 
 #include "kept_aside.h"
 #include "layer_contents.h"
@@ -167,13 +167,13 @@ TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const Sa
     if (param.transformFile.isEmpty()) {
         tag = readTags(layer, param.handles);
     } else {
-        vcg::fcd::Handles handles = readHandles(layer, param.handles);
+        vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
         const auto centers =
             vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); });
         if (centers.empty())
             throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
                         "leave transform_file empty.");
-        readMotions(document, layer, param.handles, centers, remark, handles);
+        readMotions(document, layer, nullptr, param.handles, centers, remark, handles);
         const int last = handles.motion.rbegin()->first, most = 100000;
         if (last > most)
             throw Error("The largest handle number is " + std::to_string(last) +

@@ -5,8 +5,9 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <vcg_ext/normals.h>
-#include <vcg_ext/deformation_file.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/field/deformation_file.h>
+#include <vcg_ext/map/normals.h>
 
 #include <optional>
 

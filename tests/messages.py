@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every text of an error in vcg_ext, layer_fcd and filter_fcd must have been seen while the tests ran.
+"""Every text of an error in vcg_ext, layer_fcd, filter_fcd and edit_fcd must have been seen while the tests ran.
 
     python3 tests/messages.py MESSAGES
 
@@ -41,8 +41,8 @@ def texts(source):
 def main():
     seen = Path(sys.argv[1]).read_text(errors="replace")
     missing, unused, number = [], set(UNSEEN), 0
-    for path in sorted([*ROOT.glob("vcg_ext/*.h"), *ROOT.glob("layer_fcd/*.h"), *ROOT.glob("layer_fcd/*.cpp"), *ROOT.glob("filter_fcd/*.h"),
-                        *ROOT.glob("filter_fcd/*.cpp")]):
+    folders = ("vcg_ext", "layer_fcd", "filter_fcd", "edit_fcd")
+    for path in sorted(path for folder in folders for ending in ("h", "cpp") for path in ROOT.glob(f"{folder}/**/*.{ending}")):
         for line, text in texts(path.read_text()):
             number += 1
             excused = {begin for begin in UNSEEN if text.startswith(begin)}

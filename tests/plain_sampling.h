@@ -2,7 +2,7 @@
 #ifndef FCD_PLAIN_SAMPLING_H
 #define FCD_PLAIN_SAMPLING_H
 
-#include <vcg_ext/lloyd.h>
+#include <vcg_ext/patches/lloyd.h>
 
 #include <queue>
 #include <tuple>

@@ -187,15 +187,18 @@ once() {
     fi
 }
 
-# tidy FOLDER HOST: of the sources as they are compiled, as one. Ninja knows what they include.
+# tidy FOLDER HOST: of the sources as they are compiled, several as one. Ninja knows what they include.
 tidy() {
-    local directory=$build/cmake/$2 source=$1/CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx included
-    mapfile -t included < <(ninja -C "$directory" -t deps "$source.o" | sed -n 's/^    //p')
-    [ ${#included[@]} -gt 0 ] || fail "ninja does not know what $1 includes"
-    (cd "$directory" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,"$1/CMakeLists.txt",layer_fcd/fcd_plugin.cmake} arguments \
-        "$build/venv-tools/requirements" "${included[@]}") >"$results/$name.input"
-    once check "$name" "$build/venv-tools/bin/clang-tidy" --checks=-bugprone-suspicious-include -quiet -p "$directory" \
-        "$directory/$source"
+    local directory=$build/cmake/$2 included source sources=("$build/cmake/$2/$1/CMakeFiles/$1.dir/Unity/unity_0_cxx.cxx")
+    [ "$1" != vcg_ext ] || sources=("$root"/vcg_ext/unity/*.cpp)
+    for source in "${sources[@]}"; do
+        mapfile -t included < <(ninja -C "$directory" -t deps |
+            awk -v object="/${source##*/}.o:" 'index($1, object) { is = 1; next } /^[^ ]/ { is = 0 } is && NF { print $1 }')
+        [ ${#included[@]} -gt 0 ] || fail "ninja does not know what $source includes"
+        (cd "$directory" && sha256sum "$root"/{.clang-tidy,CMakeLists.txt,"$1/CMakeLists.txt",layer_fcd/fcd_plugin.cmake} arguments \
+            "$build/venv-tools/requirements" "${included[@]}") >>"$results/$name.input"
+    done
+    once check "$name" "$build/venv-tools/bin/clang-tidy" --checks=-bugprone-suspicious-include -quiet -p "$directory" "${sources[@]}"
 }
 
 hosts() {
@@ -221,7 +224,7 @@ start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=No
 wait "$hosts"
 name=setup
 
-(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
+(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 
 atonce=$(($(nproc) + 2)) # the first two wait most of the time, for a window and for a scripted mouse
 start window-2020.09 window
@@ -231,11 +234,14 @@ start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
 start python-package python_package
 start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
+start rooms check rooms python3 tests/rooms.py
+start package check package bash tests/package.sh
+start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
 start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
 start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
 start clang-tidy-edit tidy edit_fcd meshlab-2025.07
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
-    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt vcg_ext/*.h layer_fcd/*.cpp filter_fcd/*.cpp edit_fcd/*.cpp
+    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp layer_fcd/*.cpp filter_fcd/*.cpp edit_fcd/*.cpp
 wait
 start messages check messages python3 tests/messages.py "$FCD_MESSAGES"
 

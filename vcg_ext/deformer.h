@@ -2,42 +2,62 @@
 #ifndef VCG_FCD_DEFORMER_H
 #define VCG_FCD_DEFORMER_H
 
-#include "carrier.h"
-#include "deformation_param.h"
-#include "given_nodes.h"
-#include "graph_parts.h"
-#include "graph_deformer.h"
-#include "graph_pose.h"
-#include "patch_sampling.h"
+#include <vcg_ext/graph/contrasting_colors.h>
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/graph/held_nodes.h>
+#include <vcg_ext/handles/handles.h>
+#include <vcg_ext/map/carrier.h>
+#include <vcg_ext/map/deformation_check.h>
+#include <vcg_ext/map/moving_surface.h>
+#include <vcg_ext/patches/surface_patches.h>
+#include <vcg_ext/shape_constants.h>
+#include <vcg_ext/solve/graph_parts.h>
+#include <vcg_ext/solve/solver_param.h>
+#include <vcg_ext/surface/surface_arrays.h>
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+/// \file
+/// A surface as plain arrays: prepared once, and posed as often as wanted; or deformed in one call.
 
 namespace vcg {
 namespace fcd {
 
-namespace detail {
+/// Which motion the components of the mesh without a handle or fixed vertex make.
+enum class LooseParts {
+    Follow, ///< that of the nearest part of the surface that is held
+    Stay    ///< none
+};
 
-/// D in frame units.
-inline double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius) {
-    if (param.targetRadius > 0)
-        return param.targetRadius / surface.frame.scale;
-    const double automatic = patchRadius * std::sqrt(surface.area / param.initialPatches);
-    return automatic > 0 ? automatic : surface.averageEdge > 0 ? surface.averageEdge : 1; // no surface
-}
+/// How a mesh is prepared to be deformed.
+struct DeformerParam {
+    GraphParam graph;
+    Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
+    GraphWeights graphWeights = GraphWeights::Border;
+    MappingWeights weights = MappingWeights::Surface;
+    double influence = 4; ///< node radius over patch radius, > 1
+    LooseParts looseParts = LooseParts::Follow;
+    double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
+    ShapeConstants shape;
+};
 
-/// The patches of the nodes of tag 1 (no tags: of all).
-inline Patches Sample(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
-                      const Progress &progress) {
-    PatchParam p;
-    p.targetRadius = D;
-    p.initialPatches = param.initialPatches;
-    p.maxIterations = param.maxIterations;
-    p.tolerance = param.tolerance;
-    p.randomSeed = param.randomSeed;
-    static const std::vector<float> none;
-    return SamplePatches(surface.graph, tag, param.measure == PatchMeasure::Area ? surface.nodeArea : none, p,
-                         progress);
-}
+/// How a mesh is deformed.
+struct DeformationParam : DeformerParam, SolverParam {
+    double pose = 100;    ///< percent of the handles' motion
+    int steps = 1;        ///< >= 1; the pose is reached over so many, each solved from the one before
+    bool measure = false; ///< also measure stretch and rotation of the surface
+    bool linear = false;  ///< also give the linear map of the surface around each vertex
 
-} // namespace detail
+    /// \throw BadInput naming the value that is out of range
+    void Validate() const;
+};
 
 /// A surface that is prepared to be deformed: built once from the surface and its regions (tags, places of point
 /// handles, parameters), it owns patches, graph, factorisation and mapping. Then each pose is solved from the motions
@@ -49,115 +69,22 @@ class Deformer : public MovingSurface {
     /// \param surface the free surface without its loose parts, and what holds it
     /// \param slotTag one per vertex slot, noVertex where it is deleted \param point slots of the point handles
     /// \param rest 3 x vertex slots, mesh units
-    /// \throw Error nodes that belong elsewhere, or a graph that cannot be factorised \throw Cancelled
+    /// \throw BadInput nodes that belong elsewhere \throw Cancelled
     Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface looseSurface, std::vector<int> slotTag,
-             const std::vector<std::size_t> &point, const Eigen::Matrix3Xd &rest, const DeformerParam &param,
-             const Progress &progress = {})
-        : MovingSurface(std::move(surface), std::move(heldNodes), std::move(looseSurface), std::move(slotTag)),
-          point(point), param(param) {
-        weights = IsPrinted() ? MappingWeights::Euclidean : param.weights;
-        Stopwatch watch;
-        for (std::size_t i : point)
-            pointRest.emplace_back(rest.col(Eigen::Index(i)));
-        center = HandleCenters(this->slotTag, [&](std::size_t i) { return rest.col(Eigen::Index(i)); });
-        BuildGraph(rest, progress.Slice(0, 0.7));
-        secondsGraph = watch.Seconds();
-        watch = {};
-        mapping = std::make_unique<GraphMapping>(this->surface.graph, held.tag, patches, graph, weights,
-                                                 param.influence, param.shape.runOver * D, progress.Slice(0.7, 0.95),
-                                                 param.shape, IsPrinted());
-        following = param.looseParts == LooseParts::Follow
-                        ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
-                        : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
-        for (std::size_t i : following.leader)
-            leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero()
-                                                           : Eigen::Vector3d(rest.col(Eigen::Index(i))));
-        FindMoving(point, progress.Slice(1, 1));
-        secondsMap = watch.Seconds();
-    }
+             const std::vector<std::size_t> &point, const PositionsRef &rest, const DeformerParam &param,
+             const Progress &progress = {});
 
     /// The motions of \p handles at \p percent of their way; its tags are not read, nor which vertices its points are.
-    /// \throw Error a motion by more than 1e30 times the mesh, or a target that is not finite
-    HeldMotions MotionsOf(const Handles &handles, double percent) const {
-        HeldMotions m;
-        m.motion[0].setIdentity();
-        for (const auto &[tag, middle] : center) {
-            const auto given = handles.motion.find(tag);
-            const Motion motion = given == handles.motion.end() ? Motion() : given->second;
-            m.motion[tag] = handles.ToMesh(motion.At(percent, handles.world * middle));
-            detail::ExpectNear(surface.frame, m.motion[tag], "Handle " + std::to_string(tag));
-            m.rotates[tag] =
-                motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !motion.turn.isZero(0);
-        }
-        for (std::size_t i = 0; i < point.size(); ++i) {
-            const std::string name = "Point handle " + std::to_string(i + 1);
-            if (!handles.point[i].target.allFinite())
-                throw Error(name + " has a target that is not finite.");
-            Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
-            motion.topRightCorner<3, 1>() = (handles.point[i].target - pointRest[i]) * (percent / 100);
-            detail::ExpectNear(surface.frame, motion, name);
-            (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) = motion;
-        }
-        for (std::size_t s = 0; s < held.original.size(); ++s)
-            if (held.original[s] >= 0) {
-                m.motion[-1 - Index(s)] = Eigen::Matrix4d(m.motion.at(held.original[s]));
-                m.rotates[-1 - Index(s)] = m.rotates[held.original[s]];
-            }
-        return m;
-    }
+    /// \throw BadInput a motion by more than 1e30 times the mesh, or a target that is not finite
+    HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
-    /// \param last the pose to go on from, null to begin at rest
+    /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest
+    /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
-               const Progress &progress = {}) {
-        Pose pose;
-        pose.given = std::move(motions);
-        for (const auto &each : pose.given.motion)
-            pose.motion[each.first] = surface.frame.ToFrame(each.second);
-        NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
-        if (!held.original.empty())
-            detail::TurnTogether(graph, held.tag, patches, given);
-        if (IsPrinted())
-            given.turns.assign(given.turns.size(), false);
-        if (!parts || given.turns != turns) {
-            parts = std::make_unique<PartsDeformer>(graph, nodeArea, given, param.shape.heldDepth);
-            turns = given.turns;
-        }
-        SolverParam steps = solver;
-        steps.accelerated = solver.accelerated && !IsPrinted();
-        pose.solved = parts->Solve(given, steps, progress, last ? &last->solved : nullptr,
-                                   last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
-        pose.iterations = pose.solved.iterations;
-        pose.graph = pose.solved;
-        std::vector<bool> hasMotion(graph.Size());
-        for (Index j = 0; j < graph.Size(); ++j)
-            hasMotion[j] = given.constrained[j] && !given.turns[j];
-        if (!IsPrinted())
-            FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
-        for (Index j = 0; j < graph.Size(); ++j) {
-            const Index t = held.tag[patches.center[j]];
-            if (HeldNodes::IsSingle(t) && given.turns[j]) { // run over into the motion that the surface makes there
-                Eigen::Affine3d &there = pose.motion[t];
-                there.linear() = pose.graph.linear[j];
-                there.translation() =
-                    pose.graph.position.col(j) - pose.graph.linear[j] * graph.graph.position.col(j).cast<double>();
-            }
-        }
-        pose.nodeMotion = std::move(given.motion);
-        return pose;
-    }
+               const Progress &progress = {}) const;
 
     /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps.
-    Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) {
-        Pose pose;
-        for (int step = 1; step <= param.steps; ++step) {
-            const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
-            const int before = pose.iterations;
-            pose = Solve(MotionsOf(handles, percent), param, step > 1 ? &pose : nullptr,
-                         progress.Slice(double(step - 1) / param.steps, double(step) / param.steps));
-            pose.iterations += before;
-        }
-        return pose;
-    }
+    Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
     std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
     Index placedNodes = 0;                   ///< how many of the given nodes lie on the surface, and are used
@@ -167,28 +94,15 @@ class Deformer : public MovingSurface {
   private:
     bool IsPrinted() const { return param.graphWeights == GraphWeights::Printed; }
 
-    void BuildGraph(const Eigen::Matrix3Xd &rest, const Progress &progress) {
-        D = detail::TargetRadius(surface, param.graph, param.shape.patchRadius);
-        if (param.nodes.cols() == 0)
-            patches = detail::Sample(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
-        else {
-            const std::vector<Index> nodes =
-                detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
-            patches = GrowPatches(surface.graph, held.tag, nodes, progress.Slice(0, 0.9));
-            D = 0;
-            for (float radius : patches.radius)
-                D = std::max(D, double(radius));
-        }
-        small = detail::FindSmallParts(surface.graph, held.tag, D, param.shape);
-        detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
-        AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
-        graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
-                                     progress.Slice(0.9, 1), param.shape);
-        nodeArea.assign(graph.Size(), 0);
-        for (Index u = 0; u < surface.graph.Size(); ++u)
-            if (patches.patchOf[u] >= 0)
-                nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
-    }
+    /// What is factorised, for nodes of which some turn with what they hold.
+    struct System {
+        std::vector<bool> turns;
+        PartsDeformer parts;
+        System(const Deformer &deformer, const NodeConstraints &given);
+    };
+
+    void BuildGraph(const PositionsRef &rest, const Progress &progress);
+    std::shared_ptr<const System> SystemOf(const NodeConstraints &given) const;
 
     std::vector<std::size_t> point;
     std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
@@ -196,23 +110,95 @@ class Deformer : public MovingSurface {
     double D = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
-    std::vector<bool> turns;      // those that parts is made for
-    std::unique_ptr<PartsDeformer> parts;
+    mutable std::mutex lock;      // of what follows
+    mutable std::shared_ptr<const System> latest;
 };
 
+/// Counts the vertices by tag, point handles as handles.
+/// \param slots vertex slots of the surface \param deleted flags of slots, null: none is deleted
+/// \throw BadInput wrong number of tags, no handle, or nothing free
+TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted, unsigned threads = 0);
+
+/// Prepares a surface to be deformed: reads the tags of \p handles and where its points are, not their motions.
+/// \throw BadInput no vertices, a coordinate that is not finite, point handles that make no sense, or nodes that belong
+///        elsewhere \throw Cancelled
+/// \pre one tag per vertex slot, a handle and something free (CountHandles)
+std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
+                                          const Progress &progress = {});
+
 /// Whether the nodes of the deformer's graph are at \p nodes (3 x k, mesh units), but for what files round.
-inline bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {
-    const Frame &frame = deformer.surface.frame;
-    if (nodes.cols() != deformer.graph.Size())
-        return false;
-    for (Index j = 0; j < deformer.graph.Size(); ++j) {
-        const Eigen::Vector3d own = deformer.surface.graph.position.col(deformer.patches.center[j]).cast<double>();
-        const Eigen::Vector3d p = nodes.col(j);
-        if (!((frame.ToFrame(p) - own).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= defaultWeldDistance))
-            return false;
-    }
-    return true;
-}
+bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes);
+
+/// What a layer of the deformation graph shows.
+struct GraphGeometry {
+    Eigen::Matrix3Xd position;              ///< 3 x k, mesh units
+    Eigen::Matrix3Xd normal;                ///< 3 x k, that of a vertex there; 0 where the mesh has no normals
+    Eigen::VectorXd radius;                 ///< k, mesh units
+    std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
+    std::vector<Rgba> color;                ///< k, neighbours differ
+    Eigen::VectorXd energy;                 ///< k, each node's share of Eq. 2, mesh units^2; empty: not deformed
+};
+
+/// A deformation graph over a mesh.
+struct CentroidalGraph {
+    GraphGeometry geometry;
+    std::vector<Index> patchOf; ///< patch of each vertex slot, -1 for a deleted vertex
+    int iterations = 0;
+    bool converged = false;
+    double cost = 0;         ///< Eq. 1, mesh units^2
+    double targetRadius = 0; ///< D that was used, mesh units
+    double averageEdge = 0;  ///< mesh units
+    double seconds = 0;
+    SurfaceReport surface;
+};
+
+/// A deformed mesh.
+struct DeformationResult {
+    Eigen::Matrix3Xd position; ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
+    /// Per vertex slot, if wanted: how the surface around it turns and stretches, mesh units. Directions follow it,
+    /// normals its Cofactors.
+    std::vector<Eigen::Matrix3f> linear;
+    GraphGeometry rest, deformed; ///< the deformation graph before and after
+    std::vector<float> stretch;  ///< per vertex slot, if measured: root mean square length of the edges there over that
+                                 ///< at rest; 1 = not stretched
+    std::vector<float> rotation; ///< per vertex slot, if measured: degrees the surface turned there, [0, 180]
+    TagCount tags;
+    int iterations = 0; ///< of the solver
+    bool converged = false;
+    double energy = 0; ///< Eq. 2, mesh units^2
+    double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
+    SurfaceReport surface;
+    Index looseParts = 0;  ///< connected components without a fixed or handle vertex
+    Index placedNodes = 0; ///< how many of the given nodes lie on the surface, and are used
+    DeformationCheck check;
+    Deformer::Pose pose;
+};
+
+/// The normal of a vertex slot, any length; empty where there are none.
+using NormalOf = std::function<Eigen::Vector3d(std::size_t slot)>;
+
+/// Builds the centroidal deformation graph of a surface (paper, sec. 2.1).
+/// \param metric the linear part of the layer's matrix: lengths and areas are measured after it
+/// \throw BadInput no vertices, a coordinate that is not finite, or a parameter out of range
+/// \throw Cancelled
+CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
+                                     const Progress &progress = {},
+                                     const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
+
+/// Poses a prepared surface.
+/// \param mesh the surface at rest that \p deformer was prepared from
+/// \param result in: its position is that at rest, 3 x slots; out: all but the counts of tags
+/// \throw BadInput a motion by more than 1e30 times the mesh \throw Cancelled
+void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
+                 const DeformationParam &param, const Progress &progress, DeformationResult &result);
+
+/// Deforms a surface: fixed vertices and vertices outside the region of influence keep their position to the bit,
+/// handle vertices are their motion of their rest position, the free ones follow as rigidly as possible. \throw
+/// BadInput no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
+///        motion by more than 1e30 times the mesh, or a parameter out of range
+/// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
+DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles,
+                                const DeformationParam &param, const Progress &progress = {});
 
 } // namespace fcd
 } // namespace vcg

@@ -4,7 +4,7 @@
 
 #include "benchmark_mesh.h"
 
-#include <vcg_ext/handle_file.h>
+#include <vcg_ext/handles/handle_file.h>
 
 #include <wrap/io_trimesh/export_off.h>
 #include <wrap/io_trimesh/import.h>

@@ -10,8 +10,8 @@
 #include "../plain_sampling.h"
 #include "benchmark_mesh.h"
 
-#include <vcg_ext/deformation_graph.h>
-#include <vcg_ext/surface_graph.h>
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/surface/surface_graph.h>
 
 #include <wrap/io_trimesh/import.h>
 
@@ -63,7 +63,7 @@ int main(int argc, char **argv) {
             surface = SurfaceGraph();
             patches = Patches();
             const Stopwatch watch;
-            surface = vcg::tri::BuildSurfaceGraph(mesh);
+            surface = BuildSurfaceGraph(Read(mesh));
             const double read = watch.Seconds();
             param.targetRadius =
                 0.7 * surface.averageEdge * std::sqrt(double(surface.graph.Size()) / param.initialPatches);

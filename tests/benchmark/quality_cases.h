@@ -4,7 +4,7 @@
 
 #include "benchmark_mesh.h"
 
-#include <vcg_ext/handles.h>
+#include <vcg_ext/handles/handles.h>
 
 #include <functional>
 #include <memory>

@@ -3,9 +3,9 @@
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
 #include "../../layer_fcd/picked_points.h"
-#include "deformation_file.h"
-#include "handle_file.h"
-#include "motion_text.h"
+#include <vcg_ext/field/deformation_file.h>
+#include <vcg_ext/handles/handle_file.h>
+#include <vcg_ext/handles/motion_text.h>
 
 #include <cstdio>
 #include <cstdlib>

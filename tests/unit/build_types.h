@@ -2,7 +2,7 @@
 #ifndef FCD_TEST_BUILD_TYPES_H
 #define FCD_TEST_BUILD_TYPES_H
 
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_mesh.h"
 
 namespace fcd_test::build_types {

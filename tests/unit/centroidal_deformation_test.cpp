@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
 #include <limits>

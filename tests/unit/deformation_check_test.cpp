@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;
@@ -38,9 +38,9 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
 /// CountFolded where all is one patch that \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
     const std::vector<int> free(mesh.vert.size(), 1);
-    const SurfaceGraph surface = vcg::tri::ReadFreeSurface(mesh, free, {}, Eigen::Matrix3d::Identity(), {});
+    const SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, {}, Eigen::Matrix3d::Identity(), {});
     const std::vector<Index> patchOf(surface.graph.Size(), 0);
-    return vcg::fcd::detail::CountFolded(mesh, surface, patchOf, {linear}, position, {});
+    return vcg::fcd::detail::CountFolded(Read(mesh), surface, patchOf, {linear}, position, {});
 }
 
 TEST(DeformationCheck, CountsTrianglesThatTurnedOver) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "deformation_field.h"
+#include <vcg_ext/field/deformation_field.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

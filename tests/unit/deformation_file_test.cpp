@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "deformation_file.h"
+#include <vcg_ext/field/deformation_file.h>
+#include <vcg_ext/handles/handle_file.h>
 #include "test_support.h"
 
 #include <filesystem>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/graph/border_weights.h>
+#include <vcg_ext/graph/contrasting_colors.h>
 #include "test_support.h"
 
 #include <map>
@@ -106,7 +108,7 @@ TEST(DeformationGraph, WithAPatchPerVertexWeightsAreTheCotangentsOfTheFaces) {
     for (const Shape &shape :
          {Jittered(Sphere(24, 30), 0.02), Jittered(Sphere(12, 14), 0.002, 2), Jittered(Sphere(40, 16), 0.03, 3)}) {
         const MeshD mesh(shape);
-        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(mesh);
+        const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
         const DeformationGraph d = APatchPerNode(s);
         ExpectSoundWeights(d);
         std::map<std::pair<Index, Index>, double> cotangent;
@@ -135,7 +137,7 @@ TEST(DeformationGraph, WithAPatchPerVertexWeightsAreTheCotangentsOfTheFaces) {
 
 TEST(DeformationGraph, PatchesLikeBricksCarryAsMuchAcrossAsAlong) {
     const int n = 48, half = n / 2 + 1;
-    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Grid(n, n)));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Grid(n, n))));
     Patches patches;
     std::map<int, Index> number; // of the bricks, as they appear
     for (Index u = 0; u < s.graph.Size(); ++u) {
@@ -210,7 +212,7 @@ TEST(DeformationGraph, WeightsAreThoseOfTheSurfaceNotOfItsVertices) {
     const int cells = 4, n = 61;
     const double side = (n - 1.0) / cells;
     const auto weights = [&](const Shape &shape) {
-        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
         Patches patches;
         patches.center.resize(cells * cells, -1);
         patches.radius.resize(cells * cells, 1);
@@ -277,7 +279,7 @@ TEST(DeformationGraph, WeightsArePositiveWhateverTheFacesAreLike) {
                               Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Scaling(1e-30)))};
     for (const Shape &shape : shapes)
         for (int tagged : {0, 1}) {
-            const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(shape));
+            const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
             ExpectSoundWeights(APatchPerNode(s));
             std::vector<Index> tag = RandomGroups(s.graph.Size(), 3, 7);
             if (!tagged)
@@ -295,14 +297,14 @@ TEST(DeformationGraph, WeightsArePositiveWhateverTheFacesAreLike) {
 }
 
 TEST(CotangentWeight, OfEdgesWithoutFacesIsThatOfEquilateralTriangles) {
-    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Wireframe(4, 4)));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Wireframe(4, 4))));
     for (const auto &e : EdgesOf(s.graph.adjacency))
         EXPECT_NEAR(vcg::fcd::detail::CotangentWeight(s.graph, e.first, e.second), 1 / std::sqrt(3.0), 1e-7);
 }
 
 TEST(CotangentWeight, OfAnEdgeOfManyFacesIsThatOfTwo) {
     for (int n : {2, 3, 17}) { // all faces are alike
-        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Fan(n)));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Fan(n))));
         const Eigen::Vector3d p(1, 0, 0.5), q(1, 0, -0.5);
         EXPECT_NEAR(vcg::fcd::detail::CotangentWeight(s.graph, s.nodeOf[0], s.nodeOf[1]), p.dot(q) / p.cross(q).norm(),
                     1e-5)
@@ -350,7 +352,7 @@ TEST(DeformationGraph, DoesNotDependOnTheThreads) {
 
 TEST(AddHeldPatches, TakesTheHeldNodesBesideFreePatches) {
     for (unsigned seed = 0; seed <= 6; ++seed) {
-        const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Jittered(Grid(30, 30), 0.3)));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Jittered(Grid(30, 30), 0.3))));
         const std::vector<Index> tag =
             seed ? RandomGroups(s.graph.Size(), 2 + seed, seed) : TagNodes(s, [](const Eigen::Vector3d &p) {
                 return p[0] < 9 ? 0 : p[0] > 20 ? 2 : 1;
@@ -414,7 +416,7 @@ TEST(AddHeldPatches, TakesTheHeldNodesBesideFreePatches) {
 }
 
 TEST(AddHeldPatches, AddsNoneWhereNothingIsHeldOrNothingIsFree) {
-    const SurfaceGraph s = vcg::tri::BuildSurfaceGraph(MeshD(Grid(5, 5)));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Grid(5, 5))));
     for (const std::vector<Index> &tag : {std::vector<Index>(), std::vector<Index>(25, 1), std::vector<Index>(25, 0)}) {
         PatchParam param;
         param.targetRadius = 0.3;
@@ -428,7 +430,7 @@ TEST(AddHeldPatches, AddsNoneWhereNothingIsHeldOrNothingIsFree) {
 TEST(ContrastingColors, OfNeighboursDiffer) {
     for (const Shape &shape : Shapes()) {
         const Csr &adjacency = RigOf(shape, 0.3).graph.graph.adjacency;
-        const std::vector<vcg::Color4b> color = ContrastingColors(adjacency);
+        const std::vector<Rgba> color = ContrastingColors(adjacency);
         ASSERT_EQ(Index(color.size()), adjacency.Size());
         for (const auto &e : EdgesOf(adjacency))
             EXPECT_TRUE(color[e.first] != color[e.second] || adjacency[e.second].size() >= 12);

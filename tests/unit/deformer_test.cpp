@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;
@@ -24,7 +24,8 @@ struct DeformerRig {
           mesh(bend.shape) {
         bend.handles.world.linear() = world;
         param.graph.initialPatches = 50;
-        deformer = vcg::tri::PrepareDeformer(mesh, bend.handles, param, rest);
+        deformer = PrepareDeformer(Read(mesh), bend.handles, param);
+        rest = PositionsOf(mesh);
     }
 };
 
@@ -122,9 +123,9 @@ TEST(Deformer, CarriesPointsBesideItRigidlyWhereAllMovesSo) {
     Case c = CaseOf(
         Tube(24, 60), [](const Vector3d &p) { return p[2] > 5.2 ? 2 : 1; }, motion);
     const MeshD mesh(c.shape);
-    Matrix3Xd rest;
+    const Matrix3Xd rest = PositionsOf(mesh);
     DeformationParam param;
-    const auto deformer = vcg::tri::PrepareDeformer(mesh, c.handles, param, rest);
+    const auto deformer = PrepareDeformer(Read(mesh), c.handles, param);
     const Deformer::Pose pose = deformer->Solve(c.handles, param);
     const Carrier carrier(*deformer, pose);
     Eigen::Matrix3f map;
@@ -192,7 +193,7 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     DeformerRig rig(BentEnd());
     rig.param.graphWeights = GraphWeights::Printed;
     rig.param.graph.measure = PatchMeasure::Vertices;
-    rig.deformer = vcg::tri::PrepareDeformer(rig.mesh, rig.bend.handles, rig.param, rig.rest);
+    rig.deformer = PrepareDeformer(Read(rig.mesh), rig.bend.handles, rig.param);
     const Deformer &deformer = *rig.deformer;
     const SurfaceGraph &surface = deformer.surface;
     const DeformationGraph &graph = deformer.graph;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Memory that runs out at any allocation, and threads that do not start: in a program with faults.cpp.
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "faults.h"
 #include "test_support.h"
 

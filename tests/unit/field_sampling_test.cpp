@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "centroidal_deformation.h"
-#include "field_sampling.h"
+#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/field/field_sampling.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;
@@ -18,13 +18,13 @@ struct SampledCase {
     explicit SampledCase(const Case &c) : mesh(c.shape), handles(c.handles) {
         DeformationParam param;
         param.graph.initialPatches = 50;
-        const auto deformer = vcg::tri::PrepareDeformer(mesh, handles, param, rest);
-        deformed = rest;
+        const auto deformer = PrepareDeformer(Read(mesh), handles, param);
+        deformed = rest = PositionsOf(mesh);
         const SurfacePose pose = deformer->Solve(handles, param);
         Carrier(*deformer, pose).Apply(deformed, &linear);
     }
     SampledField Sample(const FieldParam &param = {}, const Progress &progress = {}) const {
-        return vcg::tri::SampleField(mesh, rest, deformed, linear, param, progress);
+        return SampleField(Read(mesh), rest, deformed, linear, param, progress);
     }
     double Size() const { return (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm(); }
 

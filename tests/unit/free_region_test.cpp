@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "candidates_beside.h"
-#include "free_region.h"
+#include <vcg_ext/surface/candidates_beside.h>
+#include <vcg_ext/surface/free_region.h>
+#include <vcg_ext/surface/point_cloud.h>
 #include "test_support.h"
 
 #include <random>
@@ -9,7 +10,6 @@ using namespace vcg::fcd;
 using namespace fcd_test;
 
 TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
-    using vcg::tri::Region;
     for (bool wires : {false, true})
         for (unsigned seed = 0; seed < 5; ++seed) {
             Shape shape = wires ? Wireframe(20, 15) : Grid(20, 15);
@@ -22,7 +22,7 @@ TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
             tag.insert(tag.end(), {0, 1, 2});
             MeshD mesh(shape);
             mesh.DeleteVertex(7);
-            const Region region = vcg::tri::FreeRegion(mesh, tag, {});
+            const Region region = FreeRegion(Read(mesh), tag, {});
             std::vector<unsigned char> expected;
             for (int t : tag)
                 expected.push_back(t == 1 ? Region::none : Region::candidate);
@@ -46,25 +46,23 @@ TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
 }
 
 TEST(FreeRegion, LeavesOutWhatIsExcluded) {
-    using vcg::tri::Region;
     const Shape shape = TwoSheets(6, 1);
     std::vector<int> tag(72, 1);
     std::vector<char> excluded(72, 0);
     std::fill(excluded.begin() + 36, excluded.end(), 1);
     for (const Shape &s : {shape, Points(shape)}) {
-        const Region region = vcg::tri::FreeRegion(MeshD(s), tag, excluded);
+        const Region region = FreeRegion(Read(MeshD(s)), tag, excluded);
         for (int i = 0; i < 72; ++i)
             EXPECT_EQ(region.flag[i], i < 36 ? Region::part : Region::none);
     }
 }
 
 TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
-    using vcg::tri::Region;
     const Shape shape = PointCloud(400);
     const std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) {
         return p[0] < 0.6 ? 0 : p[0] < 0.8 ? 1 : 2;
     });
-    const Region region = vcg::tri::FreeRegion(MeshD(shape), tag, {});
+    const Region region = FreeRegion(Read(MeshD(shape)), tag, {});
     std::vector<unsigned char> expected;
     for (int t : tag)
         expected.push_back(t == 1 ? Region::part : Region::candidate);
@@ -83,7 +81,6 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
 }
 
 TEST(CandidatesBeside, AreThoseInACellOfAPart) {
-    using vcg::tri::Region;
     const float hair = 1e-5f;
     for (unsigned seed = 0; seed < 8; ++seed) {
         std::mt19937 random(seed);

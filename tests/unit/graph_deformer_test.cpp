@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "graph_deformer.h"
+#include <vcg_ext/solve/graph_deformer.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "graph_mapping.h"
-#include "graph_deformer.h"
+#include <vcg_ext/map/graph_mapping.h>
+#include <vcg_ext/solve/graph_deformer.h>
+#include <vcg_ext/map/mapping_kernel_variants.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "graph_parts.h"
+#include <vcg_ext/solve/graph_parts.h>
+#include <vcg_ext/solve/graph_deformer.h>
 #include "test_support.h"
 
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "graph_pose.h"
+#include <vcg_ext/solve/graph_pose.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

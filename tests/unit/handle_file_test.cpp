@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "handle_file.h"
+#include <vcg_ext/handles/handle_file.h>
 #include "test_support.h"
 
 #include <filesystem>

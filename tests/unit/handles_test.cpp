@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "handles.h"
+#include <vcg_ext/handles/handles.h>
 #include "test_support.h"
 
 #include <limits>

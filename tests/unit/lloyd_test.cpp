@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lloyd.h"
+#include <vcg_ext/patches/lloyd.h>
 #include "test_support.h"
 
 using namespace fcd_test;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "loose_parts.h"
-#include "centroidal_deformation.h"
+#include <vcg_ext/surface/loose_parts.h>
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
 #include <map>
@@ -11,7 +11,6 @@ using Eigen::Affine3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using vcg::tri::DeformCentroidal;
-using vcg::tri::ReadFreeSurface;
 
 static std::vector<std::size_t> PointsOf(const Handles &handles) {
     std::vector<std::size_t> slot;
@@ -21,7 +20,7 @@ static std::vector<std::size_t> PointsOf(const Handles &handles) {
 }
 
 static LooseSurface LooseOf(const MeshD &mesh, const Handles &handles, SurfaceGraph &surface, unsigned threads = 0) {
-    surface = ReadFreeSurface(mesh, handles.tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
+    surface = ReadFreeSurface(Read(mesh), handles.tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
     return FindLoose(handles.tag, PointsOf(handles), surface, surface.tag, Threads(threads));
 }
 
@@ -87,7 +86,8 @@ TEST(FindLoose, IsWhatNothingHolds) {
         EXPECT_EQ(loose.components, Index(all.size()));
         EXPECT_EQ(loose.isPartOfSurface, loose.parts > loose.isolated);
         // Read without them, the surface is held everywhere.
-        const SurfaceGraph rest = ReadFreeSurface(mesh, c.handles.tag, loose.partOf, Eigen::Matrix3d::Identity(), {});
+        const SurfaceGraph rest =
+            ReadFreeSurface(Read(mesh), c.handles.tag, loose.partOf, Eigen::Matrix3d::Identity(), {});
         for (int i = 0; i < n; ++i) {
             if (!loose.partOf.empty() && loose.partOf[i] >= 0) {
                 EXPECT_EQ(rest.nodeOf[i], -1);

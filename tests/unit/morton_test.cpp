@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "morton.h"
+#include <vcg_ext/base/morton.h>
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "motion_text.h"
+#include <vcg_ext/handles/motion_text.h>
+#include <vcg_ext/base/words.h>
 #include "test_support.h"
 
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "nearest_place.h"
+#include <vcg_ext/surface/nearest_place.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "parallel.h"
+#include <vcg_ext/base/parallel.h>
 
 #include <gtest/gtest.h>
 #include <set>

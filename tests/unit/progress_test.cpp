@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "progress.h"
+#include <vcg_ext/base/progress.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "rotation_fit.h"
+#include <vcg_ext/base/rotation_fit.h>
 #include "test_support.h"
 
 using namespace fcd_test;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/morton.h>
+#include <vcg_ext/surface/point_cloud.h>
 #include "test_support.h"
 
 #include <limits>
@@ -6,7 +8,6 @@
 
 using namespace vcg::fcd;
 using namespace fcd_test;
-using vcg::tri::BuildSurfaceGraph;
 
 /// Nodes and edges against those read off the mesh: live vertices at equal positions are one node.
 template <class Mesh>
@@ -43,7 +44,7 @@ static void ExpectConnectivity(const Mesh &mesh, const SurfaceGraph &s) {
 
 static SurfaceGraph Checked(const Shape &shape) {
     const MeshD mesh(shape);
-    SurfaceGraph s = BuildSurfaceGraph(mesh);
+    SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
     ExpectConnectivity(mesh, s);
     return s;
 }
@@ -153,7 +154,7 @@ TEST(SurfaceGraph, SkipsDeletedElements) {
     mesh.DeleteVertex(0);
     mesh.DeleteEdge(1);
     mesh.vert[0].P()[0] = std::numeric_limits<double>::quiet_NaN(); // not looked at
-    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
     ExpectConnectivity(mesh, s);
     EXPECT_EQ(s.graph.Size(), 16);
     EXPECT_EQ(s.report.isolated, 1);
@@ -165,7 +166,7 @@ TEST(SurfaceGraph, SkipsFacesAndEdgesOfDeletedVertices) {
     shape.edge = {{5, 15}};
     MeshD mesh(shape);
     mesh.DeleteVertex(5);
-    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
     EXPECT_EQ(s.graph.Size(), 15);
     ExpectAdjacencyInOrder(s.graph.adjacency);
     EXPECT_NEAR(s.area * s.frame.scale * s.frame.scale, 6, 1e-4);
@@ -174,7 +175,7 @@ TEST(SurfaceGraph, SkipsFacesAndEdgesOfDeletedVertices) {
 TEST(SurfaceGraph, MeshWithAllFacesDeletedIsAPointCloud) {
     MeshD mesh(Triangle());
     mesh.DeleteFace(0);
-    const SurfaceGraph s = BuildSurfaceGraph(mesh);
+    const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
     EXPECT_TRUE(s.report.pointCloud);
     EXPECT_EQ(s.graph.adjacency.item.size(), 6u);
 }
@@ -197,7 +198,7 @@ TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
     const int k = vcg::fcd::detail::cloudNeighbours;
     for (int n : {2, 5, 9, 10, 700}) {
         const MeshD mesh(PointCloud(n));
-        const SurfaceGraph s = BuildSurfaceGraph(mesh);
+        const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
         EXPECT_TRUE(s.report.pointCloud);
         EXPECT_EQ(s.report.nonManifoldEdges, 0);
         ASSERT_EQ(s.graph.Size(), n);
@@ -231,22 +232,22 @@ TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
 }
 
 TEST(SurfaceGraph, TakesASinglePoint) {
-    const SurfaceGraph s = BuildSurfaceGraph(MeshD(PointCloud(1)));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(PointCloud(1))));
     EXPECT_EQ(s.graph.Size(), 1);
     EXPECT_EQ(s.report.isolated, 1);
-    EXPECT_EQ(s.diagonal, 0);
 }
 
 TEST(SurfaceGraph, TakesPointsAtOnePlace) {
     const Shape shape{{{3, 4, 5}, {3, 4, 5}, {3, 4, 5}}, {}, {}};
-    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
     EXPECT_EQ(s.graph.Size(), 1);
     EXPECT_EQ(s.report.welded, 2);
 }
 
 TEST(SurfaceGraph, TakesAPointCloudWithDuplicates) {
     const Shape cloud = PointCloud(100);
-    const SurfaceGraph twice = BuildSurfaceGraph(MeshD(Join(cloud, cloud))), once = BuildSurfaceGraph(MeshD(cloud));
+    const SurfaceGraph twice = BuildSurfaceGraph(Read(MeshD(Join(cloud, cloud)))),
+                       once = BuildSurfaceGraph(Read(MeshD(cloud)));
     EXPECT_EQ(twice.report.welded, 100);
     EXPECT_TRUE(SameBits(twice.graph.position, once.graph.position));
     EXPECT_EQ(twice.graph.adjacency.item, once.graph.adjacency.item);
@@ -259,11 +260,11 @@ static Shape TwoGrids(double gap) {
 }
 
 TEST(SurfaceGraph, JoinsBordersAHairApart) {
-    const SurfaceGraph exact = BuildSurfaceGraph(MeshD(TwoGrids(0)));
+    const SurfaceGraph exact = BuildSurfaceGraph(Read(MeshD(TwoGrids(0))));
     EXPECT_EQ(exact.report.seams, 0);
     EXPECT_EQ(exact.report.welded, 5);
     for (double gap : {1e-12, 1e-9, 1e-7, 5e-7}) {
-        const SurfaceGraph s = BuildSurfaceGraph(MeshD(TwoGrids(gap * exact.frame.scale)));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(TwoGrids(gap * exact.frame.scale))));
         EXPECT_EQ(s.report.welded + s.report.seams, 5) << gap;
         EXPECT_EQ(s.report.gaps, 0);
         EXPECT_EQ(VertexEdges(s), VertexEdges(exact));
@@ -271,44 +272,45 @@ TEST(SurfaceGraph, JoinsBordersAHairApart) {
         EXPECT_EQ(s.graph.Size(), exact.graph.Size());
     }
     for (double gap : {3e-6, 1e-3}) {
-        const SurfaceGraph s = BuildSurfaceGraph(MeshD(TwoGrids(gap * exact.frame.scale)));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(TwoGrids(gap * exact.frame.scale))));
         EXPECT_EQ(s.report.welded + s.report.seams, 0) << gap;
         EXPECT_EQ(s.report.gaps, 10);
     }
     const auto seamsWith = [&](double gap, double weldDistance) {
         const MeshD mesh(TwoGrids(gap * exact.frame.scale));
-        return BuildSurfaceGraph(mesh, nullptr, {}, Eigen::Matrix3d::Identity(), {}, weldDistance).report.seams;
+        return BuildSurfaceGraph(Read(mesh), nullptr, {}, Eigen::Matrix3d::Identity(), {}, weldDistance).report.seams;
     };
     EXPECT_EQ(seamsWith(5e-7, 0), 0);
     EXPECT_EQ(seamsWith(3e-6, 6e-6), 5);
     EXPECT_EQ(seamsWith(5e-4, 1e-3), 5);
-    EXPECT_EQ(BuildSurfaceGraph(MeshD(TwoGrids(0.5))).report.gaps, 0) << "half an edge is no slit";
+    EXPECT_EQ(BuildSurfaceGraph(Read(MeshD(TwoGrids(0.5)))).report.gaps, 0) << "half an edge is no slit";
 }
 
 TEST(SurfaceGraph, DoesNotJoinWhatIsNoBorder) {
     // Two closed surfaces that lie on each other but for a hair.
     const Shape sphere = Sphere(8, 12);
     const SurfaceGraph s =
-        BuildSurfaceGraph(MeshD(Join(sphere, Moved(sphere, Eigen::Affine3d(Eigen::Scaling(1 + 1e-6))))));
+        BuildSurfaceGraph(Read(MeshD(Join(sphere, Moved(sphere, Eigen::Affine3d(Eigen::Scaling(1 + 1e-6)))))));
     EXPECT_EQ(s.report.seams, 0);
     EXPECT_EQ(s.report.components, 0);
-    EXPECT_EQ(s.graph.Size(), 2 * BuildSurfaceGraph(MeshD(sphere)).graph.Size());
+    EXPECT_EQ(s.graph.Size(), 2 * BuildSurfaceGraph(Read(MeshD(sphere))).graph.Size());
 }
 
 TEST(SurfaceGraph, WeldsWhereRangesOfVerticesMeet) {
     const Shape grid = Grid(150, 150); // six corners at most places, and 65536 is no multiple of it
-    const SurfaceGraph welded = BuildSurfaceGraph(MeshD(grid)), soup = BuildSurfaceGraph(MeshD(Unwelded(grid)));
+    const SurfaceGraph welded = BuildSurfaceGraph(Read(MeshD(grid))),
+                       soup = BuildSurfaceGraph(Read(MeshD(Unwelded(grid))));
     EXPECT_TRUE(SameBits(soup.graph.position, welded.graph.position));
     EXPECT_EQ(soup.graph.adjacency.begin, welded.graph.adjacency.begin);
     EXPECT_EQ(soup.graph.adjacency.item, welded.graph.adjacency.item);
 }
 
 TEST(SurfaceGraph, RefusesAMeshWithoutVertices) {
-    EXPECT_EQ(MessageOf<Error>([] { BuildSurfaceGraph(MeshD()); }), "The mesh has no vertices.");
+    EXPECT_EQ(MessageOf<Error>([] { BuildSurfaceGraph(Read(MeshD())); }), "The mesh has no vertices.");
     MeshD mesh(Points(Triangle()));
     for (int i = 0; i < 3; ++i)
         mesh.DeleteVertex(i);
-    EXPECT_EQ(MessageOf<Error>([&] { BuildSurfaceGraph(mesh); }), "The mesh has no vertices.");
+    EXPECT_EQ(MessageOf<Error>([&] { BuildSurfaceGraph(Read(mesh)); }), "The mesh has no vertices.");
 }
 
 TEST(SurfaceGraph, RefusesNonFiniteCoordinatesByName) {
@@ -318,7 +320,7 @@ TEST(SurfaceGraph, RefusesNonFiniteCoordinatesByName) {
             for (int d = 0; d < 3; ++d) {
                 Shape shape = Grid(4, 3);
                 shape.position[vertex][d] = bad;
-                const std::string message = MessageOf<Error>([&] { BuildSurfaceGraph(MeshD(shape)); });
+                const std::string message = MessageOf<Error>([&] { BuildSurfaceGraph(Read(MeshD(shape))); });
                 EXPECT_NE(message.find("Vertex " + std::to_string(vertex) + " "), std::string::npos) << message;
             }
 }
@@ -327,21 +329,22 @@ TEST(SurfaceGraph, DoesNotDependOnScaleAndPlace) {
     const Shape shape = Join(UnweldedGrid(9, 7), Moved(Tube(5, 8), Eigen::Affine3d(Eigen::Translation3d(20, 0, 0))));
     const EdgeSet edges = VertexEdges(Checked(shape));
     for (double scale : {1e-30, 1e-3, 3.0, 1e30, 1e150})
-        EXPECT_EQ(VertexEdges(BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(scale)))))), edges)
+        EXPECT_EQ(VertexEdges(BuildSurfaceGraph(Read(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(scale))))))),
+                  edges)
             << scale;
-    EXPECT_EQ(
-        VertexEdges(BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Translation3d(1e7, -2e7, 1.5e7)))))),
-        edges);
+    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(
+                  Read(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Translation3d(1e7, -2e7, 1.5e7))))))),
+              edges);
     const MeshF small(Moved(shape, Eigen::Affine3d(Eigen::Scaling(1e-30)))),
         large(Moved(shape, Eigen::Affine3d(Eigen::Scaling(1e30))));
-    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(small)), edges);
-    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(large)), edges);
+    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(Read(small))), edges);
+    EXPECT_EQ(VertexEdges(BuildSurfaceGraph(Read(large))), edges);
 }
 
 TEST(SurfaceGraph, TakesLargeNumbers) {
     const double most = 1e307;
     const Shape shape{{{-most, 0, 0}, {most, 0, 0}, {0, most, most}}, {{0, 1, 2}}, {}};
-    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
     EXPECT_EQ(s.graph.Size(), 3);
     EXPECT_TRUE(s.graph.position.allFinite());
     EXPECT_TRUE(std::isfinite(s.frame.scale));
@@ -352,7 +355,7 @@ TEST(SurfaceGraph, ScalingByAPowerOfTwoChangesNoBit) {
     const SurfaceGraph s = Checked(shape);
     for (int k : {-40, -1, 3, 50}) {
         const SurfaceGraph t =
-            BuildSurfaceGraph(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(std::ldexp(1.0, k))))));
+            BuildSurfaceGraph(Read(MeshD(Moved(shape, Eigen::Affine3d(Eigen::Scaling(std::ldexp(1.0, k)))))));
         ExpectSameBits(s, t);
         EXPECT_EQ(t.frame.scale, std::ldexp(s.frame.scale, k));
     }
@@ -360,10 +363,9 @@ TEST(SurfaceGraph, ScalingByAPowerOfTwoChangesNoBit) {
 
 TEST(SurfaceGraph, FrameIsAUnitBoxAroundTheOrigin) {
     for (double size : {1e-20, 0.7, 1.0, 1e9}) {
-        const SurfaceGraph s = BuildSurfaceGraph(MeshD(Moved(Tube(5, 9), Eigen::Affine3d(Eigen::Scaling(size)))));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Moved(Tube(5, 9), Eigen::Affine3d(Eigen::Scaling(size))))));
         const Eigen::Vector3f lo = s.graph.position.rowwise().minCoeff(), hi = s.graph.position.rowwise().maxCoeff();
-        EXPECT_NEAR((hi - lo).norm(), s.diagonal, 1e-6);
-        EXPECT_NEAR(s.diagonal, 1, 1e-12);
+        EXPECT_NEAR((hi - lo).norm(), 1, 1e-6);
         EXPECT_LE((lo + hi).norm(), 1e-6);
     }
 }
@@ -382,7 +384,7 @@ TEST(SurfaceGraph, FrameAndBack) {
 
 TEST(SurfaceGraph, NodesAreInMortonOrder) {
     for (const Shape &shape : {Grid(40, 30), PointCloud(2000), UnweldedGrid(20, 20)}) {
-        const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
         std::vector<std::uint32_t> code;
         for (Index u = 0; u < s.graph.Size(); ++u)
             code.push_back(
@@ -394,9 +396,9 @@ TEST(SurfaceGraph, NodesAreInMortonOrder) {
 TEST(SurfaceGraph, DoesNotDependOnTheThreads) {
     for (const Shape &shape : {Jittered(Grid(200, 190), 0.3), Unwelded(Tube(70, 60)), PointCloud(5000)}) {
         const MeshD mesh(shape);
-        const SurfaceGraph s = BuildSurfaceGraph(mesh, Threads(1));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(mesh), Threads(1));
         for (unsigned threads : Rounds({7u, 2u}))
-            ExpectSameBits(s, BuildSurfaceGraph(mesh, Threads(threads)));
+            ExpectSameBits(s, BuildSurfaceGraph(Read(mesh), Threads(threads)));
     }
 }
 
@@ -446,7 +448,7 @@ static Shape SphereCloud(int n) {
 
 TEST(SurfaceGraph, AreaOfPointsIsThatOfTheirSurface) {
     const auto area = [](const Shape &shape) {
-        const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+        const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
         return s.area * s.frame.scale * s.frame.scale;
     };
     const double sphere = 4 * std::acos(-1.0);
@@ -466,7 +468,7 @@ TEST(SurfaceGraph, DensePartsOfACloudDoNotCountMore) {
         const double x = unit(random), y = unit(random);
         shape.position.emplace_back(i % 10 ? x : x + 1, y, 0);
     }
-    const SurfaceGraph s = BuildSurfaceGraph(MeshD(shape));
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(shape)));
     double half[2] = {0, 0};
     for (int i = 0; i < shape.Size(); ++i)
         half[shape.position[i][0] >= 1] += s.nodeArea[s.nodeOf[i]] * s.frame.scale * s.frame.scale;
@@ -481,7 +483,7 @@ TEST(SurfaceGraph, AFewStrayVerticesDoNotCoarsenTheFrame) {
     for (double far : {1e3, 1e6, 1e9, 1e30}) {
         Shape with = shape;
         with.position.emplace_back(far, 0, -far);
-        const SurfaceGraph t = BuildSurfaceGraph(MeshD(with));
+        const SurfaceGraph t = BuildSurfaceGraph(Read(MeshD(with)));
         EXPECT_EQ(VertexEdges(t), edges) << far;
         EXPECT_EQ(t.report.welded, 0);
         EXPECT_EQ(t.report.isolated, 1);
@@ -494,15 +496,15 @@ TEST(SurfaceGraph, AFewStrayVerticesDoNotCoarsenTheFrame) {
 /// What is free and held of a mesh, and its graph.
 template <class Mesh>
 static SurfaceGraph RegionOf(const Mesh &mesh, const std::vector<int> &tag, unsigned threads = 0) {
-    const vcg::tri::Region region = vcg::tri::FreeRegion(mesh, tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
-    return BuildSurfaceGraph(mesh, &region, tag, Eigen::Matrix3d::Identity(), Threads(threads));
+    const Region region = FreeRegion(Read(mesh), tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
+    return BuildSurfaceGraph(Read(mesh), &region, tag, Eigen::Matrix3d::Identity(), Threads(threads));
 }
 
 TEST(SurfaceGraphOfARegion, OfAllFreeIsThatOfTheMesh) {
     for (const Shape &shape : {Jittered(Grid(30, 20), 0.3), Unwelded(Tube(20, 16)), PointCloud(500), Wireframe(9, 7)}) {
         const MeshD mesh(shape);
         const SurfaceGraph s = RegionOf(mesh, std::vector<int>(shape.position.size(), 1));
-        ExpectSameBits(s, BuildSurfaceGraph(mesh));
+        ExpectSameBits(s, BuildSurfaceGraph(Read(mesh)));
         EXPECT_EQ(s.tag, std::vector<Index>(s.graph.Size(), 1));
     }
 }
@@ -712,9 +714,8 @@ TEST(SurfaceGraphOfARegion, CanBeCancelledAnywhere) {
             tag.push_back(int(t));
         const auto read = [&](const CallbackLog &log) {
             const Progress progress = log.Progress(1);
-            const vcg::tri::Region region =
-                vcg::tri::FreeRegion(mesh, tag, {}, Eigen::Matrix3d::Identity(), progress.Slice(0, 0.2));
-            BuildSurfaceGraph(mesh, &region, tag, Eigen::Matrix3d::Identity(), progress.Slice(0.2, 1));
+            const Region region = FreeRegion(Read(mesh), tag, {}, Eigen::Matrix3d::Identity(), progress.Slice(0, 0.2));
+            BuildSurfaceGraph(Read(mesh), &region, tag, Eigen::Matrix3d::Identity(), progress.Slice(0.2, 1));
         };
         CallbackLog all;
         read(all);
@@ -729,19 +730,19 @@ TEST(SurfaceGraphOfARegion, CanBeCancelledAnywhere) {
 
 TEST(SurfaceGraph, ReadsFloatMeshesAlike) {
     const Shape shape = UnweldedGrid(7, 6); // coordinates that float holds
-    ExpectSameBits(BuildSurfaceGraph(MeshF(shape)), BuildSurfaceGraph(MeshD(shape)));
+    ExpectSameBits(BuildSurfaceGraph(Read(MeshF(shape))), BuildSurfaceGraph(Read(MeshD(shape))));
 }
 
 TEST(SurfaceGraph, CanBeCancelledAnywhere) {
     for (const Shape &shape : {Grid(5, 5), PointCloud(50)}) {
         const MeshD mesh(shape);
         CallbackLog all;
-        BuildSurfaceGraph(mesh, all.Progress(1));
+        BuildSurfaceGraph(Read(mesh), all.Progress(1));
         EXPECT_TRUE(std::is_sorted(all.percent.begin(), all.percent.end()));
         const std::size_t calls = all.percent.size();
         for (std::size_t i = 0; i < calls; ++i) {
             CallbackLog log(i);
-            EXPECT_THROW(BuildSurfaceGraph(mesh, log.Progress(1)), Cancelled);
+            EXPECT_THROW(BuildSurfaceGraph(Read(mesh), log.Progress(1)), Cancelled);
         }
     }
 }

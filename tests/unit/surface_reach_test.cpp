@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface_reach.h"
+#include <vcg_ext/surface/surface_reach.h>
 #include "test_support.h"
 
 #include <limits>

@@ -2,9 +2,10 @@
 #ifndef FCD_TEST_SUPPORT_H
 #define FCD_TEST_SUPPORT_H
 
-#include "deformation_graph.h"
-#include "handles.h"
-#include "surface_graph.h"
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/handles/handles.h>
+#include <vcg_ext/surface/read_surface.h>
+#include <vcg_ext/surface/surface_graph.h>
 #include "test_mesh.h"
 
 #include <clocale>
@@ -35,6 +36,16 @@ constexpr bool threadSanitized = false;
 template <class T>
 std::vector<T> Rounds(std::initializer_list<T> all) {
     return std::vector<T>(all.begin(), threadSanitized ? all.begin() + 1 : all.end());
+}
+
+/// The arrays of a mesh.
+struct Arrays : vcg::fcd::SurfaceArrays {
+    explicit Arrays(vcg::fcd::SurfaceArrays arrays) : vcg::fcd::SurfaceArrays(std::move(arrays)) {}
+    operator vcg::fcd::SurfaceView() const { return View(); }
+};
+template <class MeshType>
+Arrays Read(const MeshType &mesh) {
+    return Arrays(vcg::tri::ReadSurface(mesh));
 }
 
 using vcg::fcd::Csr;
@@ -104,6 +115,23 @@ inline void ExpectAdjacencyInOrder(const Csr &csr) {
             ASSERT_TRUE(i == 0 || csr[u][i - 1] < v) << "row " << u;
             ASSERT_TRUE(std::binary_search(csr[v].begin(), csr[v].end(), u)) << u << " - " << v;
         }
+}
+
+/// The items of each group, ascending: the inverse of \p groupOf (n values in [0, groups), or -1 for none).
+inline Csr GroupMembers(const std::vector<Index> &groupOf, Index groups) {
+    Csr members;
+    members.begin.assign(std::size_t(groups) + 1, 0);
+    for (Index g : groupOf)
+        if (g >= 0)
+            ++members.begin[g + 1];
+    for (Index g = 0; g < groups; ++g)
+        members.begin[g + 1] += members.begin[g];
+    members.item.resize(members.begin.back());
+    std::vector<std::uint32_t> end(members.begin.begin(), members.begin.end() - 1);
+    for (std::size_t i = 0; i < groupOf.size(); ++i)
+        if (groupOf[i] >= 0)
+            members.item[end[groupOf[i]]++] = Index(i);
+    return members;
 }
 
 /// Root of each item, by union-find; the oracle for components.
@@ -253,7 +281,7 @@ struct Rig {
     template <class Tag>
     Rig(const Shape &shape, double radius, const Tag &tagAt) {
         const MeshD mesh(shape);
-        surface = vcg::tri::BuildSurfaceGraph(mesh);
+        surface = vcg::fcd::BuildSurfaceGraph(Read(mesh));
         tag = TagNodes(surface, tagAt);
         param.targetRadius = radius / surface.frame.scale;
         param.initialPatches = 10;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triangle_graph.h"
+#include <vcg_ext/surface/triangle_graph.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

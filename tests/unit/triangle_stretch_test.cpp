@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "triangle_stretch.h"
+#include <vcg_ext/surface/triangle_stretch.h>
 #include "test_support.h"
 
 using namespace vcg::fcd;

@@ -2,7 +2,7 @@
 //
 // The worst meshes and handles that can be made up: finite output with what is held where it belongs, or one clear
 // error, in seconds.
-#include "centroidal_deformation.h"
+#include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
 #include <limits>

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order of the house: who may include whom, and how long a source may be.
+
+    python3 tests/rooms.py
+
+In vcg_ext each folder includes what stands before it in FLOORS, or is its own; only the doors, the headers at the top, include all
+of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other."""
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FLOORS = ["shape_constants.h", "base", "handles", "surface", "patches", "graph", "solve", "map", "field", "deformer.h",
+          "centroidal_deformation.h"]
+SOURCES = {"deformer.cpp": "deformer.h", "deform_surface.cpp": "deformer.h"}  # of a door, at its floor
+VCG = {"base/point_tree.cpp": "a k-d tree", "centroidal_deformation.h": "reads VCG meshes"}
+LONGEST = 350
+LONG = {}  # longer ones, each with its reason
+
+
+def place(name):
+    """The floor of a file of vcg_ext, by its path there."""
+    return FLOORS.index(SOURCES.get(name, name) if "/" not in name else name.split("/")[0])
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text().split("\n"), 1):
+        found = re.match(r'\s*#\s*include\s*[<"]([^>"]+)[>"]', line)
+        if found:
+            yield number, found[1]
+
+
+def main():
+    faults = []
+    for path in sorted([*ROOT.glob("vcg_ext/**/*.h"), *ROOT.glob("vcg_ext/**/*.cpp")]):
+        name = str(path.relative_to(ROOT / "vcg_ext"))
+        if name.startswith("unity/"):
+            continue
+        for line, included in includes(path):
+            where = f"vcg_ext/{name}:{line}: error: "
+            if included.startswith("vcg_ext/"):
+                if place(included[len("vcg_ext/"):]) > place(name):
+                    faults.append(f"{where}{included} is on a higher floor")
+            elif included.startswith(("vcg/", "wrap/")) and name not in VCG:
+                faults.append(f"{where}{included} is VCG's, which is for {', '.join(VCG)}")
+            elif included.startswith(("Q", "common/", "meshlab/")):
+                faults.append(f"{where}{included} is Qt's or MeshLab's, which are for the plugins")
+    compiled = {included for path in (ROOT / "vcg_ext/unity").glob("*.cpp") for _, included in includes(path)}
+    for path in sorted(ROOT.glob("vcg_ext/**/*.cpp")):
+        name = str(path.relative_to(ROOT))
+        if name not in compiled and not name.startswith("vcg_ext/unity/") and name != "vcg_ext/base/point_tree.cpp":
+            faults.append(f"{name}:1: error: no source in vcg_ext/unity includes it")
+    for plugin, other in (("filter_fcd", "edit_fcd"), ("edit_fcd", "filter_fcd"), ("layer_fcd", "filter_fcd"),
+                          ("layer_fcd", "edit_fcd")):
+        for path in sorted((ROOT / plugin).glob("*.*")):
+            if path.suffix in (".h", ".cpp"):
+                faults += [f"{plugin}/{path.name}:{line}: error: includes {included}"
+                           for line, included in includes(path) if other in included]
+    for folder in ("vcg_ext", "layer_fcd", "filter_fcd", "edit_fcd", "python"):
+        for path in sorted([*(ROOT / folder).glob("**/*.h"), *(ROOT / folder).glob("**/*.cpp")]):
+            name, lines = str(path.relative_to(ROOT)), path.read_text().count("\n")
+            if lines > LONGEST and name not in LONG:
+                faults.append(f"{name}:1: error: {lines} lines, where {LONGEST} are the most without a reason")
+            if lines <= LONGEST and name in LONG:
+                faults.append(f"{name}:1: error: tests/rooms.py has a reason for its length, which it does not need")
+    faults += [f"tests/rooms.py: error: has a reason for {name}, which is nowhere" for name in LONG if not (ROOT / name).exists()]
+    print("\n".join(faults) or "everything is where it belongs")
+    return bool(faults)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

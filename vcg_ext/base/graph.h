@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_H
+#define VCG_FCD_GRAPH_H
+
+#include <vcg_ext/base/error.h>
+#include <vcg_ext/base/progress.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Index of a vertex, node or patch; -1 means none.
+using Index = std::int32_t;
+
+/// A list of lists: row i holds item[begin[i]] ... item[begin[i + 1] - 1].
+struct Csr {
+    std::vector<std::uint32_t> begin{0}; ///< n + 1 offsets, begin[0] == 0
+    std::vector<Index> item;             ///< begin[n] items
+
+    struct Row {
+        const Index *first, *last;
+        const Index *begin() const { return first; }
+        const Index *end() const { return last; }
+        std::size_t size() const { return std::size_t(last - first); }
+        Index operator[](std::size_t i) const { return first[i]; }
+    };
+
+    Index Size() const { return Index(begin.size()) - 1; }
+    Row operator[](Index i) const { return {item.data() + begin[i], item.data() + begin[i + 1]}; }
+};
+
+/// Undirected graph with a position per node. The connectivity of a mesh and the deformation graph over it are this
+/// same type at two sizes, so nothing that works on it can depend on faces.
+struct Graph {
+    Csr adjacency;             ///< neighbours of each node, ascending, without the node itself
+    Eigen::Matrix3Xf position; ///< 3 x n
+    bool isCloud = false;      ///< neighbours are the nearest points, and no corners of triangles
+
+    Index Size() const { return adjacency.Size(); }
+};
+
+/// The lists that collect(u, list) makes for u in [0, n), in order, one after the other.
+template <class Item = Index, class Collect>
+std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
+    const std::size_t grain = 1 << 16;
+    std::vector<std::vector<Item>> lists((std::size_t(n) + grain - 1) / grain);
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        std::vector<Item> list;
+        for (std::size_t u = first; u < last; ++u)
+            collect(Index(u), list);
+        lists[first / grain] = std::move(list);
+    });
+    std::vector<Item> all;
+    for (const std::vector<Item> &list : lists)
+        all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
+/// The dual graph of a partition: groups that touch, and a value that their edges add up to.
+template <class Value>
+struct Quotient {
+    Csr adjacency;            ///< groups joined by at least one edge, ascending
+    std::vector<Value> value; ///< of each adjacency item; the same in both directions
+};
+
+/// Builds the dual graph of the groups that \p groupOf (n values in [0, groups), or -1 for none) makes of \p graph's
+/// nodes.
+/// \param valueOf valueOf(u, v, value): sets the value (zero before) of the edge from node u to node v of a group of a
+///        larger number; false where it does not join the two
+template <class Value, class ValueOf>
+Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups, const ValueOf &valueOf,
+                              const Progress &progress = {}, const char *stage = "Building the graph") {
+    struct Crossing {
+        std::uint64_t key; // the two groups, the smaller one in the upper half
+        Value value;
+        bool operator<(const Crossing &o) const { return key < o.key; }
+    };
+    auto merge = [](std::vector<Crossing> &list) {
+        std::stable_sort(list.begin(), list.end());
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            if (kept && list[kept - 1].key == list[i].key)
+                list[kept - 1].value += list[i].value;
+            else
+                list[kept++] = list[i];
+        }
+        list.resize(kept);
+    };
+    const std::size_t grain = 1 << 14, chunks = (groupOf.size() + grain - 1) / grain;
+    std::vector<std::vector<Crossing>> found(chunks);
+    ParallelFor(progress, stage, groupOf.size(), grain, [&](std::size_t first, std::size_t last) {
+        std::vector<Crossing> list;
+        for (std::size_t u = first; u < last; ++u)
+            for (Index v : graph[Index(u)]) {
+                const Index a = groupOf[u], b = groupOf[v];
+                if (a >= 0 && a < b) { // each edge is seen from both ends, and counted at one
+                    Crossing crossing{std::uint64_t(a) << 32 | std::uint32_t(b), Value()};
+                    if (valueOf(Index(u), v, crossing.value))
+                        list.push_back(crossing);
+                }
+            }
+        merge(list);
+        found[first / grain] = std::move(list);
+    });
+    std::vector<Crossing> all;
+    for (std::vector<Crossing> &list : found)
+        all.insert(all.end(), list.begin(), list.end());
+    merge(all);
+
+    Quotient<Value> dual;
+    dual.adjacency.begin.assign(std::size_t(groups) + 1, 0);
+    for (const Crossing &c : all) {
+        ++dual.adjacency.begin[(c.key >> 32) + 1];
+        ++dual.adjacency.begin[std::uint32_t(c.key) + 1];
+    }
+    for (Index g = 0; g < groups; ++g)
+        dual.adjacency.begin[g + 1] += dual.adjacency.begin[g];
+    dual.adjacency.item.resize(2 * all.size());
+    dual.value.resize(2 * all.size());
+    std::vector<std::uint32_t> end(dual.adjacency.begin.begin(), dual.adjacency.begin.end() - 1);
+    // Ascending keys: the smaller neighbours of every group come first, then its larger ones, both ascending.
+    for (const Crossing &c : all) {
+        const std::uint32_t b = std::uint32_t(c.key), at = end[b]++;
+        dual.adjacency.item[at] = Index(c.key >> 32);
+        dual.value[at] = c.value;
+    }
+    for (const Crossing &c : all) {
+        const std::uint32_t a = std::uint32_t(c.key >> 32), at = end[a]++;
+        dual.adjacency.item[at] = Index(std::uint32_t(c.key));
+        dual.value[at] = c.value;
+    }
+    return dual;
+}
+
+/// The same without values. \return groups joined by at least one edge, ascending
+inline Csr QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups,
+                         const Progress &progress = {}, const char *stage = "Building the graph") {
+    struct None {
+        None &operator+=(const None &) { return *this; }
+    };
+    return QuotientGraph<None>(
+               graph, groupOf, groups, [](Index, Index, None &) { return true; }, progress, stage)
+        .adjacency;
+}
+
+/// The connected component of each node, numbered in the order of their first nodes. Blocks of neighbouring nodes are
+/// joined in parallel, then the edges between blocks. \return the number of components
+inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
+                                 const char *stage = "Building the graph") {
+    const Index n = graph.Size();
+    std::vector<Index> &parent = componentOf; // of each node, towards the first node of its component
+    parent.resize(n);
+    const auto root = [&](Index u) {
+        while (parent[u] != u)
+            u = parent[u] = parent[parent[u]];
+        return u;
+    };
+    const auto join = [&](Index u, Index v) {
+        const Index a = root(u), b = root(v);
+        parent[std::max(a, b)] = std::min(a, b);
+    };
+    const std::size_t grain = 1 << 14;
+    std::vector<std::vector<std::pair<Index, Index>>> between((std::size_t(n) + grain - 1) / grain);
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        for (Index u = Index(first); u < Index(last); ++u) {
+            parent[u] = u;
+            for (Index v : graph[u])
+                if (v >= u)
+                    break; // neighbours are ascending
+                else if (v >= Index(first))
+                    join(u, v);
+                else
+                    between[first / grain].emplace_back(u, v);
+        }
+    });
+    for (const auto &edges : between)
+        for (const auto &e : edges)
+            join(e.first, e.second);
+    Index components = 0;
+    for (Index u = 0; u < n; ++u) // ascending: the parent's number is known
+        componentOf[u] = parent[u] == u ? components++ : componentOf[parent[u]];
+    return components;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

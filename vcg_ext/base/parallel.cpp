@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/parallel.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)> &body) {
+    const std::size_t ranges = (n + grain - 1) / grain;
+    const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr failure;
+    std::mutex failureLock;
+    auto work = [&] {
+        try {
+            for (std::size_t i; (i = next++) < ranges;)
+                body(i * grain, std::min(n, (i + 1) * grain));
+        } catch (...) {
+            next = ranges;
+            std::lock_guard<std::mutex> guard(failureLock);
+            if (!failure)
+                failure = std::current_exception();
+        }
+    };
+    std::vector<std::thread> helpers;
+    const std::size_t count = std::min(wanted, ranges);
+    helpers.reserve(count);
+    try {
+        for (std::size_t t = 1; t < count; ++t)
+            helpers.emplace_back(work);
+    } catch (const std::exception &) { // no thread to be had, or no memory for one
+    }
+    work();
+    for (std::thread &t : helpers)
+        t.join();
+    if (failure)
+        std::rethrow_exception(failure);
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/point_tree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vcg/space/index/kdtree/kdtree.h>
+#include <vcg/space/point3.h>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+template <class Scalar>
+vcg::Point3<Scalar> ToVcg(const Eigen::Matrix<Scalar, 3, 1> &p) {
+    return {p[0], p[1], p[2]};
+}
+
+template <class Scalar>
+std::unique_ptr<vcg::KdTree<Scalar>> MakeTree(const std::vector<Eigen::Matrix<Scalar, 3, 1>> &points) {
+    std::vector<vcg::Point3<Scalar>> copy;
+    copy.reserve(points.size());
+    for (const auto &p : points)
+        copy.push_back(ToVcg<Scalar>(p));
+    return std::make_unique<vcg::KdTree<Scalar>>(
+        vcg::ConstDataWrapper<vcg::Point3<Scalar>>(copy.data(), int(copy.size())));
+}
+
+/// Filled with the points nearest to p. Its memory is used again by the thread.
+template <class Scalar>
+typename vcg::KdTree<Scalar>::PriorityQueue &Queue(vcg::KdTree<Scalar> &tree, const Eigen::Matrix<Scalar, 3, 1> &p,
+                                                   std::size_t count) {
+    thread_local typename vcg::KdTree<Scalar>::PriorityQueue queue;
+    tree.doQueryK(ToVcg<Scalar>(p), int(count), queue);
+    return queue;
+}
+
+} // namespace
+
+template <class Scalar>
+PointTree<Scalar>::PointTree(const std::vector<Point> &points) : tree(MakeTree<Scalar>(points)), size(points.size()) {}
+
+template <class Scalar>
+PointTree<Scalar>::~PointTree() = default;
+
+template <class Scalar>
+Index PointTree<Scalar>::Nearest(const Point &p, Scalar *distance) const {
+    unsigned nearest = 0;
+    Scalar d = 0;
+    tree->doQueryClosest(ToVcg<Scalar>(p), nearest, d);
+    if (distance)
+        *distance = d;
+    return Index(nearest);
+}
+
+template <class Scalar>
+void PointTree<Scalar>::Nearest(const Point &p, std::size_t count, std::vector<Found> &found) const {
+    auto &queue = Queue<Scalar>(*tree, p, std::min(count, size));
+    found.clear();
+    for (int i = 0; i < queue.getNofElements(); ++i)
+        found.push_back({Index(queue.getIndex(i)), queue.getWeight(i)});
+}
+
+template <class Scalar>
+Scalar PointTree<Scalar>::DistanceOf(const Point &p, std::size_t count) const {
+    return std::sqrt(Queue<Scalar>(*tree, p, std::min(count, size)).getTopWeight());
+}
+
+template <class Scalar>
+void PointTree<Scalar>::Within(const Point &p, Scalar distance, std::vector<Index> &found) const {
+    std::vector<unsigned> inside;
+    std::vector<Scalar> squares;
+    tree->doQueryDist(ToVcg<Scalar>(p), distance, inside, squares);
+    found.assign(inside.begin(), inside.end());
+}
+
+std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
+    std::vector<Eigen::Vector3f> points;
+    points.reserve(node.size());
+    for (Index i : node)
+        points.emplace_back(position.col(i));
+    return std::make_unique<PointTree<float>>(points);
+}
+
+std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position) {
+    std::vector<Index> all(std::size_t(position.cols()));
+    std::iota(all.begin(), all.end(), 0);
+    return TreeOf(position, all);
+}
+
+template class PointTree<float>;
+template class PointTree<double>;
+
+} // namespace fcd
+} // namespace vcg

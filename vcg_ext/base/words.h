@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_WORDS_H
+#define VCG_FCD_WORDS_H
+
+#include <vcg_ext/base/error.h>
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <type_traits>
+#include <vector>
+#ifndef __cpp_lib_to_chars
+#include <cerrno>
+#include <clocale>
+#include <cstdlib>
+#include <cstring>
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+#endif
+
+/// \file
+/// Numbers and words of texts, whatever the locale.
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+bool IsSpace(char c);
+
+/// Reads [first, last) as a number, whatever the locale; a '+' may stand before it. \return false when it is none, or
+/// one that Number cannot hold
+template <class Number>
+bool ToNumber(const char *first, const char *last, Number &value) {
+    if (last - first > 1 && first[0] == '+' && first[1] != '-')
+        ++first;
+#ifndef __cpp_lib_to_chars // libc++ has it for whole numbers only
+    if constexpr (!std::is_integral_v<Number>) {
+        static const locale_t plain = newlocale(LC_ALL_MASK, "C", nullptr);
+        const std::string word(first, last);
+        if (word.empty() || std::strchr("-.0123456789inIN", word[0]) == nullptr ||
+            word.find_first_of("xX") != std::string::npos)
+            return false;
+        char *end = nullptr;
+        errno = 0;
+        value = Number(strtod_l(word.c_str(), &end, plain));
+        const bool isInRange = errno != ERANGE || (std::isfinite(value) && value != 0);
+        return isInRange && end == word.c_str() + word.size();
+    } else
+#endif
+    {
+        const std::from_chars_result r = std::from_chars(first, last, value);
+        return r.ec == std::errc() && r.ptr == last;
+    }
+}
+
+/// Whether [first, last) is a number or, by how it begins, is meant as one.
+bool LooksLikeNumber(const char *first, const char *last);
+
+/// What stands in text[begin, end), for messages: cut short, and '?' for all but printable ASCII.
+std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end);
+
+/// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
+/// A line ends with LF, CR LF or CR.
+class WordReader {
+  public:
+    /// \param text must outlive the reader \param name what messages call it \param separators what stands between
+    /// words besides white space \throw BadInput when it is no plain text
+    WordReader(const std::string &text, const std::string &name, const std::string &separators = "")
+        : text(text), name(name), separators(separators) {
+        if (StartsWith("\xFF\xFE") || StartsWith("\xFE\xFF"))
+            Fail("expected plain text (ASCII or UTF-8), found UTF-16");
+        if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+            while (text.find_first_of("\r\n", at) < zero)
+                NextLine();
+            Fail("expected plain text (ASCII or UTF-8), found a zero byte, as in UTF-16 or binary files");
+        }
+        if (StartsWith("\xEF\xBB\xBF"))
+            at = 3;
+    }
+
+    /// \return false at the end of the text
+    bool Next() {
+        while (!NextInLine())
+            if (!NextLine())
+                return false;
+        return true;
+    }
+
+    /// \return false at the end of the line
+    bool NextInLine() {
+        for (skipped = 0; at < text.size() && text[at] != '\n' && text[at] != '\r' && IsSpace(text[at]); ++at)
+            skipped += !detail::IsSpace(text[at]);
+        wordBegin = at;
+        while (at < text.size() && !IsSpace(text[at]) && text[at] != '#')
+            ++at;
+        return wordBegin < at;
+    }
+
+    /// To the beginning of the next line. \return false at the end of the text
+    bool NextLine() {
+        at = text.find_first_of("\r\n", at);
+        if (at == std::string::npos) {
+            at = text.size();
+            return false;
+        }
+        at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
+        ++line;
+        return true;
+    }
+
+    /// The current word as a number, whatever the locale. \return false when it is none
+    template <class Number>
+    bool Read(Number &value) const {
+        return ToNumber(text.data() + wordBegin, text.data() + at, value);
+    }
+
+    /// How many separators stand before the current word.
+    std::size_t Separators() const { return skipped; }
+
+    bool LooksLikeNumber() const { return detail::LooksLikeNumber(text.data() + wordBegin, text.data() + at); }
+
+    /// The current word as a number. \throw BadInput naming text and line when it is none, or not finite
+    template <class Number>
+    Number As(const char *expected) const {
+        Number value{};
+        if (!Read(value))
+            Fail(std::string("expected ") + expected + ", found " + Excerpt(text, wordBegin, at));
+        if (!std::isfinite(double(value)))
+            Fail("expected a finite number, found " + Excerpt(text, wordBegin, at));
+        return value;
+    }
+
+    [[noreturn]] void Fail(const std::string &what) const {
+        throw BadInput("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
+    }
+
+  private:
+    bool StartsWith(const std::string &mark) const { return text.compare(0, mark.size(), mark) == 0; }
+    bool IsSpace(char c) const { return detail::IsSpace(c) || separators.find(c) != std::string::npos; }
+
+    const std::string &text;
+    const std::string name, separators;
+    std::size_t at = 0, wordBegin = 0, line = 1;
+    std::size_t skipped = 0; ///< separators before the current word
+};
+
+/// The shortest text that reads back as the same number.
+template <class Number>
+std::string ToText(Number value) {
+    char buffer[40];
+    return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

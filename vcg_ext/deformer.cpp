@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/patches/given_nodes.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+void DeformationParam::Validate() const {
+    graph.Validate();
+    if (!(smoothness >= 0) || std::isinf(smoothness))
+        throw BadInput("The smoothness must be a finite number, 0 or more; useful are 0.001 to 0.1.");
+    if (maxIterations < 1)
+        throw BadInput("The maximum number of iterations must be at least 1.");
+    if (!(tolerance > 0) || std::isinf(tolerance))
+        throw BadInput("The tolerance must be a positive, finite number.");
+    if (!(influence > 1) || std::isinf(influence))
+        throw BadInput("The influence must be a finite number above 1: each node has to reach beyond its own patch.");
+    if (!std::isfinite(pose))
+        throw BadInput("The pose must be a finite number of percent.");
+    if (steps < 1 || steps > 1000)
+        throw BadInput("The pose can be reached in 1 to 1000 steps.");
+    if (!(weldDistance >= 0 && float(weldDistance) <= 1e-3f)) // hosts give it in single precision
+        throw BadInput("The weld distance must be from 0 to 0.001 (of the bounding box diagonal).");
+}
+
+Deformer::Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface looseSurface, std::vector<int> slotTag,
+                   const std::vector<std::size_t> &point, const PositionsRef &rest, const DeformerParam &param,
+                   const Progress &progress)
+    : MovingSurface(std::move(surface), std::move(heldNodes), std::move(looseSurface), std::move(slotTag)),
+      point(point), param(param) {
+    weights = IsPrinted() ? MappingWeights::Euclidean : param.weights;
+    Stopwatch watch;
+    for (std::size_t i : point)
+        pointRest.emplace_back(rest.col(Eigen::Index(i)));
+    center = HandleCenters(this->slotTag, [&](std::size_t i) { return rest.col(Eigen::Index(i)); });
+    BuildGraph(rest, progress.Slice(0, 0.7));
+    secondsGraph = watch.Seconds();
+    watch = {};
+    mapping =
+        std::make_unique<GraphMapping>(this->surface.graph, held.tag, patches, graph, weights, param.influence,
+                                       param.shape.runOver * D, progress.Slice(0.7, 0.95), param.shape, IsPrinted());
+    following = param.looseParts == LooseParts::Follow
+                    ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
+                    : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
+    for (std::size_t i : following.leader)
+        leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero()
+                                                       : Eigen::Vector3d(rest.col(Eigen::Index(i))));
+    FindMoving(point, progress.Slice(1, 1));
+    secondsMap = watch.Seconds();
+}
+
+HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
+    HeldMotions m;
+    m.motion[0].setIdentity();
+    for (const auto &[tag, middle] : center) {
+        const auto given = handles.motion.find(tag);
+        const Motion motion = given == handles.motion.end() ? Motion() : given->second;
+        m.motion[tag] = handles.ToMesh(motion.At(percent, handles.world * middle));
+        detail::ExpectNear(surface.frame, m.motion[tag], "Handle " + std::to_string(tag));
+        m.rotates[tag] = motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !motion.turn.isZero(0);
+    }
+    for (std::size_t i = 0; i < point.size(); ++i) {
+        const std::string name = "Point handle " + std::to_string(i + 1);
+        if (!handles.point[i].target.allFinite())
+            throw BadInput(name + " has a target that is not finite.");
+        Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
+        motion.topRightCorner<3, 1>() = (handles.point[i].target - pointRest[i]) * (percent / 100);
+        detail::ExpectNear(surface.frame, motion, name);
+        (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) = motion;
+    }
+    for (std::size_t s = 0; s < held.original.size(); ++s)
+        if (held.original[s] >= 0) {
+            m.motion[-1 - Index(s)] = Eigen::Matrix4d(m.motion.at(held.original[s]));
+            m.rotates[-1 - Index(s)] = m.rotates[held.original[s]];
+        }
+    return m;
+}
+
+Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
+                               const Progress &progress) const {
+    Pose pose;
+    pose.given = std::move(motions);
+    for (const auto &each : pose.given.motion)
+        pose.motion[each.first] = surface.frame.ToFrame(each.second);
+    NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
+    if (!held.original.empty())
+        detail::TurnTogether(graph, held.tag, patches, given);
+    if (IsPrinted())
+        given.turns.assign(given.turns.size(), false);
+    const std::shared_ptr<const System> system = SystemOf(given);
+    SolverParam steps = solver;
+    steps.accelerated = solver.accelerated && !IsPrinted();
+    pose.solved = system->parts.Solve(given, steps, progress, last ? &last->solved : nullptr,
+                                      last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
+    pose.iterations = pose.solved.iterations;
+    pose.graph = pose.solved;
+    std::vector<bool> hasMotion(graph.Size());
+    for (Index j = 0; j < graph.Size(); ++j)
+        hasMotion[j] = given.constrained[j] && !given.turns[j];
+    if (!IsPrinted())
+        FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
+    for (Index j = 0; j < graph.Size(); ++j) {
+        const Index t = held.tag[patches.center[j]];
+        if (HeldNodes::IsSingle(t) && given.turns[j]) { // run over into the motion that the surface makes there
+            Eigen::Affine3d &there = pose.motion[t];
+            there.linear() = pose.graph.linear[j];
+            there.translation() =
+                pose.graph.position.col(j) - pose.graph.linear[j] * graph.graph.position.col(j).cast<double>();
+        }
+    }
+    pose.nodeMotion = std::move(given.motion);
+    return pose;
+}
+
+Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &param, const Progress &progress) const {
+    Pose pose;
+    for (int step = 1; step <= param.steps; ++step) {
+        const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
+        const int before = pose.iterations;
+        pose = Solve(MotionsOf(handles, percent), param, step > 1 ? &pose : nullptr,
+                     progress.Slice(double(step - 1) / param.steps, double(step) / param.steps));
+        pose.iterations += before;
+    }
+    return pose;
+}
+
+Deformer::System::System(const Deformer &deformer, const NodeConstraints &given)
+    : turns(given.turns), parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth) {}
+
+std::shared_ptr<const Deformer::System> Deformer::SystemOf(const NodeConstraints &given) const {
+    const std::lock_guard<std::mutex> guard(lock);
+    if (!latest || latest->turns != given.turns)
+        latest = std::make_shared<const System>(*this, given);
+    return latest;
+}
+
+void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
+    D = TargetRadius(surface, param.graph, param.shape.patchRadius);
+    if (param.nodes.cols() == 0)
+        patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
+    else {
+        const std::vector<Index> nodes =
+            detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
+        patches = GrowPatches(surface.graph, held.tag, nodes, progress.Slice(0, 0.9));
+        D = 0;
+        for (float radius : patches.radius)
+            D = std::max(D, double(radius));
+    }
+    small = detail::FindSmallParts(surface.graph, held.tag, D, param.shape);
+    detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
+    AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
+    graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
+                                 progress.Slice(0.9, 1), param.shape);
+    nodeArea.assign(graph.Size(), 0);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (patches.patchOf[u] >= 0)
+            nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
+}
+
+bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {
+    const Frame &frame = deformer.surface.frame;
+    if (nodes.cols() != deformer.graph.Size())
+        return false;
+    for (Index j = 0; j < deformer.graph.Size(); ++j) {
+        const Eigen::Vector3d own = deformer.surface.graph.position.col(deformer.patches.center[j]).cast<double>();
+        const Eigen::Vector3d p = nodes.col(j);
+        if (!((frame.ToFrame(p) - own).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= defaultWeldDistance))
+            return false;
+    }
+    return true;
+}
+
+TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted, unsigned threads) {
+    ExpectTags(handles.tag, slots);
+    TagCount tags = CountTags(handles.tag, deleted, threads);
+    tags.handle += Index(handles.point.size());
+    tags.free -= Index(handles.point.size());
+    if (tags.handle == 0)
+        throw BadInput("There is no handle: no vertex has a tag of 2 or more. Mark the part to move with tag 2.");
+    if (tags.free <= 0)
+        throw BadInput("There is nothing to deform: no vertex is free. Mark the part that may bend with tag 1.");
+    return tags;
+}
+
+std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
+                                          const Progress &progress) {
+    assert(handles.tag.size() == mesh.vertexSlots);
+    std::vector<std::size_t> point;
+    for (const PointHandle &p : handles.point) {
+        if (p.vertex >= mesh.vertexSlots || mesh.IsDeleted(p.vertex))
+            throw BadInput("Point handle " + std::to_string(point.size() + 1) + " is at vertex " +
+                           std::to_string(p.vertex) + ", which does not exist.");
+        point.push_back(p.vertex);
+    }
+    std::vector<int> slotTag;
+    AssignLarge(slotTag, mesh.vertexSlots, 0);
+    ParallelFor(progress.threads, mesh.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            slotTag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, handles.tag[i]);
+    });
+    const Eigen::Matrix3d metric = handles.world.linear();
+    SurfaceGraph surface = ReadFreeSurface(mesh, handles.tag, {}, metric, progress.Slice(0, 0.25), param.weldDistance);
+    HeldNodes held = HoldNodes(surface, slotTag, point, progress.Slice(0.25, 0.25));
+    LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3));
+    if (loose.isPartOfSurface) {
+        surface =
+            ReadFreeSurface(mesh, handles.tag, loose.partOf, metric, progress.Slice(0.3, 0.4), param.weldDistance);
+        held = HoldNodes(surface, slotTag, point, progress.Slice(0.4, 0.4));
+    }
+    return std::make_unique<Deformer>(std::move(surface), std::move(held), std::move(loose), std::move(slotTag), point,
+                                      mesh.Positions(), param, progress.Slice(0.4, 1));
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_DEFORMATION_GRAPH_H
+#define VCG_FCD_DEFORMATION_GRAPH_H
+
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/patches/patch_sampling.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/shape_constants.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Weights w_ij of the deformation graph's edges.
+enum class GraphWeights {
+    Border,  ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
+             ///< (its straight length over the centres' distance), so that around each node as much flows in every
+             ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
+    Uniform, ///< 1 for every edge (paper, Eqs. 3 and 4)
+    /// The same, with the nodes at the patches' central vertices and all edges from node to node (paper, sec. 2.1): a
+    /// deformer with them keeps to what is printed in all else, too, to compare with it.
+    Printed
+};
+
+/// The deformation graph: the dual graph of the patches, a node at each patch's centre (paper, sec. 2.1).
+struct DeformationGraph {
+    Graph graph;               ///< k nodes
+    std::vector<float> weight; ///< w_ij of each adjacency item, symmetric, > 0
+    std::vector<float> radius; ///< k, d_j: radius of the patch
+    Eigen::Matrix3Xf edge;     ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a held and a free patch it
+                               ///< spans the free one only, to where the two touch: a held patch moves as one
+    std::vector<char> held;    ///< k flags: of held patches; empty for none
+
+    Index Size() const { return graph.Size(); }
+    bool IsHeld(Index i) const { return !held.empty() && held[i]; }
+};
+
+/// The dual graph of \p patches over \p surface (n nodes) and its weights. A node is at the barycentre of its patch, or
+/// at the patch's centre where that is held, the nodes have no area or the graph is as printed. Held patches (tag other
+/// than 1) are not joined with each other: between them nothing deforms.
+/// \param tag n values: 1 free, others held; empty: all free
+/// \param area n values, >= 0: of the surface around each node
+DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
+                                      const std::vector<float> &area, const Patches &patches, GraphWeights weights,
+                                      const Progress &progress = {}, const ShapeConstants &shape = {});
+
+/// Makes patches of the held nodes (tag other than 1) with a free neighbour: each belongs to the patch of the nearest,
+/// and those of one tag that do form one, so that it faces that patch. Beside a patch of one node, each is its own.
+void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches &patches,
+                    const Progress &progress = {});
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

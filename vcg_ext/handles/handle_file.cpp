@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/words.h>
+#include <vcg_ext/handles/handle_file.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace vcg {
+namespace fcd {
+namespace detail {} // namespace detail
+
+std::string ReadFile(const std::string &path, std::size_t most) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
+        throw BadInput("Cannot read '" + path + "'.");
+    std::ifstream file(path, std::ios::binary);
+    if (!file)
+        throw BadInput("Cannot open '" + path + "'.");
+    std::string text;
+    std::vector<char> buffer(1 << 16);
+    while (file.read(buffer.data(), std::streamsize(buffer.size())) || file.gcount() > 0) {
+        text.append(buffer.data(), std::size_t(file.gcount()));
+        if (text.size() > most)
+            throw BadInput("'" + path + "' is larger than " + std::to_string(most / 1000000) +
+                           " MB, which is more than this mesh can need. Give the file that belongs to it.");
+    }
+    if (file.bad())
+        throw BadInput("Cannot read '" + path + "'.");
+    return text;
+}
+
+namespace detail {
+
+void WriteFile(const std::string &path, const std::string &text) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(text.data(), std::streamsize(text.size()));
+    file.close();
+    if (!file)
+        throw BadInput("Cannot write '" + path + "'.");
+}
+
+} // namespace detail
+
+std::vector<int> ReadTagText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name);
+    std::vector<int> tag;
+    while (reader.Next())
+        tag.push_back(reader.As<int>("a tag (a whole number)"));
+    if (tag.empty())
+        reader.Fail("the file holds no tags; expected one whole number per vertex");
+    return tag;
+}
+
+std::vector<int> ReadTagFile(const std::string &path, std::size_t most) {
+    return ReadTagText(ReadFile(path, most), path);
+}
+
+std::vector<Eigen::Matrix4d> ReadTransformText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name);
+    std::vector<double> number;
+    while (reader.Next())
+        number.push_back(reader.As<double>("a number"));
+    if (number.empty() || number.size() % 16)
+        reader.Fail("the file ends after " + std::to_string(number.size()) +
+                    " numbers; expected 16 for each 4 x 4 matrix");
+    std::vector<Eigen::Matrix4d> matrix;
+    for (std::size_t i = 0; i < number.size(); i += 16)
+        matrix.emplace_back(Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(&number[i]));
+    return matrix;
+}
+
+std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path, std::size_t most) {
+    return ReadTransformText(ReadFile(path, most), path);
+}
+
+std::vector<PointPair> ReadPointHandleText(const std::string &text, const std::string &name) {
+    detail::WordReader reader(text, name, ",;");
+    std::vector<PointPair> pairs;
+    bool first = true;
+    do {
+        PointPair pair;
+        double number[6];
+        int count = 0;
+        bool title = false;
+        for (; reader.NextInLine(); ++count) {
+            if (count == 0) {
+                title = first && !reader.LooksLikeNumber();
+                first = false;
+                reader.Read(pair.vertex);
+            }
+            if (!title && reader.Separators() > (count == 0 ? 0u : 1u))
+                reader.Fail("expected a number between the separators; one is missing");
+            if (!title && count < 6)
+                number[count] = reader.As<double>("a number");
+        }
+        if (count == 0 || title)
+            continue;
+        if (count != 4 && count != 6)
+            reader.Fail("found " + std::to_string(count) +
+                        " numbers; expected 4 (vertex and target) or 6 (start and target), with a point for decimals");
+        if (count == 4) {
+            if (pair.vertex < 0 || double(pair.vertex) != number[0])
+                reader.Fail("expected the number of a vertex (0 or more) as the first of 4 numbers");
+        } else {
+            pair.vertex = -1;
+            pair.start << number[0], number[1], number[2];
+        }
+        pair.target << number[count - 3], number[count - 2], number[count - 1];
+        pairs.push_back(pair);
+    } while (reader.NextLine());
+    if (pairs.empty())
+        reader.Fail("the file holds no points; expected a line with start and target for each");
+    return pairs;
+}
+
+std::vector<PointPair> ReadPointHandleFile(const std::string &path, std::size_t most) {
+    return ReadPointHandleText(ReadFile(path, most), path);
+}
+
+std::string TagText(const std::vector<int> &tag) {
+    std::string text =
+        "# one tag per vertex: 0 fixed, 1 free, 2 and up handles, negative outside the region of influence\n";
+    for (int t : tag)
+        text.append(detail::ToText(t)).push_back('\n');
+    return text;
+}
+
+std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix) {
+    std::string text = "# a 4 x 4 matrix per handle, for tags 2, 3, ... in order\n";
+    for (const Eigen::Matrix4d &m : matrix)
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 4; ++c)
+                text.append(detail::ToText(m(r, c))).push_back(c < 3 ? ' ' : '\n');
+    return text;
+}
+
+void WriteTagFile(const std::string &path, const std::vector<int> &tag) { detail::WriteFile(path, TagText(tag)); }
+
+void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix) {
+    detail::WriteFile(path, TransformText(matrix));
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_HANDLES_H
+#define VCG_FCD_HANDLES_H
+
+#include <vcg_ext/base/graph.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// An affine motion, and the way there: any percentage of it.
+struct Motion {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< the whole motion, mesh units
+
+    /// The rotation where it goes half a turn or further, which the matrix cannot tell: along its axis, as long as its
+    /// angle in radians. 0: the shortest rotation to the matrix.
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+    Eigen::Vector3d pivot = Eigen::Vector3d::Zero(); ///< a point on the axis of turn, mesh units at rest
+
+    Motion() = default;
+
+    /// \throw BadInput when \p m is not affine, not finite, mirrors or flattens
+    explicit Motion(const Eigen::Matrix4d &m);
+
+    /// A motion that rotates by \p wholeTurn (along the axis, as long as the angle in radians, any number of full
+    /// turns) about an axis through \p point. The shortest rotation is taken instead where \p wholeTurn is less than
+    /// half a turn, not finite, or not the rotation of \p m. \throw BadInput as above
+    Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
+
+    /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
+    /// fraction of its angle, scaling by the power. With a turn, the point goes about the pivot's axis by the fraction
+    /// of the turn, and straight by the fraction of what that leaves. 100 is the motion itself, to the bit; 0 the
+    /// identity; beyond 100 it goes on.
+    Eigen::Matrix4d At(double percent, const Eigen::Vector3d &center) const;
+
+  private:
+    void SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
+    Eigen::Matrix4d Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const;
+};
+
+/// A single vertex that is put somewhere; how the surface turns there is left to it.
+struct PointHandle {
+    std::size_t vertex;     ///< slot of a free vertex
+    Eigen::Vector3d target; ///< where it goes, mesh units
+};
+
+/// Which vertices are held and how they move.
+struct Handles {
+    std::vector<int>
+        tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
+    std::map<int, Motion> motion;   ///< of the handle tags, in the world; a handle tag without one stays where it is
+    std::vector<PointHandle> point; ///< in addition to the tags
+    /// From mesh units to the world that motions are given in and lengths are measured in: the matrix of the layer.
+    Eigen::Affine3d world = Eigen::Affine3d::Identity();
+
+    /// A motion in the world in mesh units.
+    Eigen::Matrix4d ToMesh(const Eigen::Matrix4d &motion) const;
+};
+
+/// The tag of a vertex slot that is deleted, where tags stand for themselves without a mesh.
+constexpr int noVertex = std::numeric_limits<int>::min();
+
+/// Live vertices by their tag.
+struct TagCount {
+    Index fixed = 0, handle = 0, free = 0, outside = 0;
+};
+
+/// \throw BadInput when \p tag has not one value for each of \p slots
+void ExpectTags(const std::vector<int> &tag, std::size_t slots);
+
+/// \param tag one per vertex slot \param deleted flags of slots that do not count; null: none
+TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned threads = 0);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_CARRIER_H
+#define VCG_FCD_CARRIER_H
+
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/map/moving_surface.h>
+#include <vcg_ext/map/normals.h>
+#include <vcg_ext/surface/nearest_place.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Where a pose takes the vertices of a surface, and points beside them. Refers to surface and pose.
+class Carrier {
+  public:
+    Carrier(const MovingSurface &surface, const SurfacePose &pose);
+
+    /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
+    /// \param linear how the surface turns and stretches there, mesh units
+    Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
+
+    /// The displacement of a point that is no vertex: it goes with its place on the surface, which NearestPlace finds
+    /// once for all poses.
+    /// \param place of vertex slots \param p mesh units \param linear how the surface turns and stretches there
+    /// \return mesh units; 0, to the bit, where nothing moves at the place
+    Eigen::Vector3d Displacement(const SurfacePlace &place, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
+
+    /// \param position 3 x vertex slots, mesh units; in: at rest, out: deformed. Held vertices are exact: what is fixed
+    ///        keeps its bits.
+    /// \param linear if given: how the surface turns and stretches around each vertex, mesh units, one per slot
+    void Apply(Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear = nullptr,
+               const Progress &progress = {}) const;
+
+    /// The same for any layout: rest(slot) gives the position at rest; taker() gives what takes, by a call with (slot,
+    /// position, map), the deformed ones and, where \p maps are wanted, how the surface turns and stretches there.
+    /// There is a taker for some slots each, called from several threads; it gets each slot that may move in some pose
+    /// once, and no other. ahead(slot) tells which slots come soon, for memory that is far away.
+    template <class Rest, class Taker, class Ahead>
+    void Apply(const Rest &rest, const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
+        ApplyBlocks(
+            rest, maps, progress, ahead, taker,
+            [&](auto &take, const MovingSurface::Bent *vertex, int count, const detail::Vertices &moved) {
+                for (int l = 0; l < count; ++l)
+                    take(vertex[l].slot, moved.Moved(l), maps ? moved.Linear(l) : Eigen::Matrix3f::Identity());
+            },
+            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
+                take(slot, p, map);
+            });
+    }
+
+    /// The same with normals, which turn with the surface and keep their lengths: normal(slot) gives that at rest, and
+    /// what takes is called with (slot, position, normal).
+    template <class Rest, class Normal, class Taker, class Ahead>
+    void ApplyWithNormals(const Rest &rest, const Normal &normal, const Taker &taker, const Progress &progress,
+                          const Ahead &ahead) const {
+        ApplyBlocks(
+            rest, true, progress, ahead, taker,
+            [&](auto &take, const MovingSurface::Bent *vertex, int count, detail::Vertices &moved) {
+                Eigen::Vector3d before[detail::lanes];
+                for (int l = 0; l < detail::lanes; ++l) {
+                    before[l] = normal(vertex[std::min(l, count - 1)].slot);
+                    moved.SetNormal(l, before[l]);
+                }
+                detail::TurnNormals(moved);
+                for (int l = 0; l < count; ++l)
+                    take(vertex[l].slot, moved.Moved(l), moved.turns[l] != 0 ? moved.Normal(l) : before[l]);
+            },
+            [&](auto &take, std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &map) {
+                take(slot, p, Turned(map, normal(slot)));
+            });
+    }
+
+    /// The motion of a vertex that is no node of the surface, mesh units.
+    const Eigen::Matrix4d &MatrixAt(std::size_t slot) const;
+
+  private:
+    /// Maps what may move: blocks of free vertices, for takeBlock(take, ...), and the others one by one, for takeOne.
+    template <class Rest, class Ahead, class Taker, class TakeBlock, class TakeOne>
+    void ApplyBlocks(const Rest &rest, bool maps, const Progress &progress, const Ahead &ahead, const Taker &taker,
+                     const TakeBlock &takeBlock, const TakeOne &takeOne) const {
+        const char *stage = "Mapping to the mesh";
+        const bool isSurface = moving.weights == MappingWeights::Surface; // no other part has an influence
+        const std::size_t all = moving.bent.size() + moving.carried.size(), lanes = detail::lanes;
+        const double share = all > 0 ? double(moving.bent.size()) / double(all) : 1;
+        ParallelFor(progress.Slice(0, share), stage, moving.bent.size(), 1 << 12,
+                    [&](std::size_t first, std::size_t last) {
+                        auto &&take = taker();
+                        GraphMapping::Posed::Scratch scratch;
+                        Index node[detail::lanes];
+                        for (std::size_t i = first; i < last;) {
+                            const Index patch = moving.patches.patchOf[moving.bent[i].node];
+                            int count = 0;
+                            for (std::size_t next = i + 2 * lanes; next < std::min(last, i + 3 * lanes); ++next)
+                                ahead(moving.bent[next].slot);
+                            for (; count < detail::lanes && i + count < last; ++count) {
+                                node[count] = moving.bent[i + count].node;
+                                if (moving.patches.patchOf[node[count]] != patch)
+                                    break;
+                                scratch.vertices.SetRest(count, rest(moving.bent[i + count].slot));
+                            }
+                            if (!moves || (isSurface && pose.graph.rests[patch]))
+                                scratch.vertices.Stay();
+                            else
+                                mapped.Map(node, count, maps, scratch);
+                            takeBlock(take, &moving.bent[i], count, scratch.vertices);
+                            i += count;
+                        }
+                    });
+        ParallelFor(progress.Slice(share, 1), stage, moving.carried.size(), 1 << 12,
+                    [&](std::size_t first, std::size_t last) {
+                        auto &&take = taker();
+                        Eigen::Matrix3f map;
+                        for (std::size_t c = first; c < last; ++c) {
+                            const Eigen::Vector3d p = (*this)(moving.carried[c], rest(moving.carried[c]), map);
+                            takeOne(take, moving.carried[c], p, map);
+                        }
+                    });
+        progress(1, stage);
+    }
+
+    /// The motion of a held vertex, or of a free one at the place of one.
+    const Eigen::Matrix4d &GivenAt(std::size_t slot) const;
+
+    /// The motion of each loose part, mesh units: the rigid one of its leader.
+    std::vector<Eigen::Matrix4d> LooseMotions() const;
+
+    /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
+    Eigen::Vector3d Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const;
+
+    const MovingSurface &moving;
+    const SurfacePose &pose;
+    const GraphMapping::Posed mapped;
+    const std::vector<Eigen::Matrix4d> looseMotion; // of each loose part, mesh units
+    const bool moves;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

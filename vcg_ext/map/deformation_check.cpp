@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/map/deformation_check.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matrix4d> &motion) {
+    const bool fixed = std::find(tag.begin(), tag.end(), 0) != tag.end();
+    const Eigen::Matrix4d *first = nullptr;
+    for (const auto &[t, matrix] : motion) {
+        if (t == 0 && !fixed)
+            continue;
+        if (first && !matrix.isApprox(*first, 1e-9))
+            return false;
+        first = &matrix;
+    }
+    return first && !first->isIdentity(1e-9);
+}
+
+Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag) {
+    Index count = 0;
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        count += tag[i] >= 2 && surface.nodeOf[i] >= 0 && surface.tag[surface.nodeOf[i]] != tag[i];
+    return count;
+}
+
+void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
+                           const std::vector<std::array<std::uint32_t, 2>> &apart, const Eigen::Matrix3Xd &position,
+                           DeformationCheck &check) {
+    for (const auto &edge : apart) {
+        const Eigen::Vector3d rest = frame.metric * (mesh.At(edge[0]) - mesh.At(edge[1])),
+                              posed = frame.metric *
+                                      (position.col(Eigen::Index(edge[0])) - position.col(Eigen::Index(edge[1])));
+        if (!(rest.norm() > 0))
+            continue;
+        const double ratio = posed.norm() / rest.norm();
+        check.strained += ratio <= 0.5 || ratio >= 2;
+        check.longest = std::max(check.longest, ratio);
+    }
+}
+
+Index CountFolded(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+                  const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
+                  const Progress &progress) {
+    using Eigen::Vector3d;
+    std::vector<Eigen::Matrix3d> turn;
+    turn.reserve(linear.size());
+    for (const Eigen::Matrix3d &map : linear)
+        turn.push_back(RotationOf(map));
+    std::atomic<Index> folded{0};
+    const std::size_t faces = surface.faces.size();
+    ParallelFor(progress, "Checking the result", faces, 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint32_t f = surface.faces[i];
+            std::size_t slot[3];
+            Index patch[3];
+            for (int k = 0; k < 3; ++k) {
+                slot[k] = mesh.corner[3 * std::size_t(f) + std::size_t(k)];
+                const Index node = surface.nodeOf[slot[k]];
+                patch[k] = node >= 0 ? patchOf[node] : -1;
+            }
+            const auto toWorld = [&](const Vector3d &v) { return surface.frame.ToWorld(v); };
+            const auto rest = [&](int k) { return Vector3d(mesh.At(slot[k])); };
+            const auto posed = [&](int k) { return Vector3d(position.col(Eigen::Index(slot[k]))); };
+            const Vector3d a = toWorld(rest(1) - rest(0)), b = toWorld(rest(2) - rest(0)), normal = a.cross(b);
+            if (!(normal.norm() > 1e-3 * std::max(a.squaredNorm(), b.squaredNorm())))
+                continue;
+            Vector3d turned = Vector3d::Zero();
+            for (Index each : patch)
+                if (each >= 0)
+                    turned += turn[each] * normal;
+            if (toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0)
+                ++folded;
+        }
+    });
+    return folded;
+}
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg

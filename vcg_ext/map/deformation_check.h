@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_DEFORMATION_CHECK_H
+#define VCG_FCD_DEFORMATION_CHECK_H
+
+#include <vcg_ext/handles/handles.h>
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <map>
+
+namespace vcg {
+namespace fcd {
+
+/// What in a deformation is probably not meant.
+struct DeformationCheck {
+    bool rigid = false; ///< all that is held makes one and the same motion, hence the surface does
+    Index overruled =
+        0; ///< handle vertices at the place of one that is fixed, or of a smaller tag, and held as that one
+    Index strained = 0; ///< edges that join regions held apart and get twice or half as long, or worse
+    double longest = 1; ///< the largest ratio of the length of such an edge to that at rest
+    Index folded = 0;   ///< triangles that turned over
+};
+
+namespace detail {
+
+/// Whether all held nodes make the same motion, and one that moves them. \param tag n, 1 where free \param motion of
+/// each other tag; of 0 whether there is such a node or not
+bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matrix4d> &motion);
+
+/// \param tag one per vertex slot
+Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag);
+
+/// What lies between the ends of such an edge is the edge alone, hence nothing can make up for their motions.
+/// \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
+void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
+                           const std::vector<std::array<std::uint32_t, 2>> &apart, const Eigen::Matrix3Xd &position,
+                           DeformationCheck &check);
+
+/// A triangle has turned over when its normal points away from where the patches of its corners turn it. Needles, whose
+/// normals are noise, do not count.
+Index CountFolded(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+                  const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
+                  const Progress &progress);
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

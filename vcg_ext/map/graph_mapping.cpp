@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/map/graph_mapping.h>
+#include <vcg_ext/map/mapping_candidates.h>
+#include <vcg_ext/map/run_over.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vcg {
+namespace fcd {
+
+namespace detail {
+
+static Space SpaceOf(const Frame &frame) {
+    Space space;
+    Eigen::Map<Eigen::Matrix3d>(space.toFrame) = frame.metric / frame.scale;
+    Eigen::Map<Eigen::Matrix3d>(space.fromFrame) = frame.inverseMetric * frame.scale;
+    Eigen::Map<Eigen::Matrix3d>(space.metric) = frame.metric;
+    Eigen::Map<Eigen::Matrix3d>(space.inverseMetric) = frame.inverseMetric;
+    space.isSame = frame.isSame;
+    return space;
+}
+
+} // namespace detail
+
+GraphMapping::GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
+                           const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
+                           const Progress &progress, const ShapeConstants &shape, bool isPrinted)
+    : surface(surface), tag(tag), patches(patches), graph(graph), isPrinted(isPrinted),
+      candidates(std::make_unique<MappingCandidates>(patches, graph, weights, isPrinted ? 1 : influence,
+                                                     progress.Slice(0, 0.2), shape)),
+      runOver(std::make_unique<RunOver>(surface, tag, patches, graph, isPrinted ? 0 : fade, progress.Slice(0.2, 1),
+                                        shape)) {}
+
+GraphMapping::~GraphMapping() = default;
+
+Eigen::Vector3d GraphMapping::Posed::operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3f *linear) const {
+    if (mapping.tag[node] != 1) {
+        const Eigen::Affine3d &held = motion.at(mapping.tag[node]);
+        if (linear)
+            *linear = held.linear().cast<float>();
+        return held * p;
+    }
+    thread_local Scratch scratch;
+    scratch.vertices.SetRest(0, p);
+    Map(&node, 1, linear != nullptr, scratch);
+    if (linear)
+        *linear = scratch.vertices.Linear(0);
+    return scratch.vertices.Moved(0);
+}
+
+void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch &scratch) const {
+    const Index patch = mapping.patches.patchOf[node[0]];
+    detail::Vertices &vertices = scratch.vertices;
+    vertices.Fill(count);
+    if (mapping.isPrinted) {
+        for (int l = 0; l < detail::lanes; ++l)
+            MapAsPrinted(node[std::min(l, count - 1)], l, linear, vertices);
+        return;
+    }
+    PutCandidates(patch, scratch);
+    detail::Blending &b = scratch.blending;
+    for (int l = 0; l < detail::lanes; ++l)
+        for (int d = 0; d < 3; ++d)
+            b.x[d][l] = mapping.surface.position(d, node[std::min(l, count - 1)]);
+    detail::Blend(b);
+    detail::Carry(b, own[patch], space, linear, vertices);
+    bool isStrainKnown = false;
+    for (int l = 0; l < count; ++l) {
+        if (mapping.runOver->begin[node[l]] == mapping.runOver->begin[node[l] + 1])
+            continue;
+        if (!isStrainKnown)
+            SumStrain(scratch);
+        isStrainKnown = true;
+        RunIntoHeld(node[l], l, linear, scratch);
+    }
+}
+
+/// Eqs. 7 and 8. Where they leave no weight, as at the farthest vertex of a patch, its own node has all.
+void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const {
+    const Csr &nodes = mapping.candidates->nodes;
+    const Index patch = mapping.patches.patchOf[node];
+    const Eigen::Vector3d rest = vertices.Rest(lane);
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+    double total = 0;
+    const auto add = [&](Index j, double weight) {
+        const Eigen::Map<const Eigen::Matrix3d> its(own[j].turn);
+        shift += weight * (its * (rest - Eigen::Map<const Eigen::Vector3d>(own[j].center)) +
+                           Eigen::Map<const Eigen::Vector3d>(own[j].shift));
+        turn += weight * its;
+        total += weight;
+    };
+    for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {
+        const detail::Ball &ball = mapping.candidates->ball[c];
+        const Eigen::Vector3f way = mapping.surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
+        const double left = 1 - std::sqrt(double(way.squaredNorm()) * ball.inverse);
+        if (left > 0)
+            add(ball.node, left * left);
+    }
+    if (total == 0)
+        add(patch, 1);
+    vertices.SetMoved(lane, rest + shift / total);
+    if (linear)
+        vertices.SetLinear(lane, (Eigen::Matrix3d::Identity() + turn / total).cast<float>());
+}
+
+void GraphMapping::Posed::PutCandidates(Index patch, Scratch &scratch) const {
+    const MappingCandidates &all = *mapping.candidates;
+    const std::uint32_t first = all.nodes.begin[patch], end = all.nodes.begin[patch + 1];
+    detail::Blending &b = scratch.blending;
+    b.ball = all.ball.data() + first;
+    b.term = reinterpret_cast<const float(*)[detail::terms]>(term.data() + std::size_t(first) * detail::terms);
+    b.n = end - first;
+    b.whole = all.partial[patch] - first;
+    b.shareBall = all.nearby[patch].data();
+    b.share = all.shares.data() + all.sharesBegin[patch];
+    b.m = all.nearby[patch].size();
+    b.weight = Scratch::Rows(scratch.weight, b.n);
+    b.shareWeight = Scratch::Rows(scratch.shareWeight, b.m);
+    b.active = Scratch::AtLeast(scratch.active, b.n);
+    b.shareActive = Scratch::AtLeast(scratch.shareActive, b.m);
+}
+
+/// How the nodes stretch the surface, weighed as they were.
+void GraphMapping::Posed::SumStrain(Scratch &scratch) const {
+    const detail::Blending &b = scratch.blending;
+    auto *strainOf =
+        reinterpret_cast<float(*)[detail::terms]>(Scratch::AtLeast(scratch.strainTerm, b.n * detail::terms));
+    for (std::size_t a = 0; a < b.used; ++a)
+        std::copy_n(nodeStrain[b.ball[b.active[a]].node].data(), 9, strainOf[b.active[a]]);
+    detail::SumTerms(b, strainOf, scratch.strain);
+}
+
+/// Blends the motion of a vertex with those of the held regions nearby. \pre SumStrain
+void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const {
+    detail::Vertices &vertices = scratch.vertices;
+    const float blended = scratch.blending.sum[15][lane], inverse = blended > 0 ? 1 / blended : 0;
+    Eigen::Matrix3f strain;
+    for (int d = 0; d < 9; ++d)
+        strain.data()[d] = scratch.strain[d][lane] * inverse;
+    const Eigen::Vector3d rest = vertices.Rest(lane);
+    const Eigen::Map<const Eigen::Matrix3d> fromFrame(space.fromFrame);
+    double total = 1;
+    for (std::uint32_t h = mapping.runOver->begin[node]; h < mapping.runOver->begin[node + 1]; ++h)
+        total += mapping.runOver->held[h].share;
+    Eigen::Vector3d moved = vertices.Moved(lane) / total;
+    Eigen::Matrix3d map = vertices.Linear(lane).cast<double>() / total;
+    for (std::uint32_t h = mapping.runOver->begin[node]; h < mapping.runOver->begin[node + 1]; ++h) {
+        // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
+        const RunOver::Held &held = mapping.runOver->held[h];
+        const Eigen::Affine3d &its = *heldMotion[held.index];
+        const double share = held.share / total;
+        moved += share * (its * (rest + fromFrame * (strain * held.away).cast<double>()));
+        map += share * its.linear();
+    }
+    vertices.SetMoved(lane, moved);
+    if (linear)
+        vertices.SetLinear(lane, map.cast<float>());
+}
+
+GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
+                           const std::map<Index, Eigen::Affine3d> &inFrame, const Frame &frame)
+    : mapping(mapping), own(mapping.graph.Size()), nodeStrain(mapping.graph.Size()),
+      term(mapping.candidates->nodes.item.size() * detail::terms), space(detail::SpaceOf(frame)) {
+    for (const auto &[tag, each] : inFrame)
+        motion[tag] = each.matrix().isIdentity(0) ? each : Eigen::Affine3d(frame.FromFrame(each));
+    for (Index t : mapping.runOver->heldTag)
+        heldMotion.push_back(&motion.at(t));
+    ParallelFor(0, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
+        for (Index j = Index(first); j < Index(last); ++j) {
+            SetOwn(j, pose, frame);
+            SetTerms(j, pose);
+        }
+    });
+}
+
+Eigen::Vector3d GraphMapping::Posed::RestOf(Index j) const {
+    return mapping.graph.graph.position.col(j).cast<double>();
+}
+
+void GraphMapping::Posed::SetOwn(Index j, const GraphPose &pose, const Frame &frame) {
+    const Eigen::Matrix3d turn = pose.linear[j] - Eigen::Matrix3d::Identity();
+    Eigen::Map<Eigen::Vector3d>(own[j].center) = frame.FromFrame(RestOf(j));
+    Eigen::Map<Eigen::Vector3d>(own[j].shift) =
+        Eigen::Map<const Eigen::Matrix3d>(space.fromFrame) * (pose.position.col(j) - RestOf(j));
+    Eigen::Map<Eigen::Matrix3d>(own[j].turn) =
+        space.isSame ? turn : Eigen::Matrix3d(frame.inverseMetric * turn * frame.metric);
+    const Eigen::Matrix3d stretch = detail::RotationOf(pose.linear[j]).transpose() * pose.linear[j];
+    nodeStrain[j] = (stretch - Eigen::Matrix3d::Identity()).cast<float>();
+}
+
+/// Of the candidates of a patch.
+void GraphMapping::Posed::SetTerms(Index patch, const GraphPose &pose) {
+    const Csr &nodes = mapping.candidates->nodes;
+    for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {
+        const Index j = nodes.item[c];
+        const Eigen::Matrix3d linear = pose.linear[j] - pose.linear[patch];
+        const Eigen::Vector3d way = RestOf(j) - RestOf(patch);
+        const Eigen::Vector3d shift =
+            pose.position.col(j) - pose.position.col(patch) - 0.5 * (pose.linear[j] + pose.linear[patch]) * way;
+        Eigen::Map<Eigen::Matrix<float, detail::terms, 1>> terms(term.data() + std::size_t(c) * detail::terms);
+        terms << linear.col(0).cast<float>(), linear.col(1).cast<float>(), linear.col(2).cast<float>(),
+            shift.cast<float>(), way.cast<float>(), 1.f;
+    }
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/map/moving_surface.h>
+
+namespace vcg {
+namespace fcd {
+
+void MovingSurface::FindMoving(const std::vector<std::size_t> &point, const Progress &progress) {
+    const char *stage = "Preparing the mapping";
+    const std::size_t grain = 1 << 14, count = surface.slots.size(), chunks = (count + grain - 1) / grain;
+    std::vector<std::size_t> begin(chunks + 1, 0);
+    const auto isBent = [&](std::size_t i) {
+        const Index node = surface.nodeOf[surface.slots[i]];
+        return node >= 0 && held.tag[node] == 1;
+    };
+    ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            begin[first / grain + 1] += isBent(i);
+    });
+    for (std::size_t c = 0; c < chunks; ++c)
+        begin[c + 1] += begin[c];
+    AssignLarge(bent, begin[chunks], Bent{0, 0});
+    ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
+        std::vector<std::pair<Index, Bent>> here; // by patch
+        here.reserve(last - first);
+        std::map<Index, std::size_t> next; // of each patch: where its next one goes
+        for (std::size_t i = first; i < last; ++i)
+            if (isBent(i)) {
+                const Index node = surface.nodeOf[surface.slots[i]];
+                here.push_back({patches.patchOf[node], {surface.slots[i], node}});
+                ++next[here.back().first];
+            }
+        std::size_t at = begin[first / grain];
+        for (auto &each : next)
+            each.second = std::exchange(at, at + each.second);
+        for (const auto &each : here)
+            bent[next[each.first]++] = each.second;
+    });
+
+    std::vector<char> isPoint; // one per slot, where there is any
+    for (std::size_t i : point) {
+        isPoint.resize(slotTag.size(), 0);
+        isPoint[i] = 1;
+    }
+    const auto isCarried = [&](std::size_t i) {
+        const Index node = surface.nodeOf[i];
+        if (node >= 0)
+            return held.tag[node] != 1 && !held.IsFixed(held.tag[node]);
+        if (slotTag[i] != 1)
+            return slotTag[i] > 1;
+        return (!loose.partOf.empty() && loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
+    };
+    carried = CollectInOrder<std::uint32_t>(progress, stage, Index(slotTag.size()),
+                                            [&](Index i, std::vector<std::uint32_t> &found) {
+                                                if (isCarried(std::size_t(i)))
+                                                    found.push_back(std::uint32_t(i));
+                                            });
+}
+
+} // namespace fcd
+} // namespace vcg

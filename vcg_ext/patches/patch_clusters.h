@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_PATCH_CLUSTERS_H
+#define VCG_FCD_PATCH_CLUSTERS_H
+
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/patches/lloyd.h>
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/morton.h>
+#include <vcg_ext/base/progress.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// What progress reports.
+constexpr const char *samplingStage = "Sampling patches";
+
+/// Nodes of \p graph that take part joined into small connected clusters: the components of the cells of a regular
+/// grid.
+struct Clusters {
+    Graph graph;                  ///< a node per cluster, at its barycentre; edges where clusters touch
+    std::vector<Index> clusterOf; ///< of each node, -1 for one that does not take part
+    std::vector<float> mass;      ///< of the nodes of each cluster
+    std::vector<float> extent;    ///< distance from the barycentre to the farthest node
+};
+
+/// The cells of a regular grid that hold the nodes, which must be in Morton order.
+/// \param bits the cells' side is 2^-bits
+/// \return the first node of each cell, and the number of nodes
+inline std::vector<Index> CellBegins(const Graph &graph, int bits, const Progress &progress) {
+    const int shift = 30 - 3 * bits;
+    auto code = [&](Index u) {
+        return MortonCode(graph.position(0, u), graph.position(1, u), graph.position(2, u)) >> shift;
+    };
+    std::vector<Index> begin = CollectInOrder(progress, samplingStage, graph.Size(), [&](Index u, auto &begins) {
+        if (u == 0 || code(u) != code(u - 1))
+            begins.push_back(u);
+    });
+    begin.push_back(graph.Size());
+    return begin;
+}
+
+/// Joins the nodes that take part and are connected inside their cell.
+/// \param cellBegin of CellBegins
+/// \param clusterOf of each node, counted from the first one of its cell; -1 for one that does not take part
+/// \return the number of the first cluster of each cell, and that of all clusters
+inline std::vector<Index> JoinInCells(const Lloyd &nodes, const std::vector<Index> &cellBegin,
+                                      std::vector<Index> &clusterOf, const Progress &progress) {
+    const auto takesPart = [&](Index u) { return nodes.grower.TakesPart(u); };
+    const std::size_t cells = cellBegin.size() - 1;
+    AssignLarge(clusterOf, nodes.graph.Size(), Index(0));
+    std::vector<Index> clusterBegin(cells + 1, 0);
+    ParallelFor(progress, samplingStage, cells, 256, [&](std::size_t first, std::size_t last) {
+        std::vector<Index> parent; // of each node of a cell, towards the first node of its component
+        for (std::size_t cell = first; cell < last; ++cell) {
+            const Index lo = cellBegin[cell], hi = cellBegin[cell + 1];
+            auto root = [&](Index i) {
+                while (parent[i] != i)
+                    i = parent[i] = parent[parent[i]];
+                return i;
+            };
+            parent.resize(hi - lo);
+            for (Index u = lo; u < hi; ++u) {
+                Index top = parent[u - lo] = u - lo;
+                if (!takesPart(u))
+                    continue;
+                for (Index v : nodes.graph.adjacency[u]) {
+                    if (v >= u) // neighbours are ascending
+                        break;
+                    if (v < lo || !takesPart(v))
+                        continue;
+                    const Index other = root(v - lo);
+                    parent[std::max(top, other)] = std::min(top, other);
+                    top = std::min(top, other);
+                }
+            }
+            Index found = 0;
+            for (Index u = lo; u < hi; ++u) // ascending: the parent's number is known
+                clusterOf[u] = !takesPart(u) ? -1 : parent[u - lo] == u - lo ? found++ : clusterOf[lo + parent[u - lo]];
+            clusterBegin[cell + 1] = found;
+        }
+    });
+    for (std::size_t cell = 0; cell < cells; ++cell)
+        clusterBegin[cell + 1] += clusterBegin[cell];
+    return clusterBegin;
+}
+
+/// Barycentre, mass and extent of the clusters, from the nodes of each cell.
+inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBegin,
+                            const std::vector<Index> &clusterBegin, Clusters &c, const Progress &progress) {
+    const Graph &graph = nodes.graph;
+    const Index clusters = clusterBegin.back();
+    c.graph.position = Eigen::Matrix3Xf::Zero(3, clusters);
+    c.mass.assign(clusters, 0);
+    c.extent.assign(clusters, 0);
+    ParallelFor(progress, samplingStage, cellBegin.size() - 1, 256, [&](std::size_t first, std::size_t last) {
+        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            if (c.clusterOf[u] < 0)
+                continue;
+            const float mass = std::max(nodes.mass[u], 1e-30f); // a cluster of nodes without mass has a place, too
+            c.graph.position.col(c.clusterOf[u]) += mass * graph.position.col(u);
+            c.mass[c.clusterOf[u]] += mass;
+        }
+        for (Index i = clusterBegin[first]; i < clusterBegin[last]; ++i)
+            c.graph.position.col(i) /= c.mass[i];
+        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+            if (c.clusterOf[u] < 0)
+                continue;
+            float &e = c.extent[c.clusterOf[u]];
+            e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm() +
+                                (nodes.extent.empty() ? 0 : nodes.extent[u]));
+        }
+    });
+}
+
+/// \param bits the cells' side is 2^-bits; the nodes must be in Morton order
+inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progress) {
+    Clusters c;
+    const std::vector<Index> cellBegin = CellBegins(nodes.graph, bits, progress.Slice(0, 0.1));
+    const std::vector<Index> clusterBegin = JoinInCells(nodes, cellBegin, c.clusterOf, progress.Slice(0.1, 0.4));
+    ParallelFor(progress.Slice(0.4, 0.5), samplingStage, cellBegin.size() - 1, 256,
+                [&](std::size_t first, std::size_t last) {
+                    for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
+                        while (u >= cellBegin[first + 1])
+                            ++first;
+                        if (c.clusterOf[u] >= 0)
+                            c.clusterOf[u] += clusterBegin[first];
+                    }
+                });
+    MeasureClusters(nodes, cellBegin, clusterBegin, c, progress.Slice(0.5, 0.7));
+    c.graph.adjacency =
+        QuotientGraph(nodes.graph.adjacency, c.clusterOf, clusterBegin.back(), progress.Slice(0.7, 1), samplingStage);
+    return c;
+}
+
+/// Takes the nodes at the borders of the patches out of them, to be grown anew: those of a cluster stay where no
+/// neighbouring cluster is in another patch and clusters of which the same is true lead to the patch's centre.
+/// \param lloyd of the nodes, with the patches of the clusters and their centres \param patchOf of each cluster
+/// \return the nodes of clusters that stay beside one that does not
+inline std::vector<Index> ClearBorders(Lloyd &lloyd, const Clusters &clusters, const std::vector<Index> &patchOf,
+                                       const Progress &progress) {
+    const Index count = clusters.graph.Size();
+    const Csr &adjacency = clusters.graph.adjacency;
+    std::vector<char> inner(count), kept(count, 0), front(count, 0);
+    for (Index c = 0; c < count; ++c) {
+        inner[c] = 1;
+        for (Index n : adjacency[c])
+            inner[c] &= patchOf[n] == patchOf[c];
+    }
+    std::vector<Index> stack;
+    for (const Center &center : lloyd.center) {
+        stack.assign(1, clusters.clusterOf[center.node]);
+        while (!stack.empty()) {
+            const Index c = stack.back();
+            stack.pop_back();
+            if (!inner[c] || kept[c])
+                continue;
+            kept[c] = 1;
+            for (Index n : adjacency[c])
+                stack.push_back(n);
+        }
+    }
+    for (Index c = 0; c < count; ++c)
+        for (Index n : adjacency[c])
+            front[c] |= kept[c] && !kept[n];
+    return CollectInOrder(progress, samplingStage, lloyd.graph.Size(), [&](Index u, auto &nodes) {
+        const Index c = clusters.clusterOf[u];
+        if (c < 0)
+            return;
+        if (!kept[c])
+            lloyd.grower.patchOf[u] = -1;
+        else if (front[c])
+            nodes.push_back(u);
+    });
+}
+
+/// Lloyd's iteration on clusters of the nodes instead of the nodes: close to the patches wanted, at a fraction of the
+/// cost. It is itself begun on coarser clusters. Leaves \p lloyd with grown patches and centres. Does nothing (and
+/// leaves no centres) where there are not enough nodes to a cluster or clusters to a patch.
+/// \param bits the finest cells tried have a side of 2^-bits, the coarsest of 2^-leastBits
+/// \return the bits of the finest cells used where the iteration has converged, else 0
+inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const PatchParam &param, int bits,
+                          int leastBits, std::vector<SamplingStep> &history, const Progress &progress) {
+    if (bits < leastBits)
+        return 0;
+    const Graph &graph = lloyd.graph;
+    const Clusters clusters = MakeClusters(lloyd, bits, progress.Slice(0, 0.3));
+    const Index count = clusters.graph.Size();
+    if (count == 0 || count < 8 * Index(seed.size()))
+        return 0;
+    if (count > graph.Size() / 3)
+        return SampleClusters(lloyd, seed, param, bits - 1, leastBits, history, progress.Slice(0.3, 1));
+    progress(0.3, samplingStage);
+    std::vector<Index> clusterSeed;
+    const std::vector<Index> allTakePart;
+    Lloyd coarse(clusters.graph, allTakePart, clusters.mass, progress.threads);
+    coarse.extent = clusters.extent;
+    for (float &e : coarse.extent)
+        e *= 0.8f; // few nodes lie straight behind their cluster's barycentre
+    std::vector<bool> taken(count, false);
+    for (Index s : seed)
+        if (!taken[clusters.clusterOf[s]]) {
+            taken[clusters.clusterOf[s]] = true;
+            clusterSeed.push_back(clusters.clusterOf[s]);
+        }
+    SampleClusters(coarse, clusterSeed, param, bits - 1, leastBits, history, progress.Slice(0.3, 0.5));
+    if (coarse.center.empty())
+        for (Index s : clusterSeed)
+            coarse.center.push_back({s, clusters.graph.position.col(s)});
+    const bool converged = coarse.Iterate(param, history, progress.Slice(0.5, 0.6));
+
+    // On to the nodes: the one nearest each patch's barycentre.
+    const std::vector<Index> &patchOfCluster = coarse.grower.patchOf;
+    std::vector<Index> &patchOf = lloyd.grower.patchOf;
+    patchOf.resize(graph.Size());
+    ParallelFor(progress.Slice(0.6, 0.65), samplingStage, patchOf.size(), 1 << 16,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t u = first; u < last; ++u)
+                        patchOf[u] = clusters.clusterOf[u] < 0 ? -1 : patchOfCluster[clusters.clusterOf[u]];
+                });
+    // The last step of the iteration may have added centres; they come with the nodes' own iteration.
+    lloyd.center.resize(1 + *std::max_element(patchOfCluster.begin(), patchOfCluster.end()));
+    lloyd.UpdateCenters();
+    const std::vector<Index> front = ClearBorders(lloyd, clusters, patchOfCluster, progress.Slice(0.65, 0.7));
+    lloyd.grower.GrowFrom(front, lloyd.center, param.targetRadius / 128, progress.Slice(0.7, 1));
+    progress(1, samplingStage);
+    lloyd.UpdateCenters();
+    return converged ? bits : 0;
+}
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

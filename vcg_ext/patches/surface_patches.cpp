@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/patches/surface_patches.h>
+
+#include <cmath>
+
+namespace vcg {
+namespace fcd {
+
+void GraphParam::Validate() const {
+    if (!(targetRadius >= 0) || std::isinf(targetRadius))
+        throw BadInput("The target radius must be 0 (automatic) or a positive, finite length.");
+    if (initialPatches < 1)
+        throw BadInput("The number of initial patches must be at least 1.");
+    if (maxIterations < 1)
+        throw BadInput("The maximum number of iterations must be at least 1.");
+    if (!(tolerance >= 0 && tolerance < 1))
+        throw BadInput("The tolerance of the patches must be at least 0 and below 1.");
+}
+
+double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius) {
+    if (param.targetRadius > 0)
+        return param.targetRadius / surface.frame.scale;
+    const double automatic = patchRadius * std::sqrt(surface.area / param.initialPatches);
+    return automatic > 0 ? automatic : surface.averageEdge > 0 ? surface.averageEdge : 1; // no surface
+}
+
+Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
+                      const Progress &progress) {
+    PatchParam p;
+    p.targetRadius = D;
+    p.initialPatches = param.initialPatches;
+    p.maxIterations = param.maxIterations;
+    p.tolerance = param.tolerance;
+    p.randomSeed = param.randomSeed;
+    static const std::vector<float> none;
+    return SamplePatches(surface.graph, tag, param.measure == PatchMeasure::Area ? surface.nodeArea : none, p,
+                         progress);
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_DEFORMER_H
+#define VCG_FCD_GRAPH_DEFORMER_H
+
+#include <vcg_ext/solve/anderson.h>
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/solve/graph_energy.h>
+#include <vcg_ext/solve/graph_laplacian.h>
+#include <vcg_ext/solve/graph_pose.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+#include <vcg_ext/solve/solver_param.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/shape_constants.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// SR-ARAP on a graph (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6 with the local step corrected: S_i sums
+/// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
+///
+/// Edges between a held and a free patch end at their border, where the held patch's motion begins; its rotation is an
+/// unknown as that of a free node, held by the region behind it. A component of the graph without a constrained node is
+/// not part of the system; its nodes come back at rest.
+class GraphDeformer {
+  public:
+    /// \param constrained k flags: the node's position is given, and its rotation with it
+    /// \param area A, frame units^2
+    /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free
+    /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
+    ///        frame units^2, infinite for a region that goes on
+    /// \param heldDepth as in ShapeConstants
+    /// \throw BadInput when the system cannot be factorised
+    GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
+                  const std::vector<bool> &turns = {}, const std::vector<double> &heldArea = {},
+                  double heldDepth = ShapeConstants().heldDepth)
+        : graph(graph), area(area), unknown(graph.graph.adjacency, constrained, turns),
+          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown) {
+        for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
+            edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
+    }
+
+    /// Whether node \p i is in a component with a constrained node.
+    bool IsHeld(Index i) const { return unknown.IsHeld(i); }
+    Index Components() const { return Index(unknown.held.size()); }
+    Index LooseComponents() const { return Index(std::count(unknown.held.begin(), unknown.held.end(), false)); }
+
+    /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
+    ///        rotation is only where the iteration begins
+    /// \param last a pose of this graph to go on from, such as the last one of an animation, so that the shape changes
+    ///        as steadily as the motions do; null to begin at rest
+    /// \param lastMotion k, the motions of that pose; not read without it
+    GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param, const Progress &progress = {},
+                    const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const {
+        const Index k = graph.Size();
+        GraphPose pose;
+        pose.linear.assign(k, Eigen::Matrix3d::Identity());
+        for (Index i = 0; i < k; ++i)
+            if (unknown.constrained[i])
+                pose.linear[i] = motion[i].linear();
+        State state = InitialGuess(motion, last, lastMotion);
+        if (unknown.rotation.empty()) {
+            pose.nodeEnergy.assign(k, 0);
+        } else {
+            const Given given(energy, motion, state, param.smoothness * area);
+            Minimise(given, param, state, pose, progress);
+            pose.energy = state.energy;
+            pose.nodeEnergy = energy.Shares(state, given);
+        }
+        pose.position = std::move(state.position);
+        for (Index i : unknown.rotation)
+            pose.linear[i] = state.rotation[i];
+        return pose;
+    }
+
+  private:
+    using State = detail::GraphEnergy::State;
+    using Given = detail::GraphEnergy::Given;
+
+    /// The motions of the constrained nodes since the last pose, interpolated by the bi-Laplacian. One motion of all is
+    /// met exactly.
+    State InitialGuess(const std::vector<Eigen::Affine3d> &motion, const GraphPose *last,
+                       const std::vector<Eigen::Affine3d> &lastMotion) const {
+        using Matrix34d = Eigen::Matrix<double, 3, 4>;
+        const Index k = graph.Size();
+        const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
+        const Eigen::Matrix3Xd &before = last ? last->position : rest; // where the motions below begin
+        State state{rest, std::vector<Eigen::Matrix3d>(k, Eigen::Matrix3d::Identity()), {}, 0};
+        std::vector<Eigen::Matrix3d> &rotation = state.rotation;
+        if (last)
+            for (Index i = 0; i < k; ++i)
+                rotation[i] = detail::RotationOf(last->linear[i]);
+        // What the motions of the constrained nodes differ by from that of the first one. Without that, what they have
+        // in common would be as inexact as the solution where a node hardly hangs on the others.
+        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12);
+        Matrix34d common = Matrix34d::Identity();
+        bool isFirst = true;
+        for (Index i = 0; i < k; ++i)
+            if (unknown.constrained[i]) {
+                state.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
+                const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
+                rotation[i] = last && unknown.turns[i] ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
+                                                       : detail::RotationOf(motion[i].linear());
+                if (isFirst)
+                    common = way.matrix().topRows<3>();
+                isFirst = false;
+                const Matrix34d m = way.matrix().topRows<3>() - common;
+                change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
+            }
+        const Eigen::MatrixXd guess = laplacian.Interpolate(change);
+        for (std::size_t u = 0; u < unknown.position.size(); ++u) {
+            const Index i = unknown.position[u];
+            const Eigen::Matrix<double, 1, 12> row = guess.row(Eigen::Index(u));
+            const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + common;
+            state.position.col(i) = m * before.col(i).homogeneous();
+            const Eigen::Matrix3d turn = detail::RotationOf(m.leftCols<3>());
+            rotation[i] = last ? Eigen::Matrix3d(turn * rotation[i]) : turn;
+        }
+        for (const Eigen::Matrix3d &r : rotation)
+            state.quaternion.push_back(detail::ToQuaternion(r));
+        return state;
+    }
+
+    /// Takes local and global steps until \p state is at rest. Counts them in \p pose.
+    void Minimise(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
+                  const Progress &progress) const {
+        // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
+        const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
+        const double still = 10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+        state.energy = energy.Of(state, given);
+        State stepped = state, mixed = state;
+        const std::size_t size = 3 * unknown.position.size() + 4 * unknown.rotation.size();
+        detail::Anderson anderson(size);
+        Eigen::VectorXd here(size), after(size);
+        Work work{std::vector<Eigen::Matrix3d>(graph.Size()), Eigen::Matrix3Xd(3, unknown.position.size())};
+        pose.converged = false;
+        for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
+            if ((pose.iterations & 15) == 0)
+                progress(1 - std::exp(-4.0 * pose.iterations / param.maxIterations), "Deforming the graph");
+            Step(state, given, stepped, work);
+            const double moved = LargestMove(state, stepped);
+            if (!param.accelerated) {
+                pose.converged = moved <= 0.1 * still;
+                std::swap(state, stepped);
+                state.energy = energy.Of(state, given);
+                continue;
+            }
+            // Accelerated step, where it lowers the energy; the plain one always does.
+            Pack(state, here);
+            Pack(stepped, after);
+            anderson.Mix(here, after);
+            pose.converged = moved == 0 || moved <= (1 - anderson.Contraction()) * still;
+            Unpack(after, mixed);
+            mixed.energy = energy.Of(mixed, given);
+            if (mixed.energy < state.energy) {
+                std::swap(state, mixed);
+            } else {
+                std::swap(state, stepped);
+                state.energy = energy.Of(state, given);
+            }
+        }
+    }
+
+    struct Work {
+        std::vector<Eigen::Matrix3d> s; // k, of Eq. 5
+        Eigen::Matrix3Xd solved;        // of Eq. 6: a column per unknown position in the order of the factorisation
+    };
+
+    /// One local and one global step. The energy cannot rise.
+    void Step(const State &x, const Given &given, State &y, Work &work) const {
+        energy.FitRotations(x, given, y, work.s);
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            work.solved.col(laplacian.ColumnOf(u)) = energy.RightSide(u, y, given);
+        laplacian.Solve(work.solved);
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            y.position.col(unknown.position[u]) = work.solved.col(laplacian.ColumnOf(u));
+    }
+
+    /// How far a node moved at most; where its position is given, by how much it turned, times the length of an edge.
+    double LargestMove(const State &x, const State &y) const {
+        double moved = 0;
+        for (Index i : unknown.position)
+            moved = std::max(moved, (y.position.col(i) - x.position.col(i)).squaredNorm());
+        for (Index i : unknown.rotation)
+            if (unknown.constrained[i]) // the others' turn shows in how they move
+                moved = std::max(moved, (y.rotation[i] - x.rotation[i]).squaredNorm() * edgeLength * edgeLength);
+        return std::sqrt(moved);
+    }
+
+    /// The unknowns as one vector: positions, and quaternions times twice the length of an edge, so that both weigh
+    /// about the same.
+    void Pack(const State &x, Eigen::VectorXd &v) const {
+        double *at = v.data();
+        for (Index i : unknown.position) {
+            Eigen::Map<Eigen::Vector3d> p(at);
+            p = x.position.col(i);
+            at += 3;
+        }
+        for (Index i : unknown.rotation) {
+            Eigen::Map<Eigen::Vector4d> r(at);
+            r = x.quaternion[i] * (2 * edgeLength);
+            at += 4;
+        }
+    }
+    void Unpack(const Eigen::VectorXd &v, State &x) const {
+        const double *at = v.data();
+        for (Index i : unknown.position) {
+            x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
+            at += 3;
+        }
+        for (Index i : unknown.rotation) {
+            x.quaternion[i] = Eigen::Map<const Eigen::Vector4d>(at).stableNormalized();
+            x.rotation[i] = detail::ToMatrix(x.quaternion[i]);
+            at += 4;
+        }
+    }
+
+    const DeformationGraph &graph;
+    double area;
+    detail::GraphUnknowns unknown;
+    detail::GraphEnergy energy;
+    detail::GraphLaplacian laplacian;
+    double edgeLength = 0; // mean
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

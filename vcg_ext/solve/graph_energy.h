@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_ENERGY_H
+#define VCG_FCD_GRAPH_ENERGY_H
+
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+#include <vcg_ext/base/rotation_fit.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// The energy of SR-ARAP on a deformation graph of k nodes (Eq. 2), and what minimises it: the best rotations at given
+/// positions (Eq. 5), and the right side of the linear system for the best positions at given rotations (Eq. 6).
+class GraphEnergy {
+  public:
+    /// What the energy is a function of.
+    struct State {
+        Eigen::Matrix3Xd position;               ///< 3 x k
+        std::vector<Eigen::Matrix3d> rotation;   ///< k
+        std::vector<Eigen::Vector4d> quaternion; ///< k, of the rotations
+        double energy;
+    };
+
+    /// What a pose gives.
+    struct Given {
+        double smooth;                       ///< alpha A
+        std::vector<Eigen::Matrix3d> anchor; ///< k, of held nodes that turn: the rotation of what holds them
+        std::vector<Eigen::Vector4d> anchorQuaternion;
+        std::vector<double> hold;            ///< k, how strongly it holds: the w of Eq. 2
+        std::vector<Eigen::Matrix3d> linear; ///< k, of nodes whose rotation is given; may scale
+        std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes hold
+        std::vector<Eigen::Vector3d> to;     ///< them
+        Eigen::MatrixX3d right;              ///< of the global step: what the constrained ends contribute
+        double energy = 0;                   ///< of the edges between nodes whose rotations are given
+
+        Given(const GraphEnergy &g, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
+            : smooth(smooth), linear(motion.size()), from(g.edge.size()), to(g.edge.size()),
+              right(Eigen::MatrixX3d::Zero(Eigen::Index(g.unknown.position.size()), 3)) {
+            const double depth = std::sqrt(g.heldDepth * smooth);
+            anchor = x.rotation;
+            anchorQuaternion = x.quaternion;
+            hold.assign(g.graph.Size(), 0);
+            for (Index i = 0; i < g.graph.Size(); ++i) {
+                if (!g.unknown.turns[i] || !(g.heldArea[i] > 0) || !(depth > 0))
+                    continue;
+                anchor[i] = RotationOf(motion[i].linear());
+                anchorQuaternion[i] = ToQuaternion(anchor[i]);
+                double border = 0;
+                for (std::uint32_t e = g.Begin(i); e < g.Begin(i + 1); ++e)
+                    border += g.graph.weight[e] * g.graph.edge.col(e).norm();
+                hold[i] = std::min(border / depth, g.heldArea[i] / (depth * depth));
+            }
+            const auto rest = [&](Index i) { return g.graph.graph.position.col(i).template cast<double>(); };
+            for (Index i = 0; i < g.graph.Size(); ++i) {
+                linear[i] = motion[i].linear();
+                for (std::uint32_t e = g.Begin(i); e < g.Begin(i + 1); ++e) {
+                    const Index j = g.Neighbour(e);
+                    const Eigen::Vector3d way = g.graph.edge.col(e).cast<double>();
+                    from[e] = g.graph.IsHeld(i) ? Eigen::Vector3d(motion[i] * (rest(j) + way))
+                                                : Eigen::Vector3d(x.position.col(i));
+                    to[e] = g.graph.IsHeld(j) ? Eigen::Vector3d(motion[j] * (rest(i) - way))
+                                              : Eigen::Vector3d(x.position.col(j));
+                    if (g.unknown.numberOf[i] >= 0 && g.unknown.constrained[j])
+                        right.row(g.unknown.numberOf[i]) += g.graph.weight[e] * to[e].transpose();
+                }
+            }
+            for (std::size_t p = g.openPairs; p < g.pairs.size(); ++p)
+                energy += g.PairEnergy(g.pairs[p], x, *this).sum();
+        }
+    };
+
+    /// \param heldArea k values, or empty for 0 \param heldDepth as GraphDeformer takes them
+    GraphEnergy(const DeformationGraph &graph, const GraphUnknowns &unknown, const std::vector<double> &heldArea,
+                double heldDepth)
+        : graph(graph), unknown(unknown), heldArea(heldArea), heldDepth(heldDepth) {
+        const Index k = graph.Size();
+        this->heldArea.resize(k, 0);
+        edge.resize(graph.weight.size());
+        stay.assign(k, 0);
+        for (Index i = 0; i < k; ++i)
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
+                const Eigen::Vector3d d = graph.edge.col(e).cast<double>();
+                stay[i] += 1e-6 * graph.weight[e] * d.squaredNorm();
+                edge[e] = graph.weight[e] * d;
+            }
+        for (double &s : stay)
+            if (!(s > 0)) // without edges, all is left open
+                s = 1;
+        for (Index i = 0; i < k; ++i)
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                if (i < Neighbour(e) && unknown.IsHeld(i))
+                    pairs.push_back({i, Neighbour(e), e});
+        const auto isOpen = [&](const Pair &p) { return !unknown.IsTurned(p.i) || !unknown.IsTurned(p.j); };
+        openPairs = std::size_t(std::stable_partition(pairs.begin(), pairs.end(), isOpen) - pairs.begin());
+        sumOfEdges.assign(unknown.position.size(), Eigen::Vector3d::Zero());
+        for (std::size_t u = 0; u < sumOfEdges.size(); ++u)
+            for (std::uint32_t e = Begin(unknown.position[u]); e < Begin(unknown.position[u] + 1); ++e)
+                sumOfEdges[u] += edge[e];
+    }
+
+    /// Eq. 2.
+    double Of(const State &x, const Given &given) const {
+        double energy = given.energy;
+        for (std::size_t p = 0; p < openPairs; ++p)
+            energy += PairEnergy(pairs[p], x, given).sum();
+        for (Index i : unknown.rotation)
+            energy += HoldEnergy(i, x, given);
+        return energy;
+    }
+
+    /// Each node's share of it.
+    std::vector<double> Shares(const State &x, const Given &given) const {
+        std::vector<double> shares(graph.Size(), 0);
+        for (const Pair &p : pairs) {
+            const Eigen::Vector2d share = PairEnergy(p, x, given);
+            shares[p.i] += share[0];
+            shares[p.j] += share[1];
+        }
+        for (Index i : unknown.rotation)
+            shares[i] += HoldEnergy(i, x, given);
+        return shares;
+    }
+
+    /// The local step (Eq. 5): each rotation of \p y from its neighbours' latest, at the positions of \p x.
+    /// \param s k matrices to work with
+    void FitRotations(const State &x, const Given &given, State &y, std::vector<Eigen::Matrix3d> &s) const {
+        for (Eigen::Matrix3d &each : s)
+            each.setZero();
+        for (std::size_t n = 0; n < openPairs; ++n) {
+            const Pair &p = pairs[n];
+            const Eigen::Matrix3d both = edge[p.e] * Way(p, x, given).transpose();
+            s[p.i] += both;
+            s[p.j] += both;
+        }
+        y.rotation = x.rotation;
+        for (Index i : unknown.rotation) {
+            Eigen::Matrix3d neighbours = Eigen::Matrix3d::Zero();
+            for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+                neighbours += double(graph.weight[e]) * y.rotation[Neighbour(e)];
+            neighbours += given.hold[i] * given.anchor[i];
+            const Eigen::Matrix3d sum =
+                s[i] + given.smooth * neighbours.transpose() + stay[i] * x.rotation[i].transpose();
+            const Eigen::Vector4d q = FitQuaternion(sum, x.quaternion[i]);
+            y.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
+            y.rotation[i] = ToMatrix(q);
+        }
+    }
+
+    /// The right side of the global step (Eq. 6) for unknown position number \p u, with the rotations of \p x.
+    Eigen::Vector3d RightSide(std::size_t u, const State &x, const Given &given) const {
+        const Index i = unknown.position[u];
+        Eigen::Vector3d b = x.rotation[i] * sumOfEdges[u];
+        for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+            b += Linear(x, given, Neighbour(e)) * edge[e];
+        return given.right.row(u).transpose() + 0.5 * b;
+    }
+
+  private:
+    /// An edge of the graph, once.
+    struct Pair {
+        Index i, j;
+        std::uint32_t e; // from j to i
+    };
+
+    std::uint32_t Begin(Index i) const { return graph.graph.adjacency.begin[i]; }
+    Index Neighbour(std::uint32_t e) const { return graph.graph.adjacency.item[e]; }
+
+    /// From the second to the first end of a pair.
+    Eigen::Vector3d Way(const Pair &p, const State &x, const Given &given) const {
+        return (unknown.constrained[p.i] ? given.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
+               (unknown.constrained[p.j] ? given.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
+    }
+    /// A node's linear part as its neighbours' edges see it.
+    const Eigen::Matrix3d &Linear(const State &x, const Given &given, Index i) const {
+        return unknown.IsTurned(i) ? given.linear[i] : x.rotation[i];
+    }
+
+    /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
+    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const Given &given) const {
+        const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), way = Way(p, x, given);
+        const double cosine = x.quaternion[p.i].dot(x.quaternion[p.j]); // |R_i - R_j|^2 = 8 (1 - cosine^2)
+        const double smooth = 4 * graph.weight[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+        return {graph.weight[p.e] * (way - Linear(x, given, p.i) * rest).squaredNorm() + smooth,
+                graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
+    }
+
+    /// The term of what holds the rotation of a node that turns.
+    static double HoldEnergy(Index i, const State &x, const Given &given) {
+        if (!(given.hold[i] > 0))
+            return 0;
+        const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);
+        return 8 * given.hold[i] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+    }
+
+    const DeformationGraph &graph;
+    const GraphUnknowns &unknown;
+    std::vector<double> heldArea; // k
+    double heldDepth;
+    std::vector<double> stay;                // k, how strongly a rotation stays where its edges leave it open
+    std::vector<Eigen::Vector3d> edge;       // w_ij e_ij of each adjacency item
+    std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown position's node
+    std::vector<Pair> pairs;                 // the edges of components that are held
+    std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_LAPLACIAN_H
+#define VCG_FCD_GRAPH_LAPLACIAN_H
+
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// The Laplacian and the bi-Laplacian of a deformation graph of k nodes, n of whose positions are unknown. They are
+/// factorised at construction, and solved as often as wanted. Constrained nodes are eliminated rows and columns.
+class GraphLaplacian {
+  public:
+    /// \throw BadInput when the system cannot be factorised
+    GraphLaplacian(const DeformationGraph &graph, const GraphUnknowns &unknown) {
+        const Index k = graph.Size(), n = Index(unknown.position.size());
+        if (n == 0)
+            return;
+        const Csr &adjacency = graph.graph.adjacency;
+        std::vector<Eigen::Triplet<double>> free, known;
+        for (Index i = 0; i < k; ++i) {
+            if (!unknown.IsHeld(i))
+                continue;
+            double sum = 0;
+            for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {
+                sum += graph.weight[e];
+                const Index j = adjacency.item[e];
+                if (unknown.numberOf[j] >= 0)
+                    free.emplace_back(i, unknown.numberOf[j], -graph.weight[e]);
+                else
+                    known.emplace_back(i, j, -graph.weight[e]);
+            }
+            if (unknown.numberOf[i] >= 0)
+                free.emplace_back(i, unknown.numberOf[i], sum);
+            else
+                known.emplace_back(i, i, sum);
+        }
+        // Columns of the Laplacian: those of the unknown nodes, and those of the constrained ones.
+        Eigen::SparseMatrix<double> columns(k, n);
+        columns.setFromTriplets(free.begin(), free.end());
+        constrainedColumns.resize(k, k);
+        constrainedColumns.setFromTriplets(known.begin(), known.end());
+        std::vector<Eigen::Triplet<double>> square;
+        for (const Eigen::Triplet<double> &t : free)
+            if (unknown.numberOf[t.row()] >= 0)
+                square.emplace_back(unknown.numberOf[t.row()], t.col(), t.value());
+        Eigen::SparseMatrix<double> laplacian(n, n);
+        laplacian.setFromTriplets(square.begin(), square.end());
+        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> harmonic(laplacian);
+        // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, the Laplacian is
+        // good enough.
+        double joined = 0;
+        for (Index i = 0; i < k; ++i)
+            joined += double(adjacency[i].size()) * double(adjacency[i].size());
+        if (joined < 4e6 + 400.0 * k) {
+            biharmonicRows = columns.transpose();
+        } else {
+            biharmonicRows.resize(n, k);
+            for (Index u = 0; u < n; ++u)
+                biharmonicRows.insert(u, unknown.position[u]) = 1;
+        }
+        biharmonic.compute(Eigen::SparseMatrix<double>(biharmonicRows * columns));
+        if (harmonic.info() != Eigen::Success || biharmonic.info() != Eigen::Success)
+            throw Unsolvable("The deformation graph's system cannot be factorised.");
+        factor = harmonic.matrixL().nestedExpression();
+        inverseDiagonal = harmonic.vectorD().cwiseInverse();
+        order.assign(harmonic.permutationP().indices().data(), harmonic.permutationP().indices().data() + n);
+    }
+
+    /// The column of unknown position number \p u in what Solve takes.
+    Index ColumnOf(std::size_t u) const { return order[u]; }
+
+    /// The solution of the Laplacian system in place of its right side \p x (3 x n): what the factorisation's solve()
+    /// does, for all three coordinates at once and without an allocation.
+    void Solve(Eigen::Matrix3Xd &x) const {
+        for (Eigen::Index c = 0; c < x.cols(); ++c) {
+            const Eigen::Vector3d xc = x.col(c);
+            for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
+                x.col(l.row()) -= l.value() * xc;
+        }
+        for (Eigen::Index c = x.cols(); c-- > 0;) {
+            Eigen::Vector3d xc = x.col(c) * inverseDiagonal[c];
+            for (Eigen::SparseMatrix<double>::InnerIterator l(factor, c); l; ++l)
+                xc -= l.value() * x.col(l.row());
+            x.col(c) = xc;
+        }
+    }
+
+    /// Interpolates values of the constrained nodes by the bi-Laplacian. \param given k rows, those of others 0
+    /// \return n rows
+    Eigen::MatrixXd Interpolate(const Eigen::MatrixXd &given) const {
+        if (order.empty())
+            return Eigen::MatrixXd(0, given.cols());
+        return biharmonic.solve(-(biharmonicRows * (constrainedColumns * given)));
+    }
+
+  private:
+    Eigen::SparseMatrix<double> factor; // L of the Laplacian below its unit diagonal
+    Eigen::VectorXd inverseDiagonal;    // 1 / D of it
+    std::vector<Index> order;           // of each unknown position in it
+    Eigen::SparseMatrix<double> constrainedColumns, biharmonicRows;
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> biharmonic;
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

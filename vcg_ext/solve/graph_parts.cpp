@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/solve/graph_deformer.h>
+#include <vcg_ext/solve/graph_parts.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph, const std::vector<bool> &constrained) {
+    const Index k = graph.Size();
+    std::vector<std::vector<Index>> parts;
+    std::vector<Index> seen(k, -1);
+    for (Index seed = 0; seed < k; ++seed) {
+        if (seen[seed] >= 0 || graph.IsHeld(seed))
+            continue;
+        const Index number = seed;
+        std::vector<Index> part(1, seed);
+        seen[seed] = number;
+        bool isConstrained = false;
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            isConstrained |= constrained[part[i]];
+            if (!graph.IsHeld(part[i]))
+                for (Index j : graph.graph.adjacency[part[i]])
+                    if (seen[j] != number) {
+                        seen[j] = number;
+                        part.push_back(j);
+                    }
+        }
+        std::sort(part.begin(), part.end());
+        if (isConstrained)
+            parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes) {
+    const auto forCommon = [](const auto &few, const auto &many, const auto &body) { // both ascending
+        for (std::size_t i = 0; i < few.size(); ++i) {
+            const auto found = std::lower_bound(many.begin(), many.end(), few[i]);
+            if (found != many.end() && *found == few[i])
+                body(i, std::size_t(found - many.begin()));
+        }
+    };
+    DeformationGraph part;
+    std::vector<std::uint32_t> item;
+    part.graph.position.resize(3, Eigen::Index(nodes.size()));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Index node = nodes[i];
+        part.graph.position.col(Eigen::Index(i)) = graph.graph.position.col(node);
+        part.radius.push_back(graph.radius[node]);
+        part.held.push_back(graph.IsHeld(node));
+        const auto take = [&](std::size_t r, std::size_t neighbour) {
+            const std::uint32_t e = graph.graph.adjacency.begin[node] + std::uint32_t(r);
+            part.graph.adjacency.item.push_back(Index(neighbour));
+            part.weight.push_back(graph.weight[e]);
+            item.push_back(e);
+        };
+        const Csr::Row row = graph.graph.adjacency[node];
+        if (row.size() <= nodes.size())
+            forCommon(row, nodes, take);
+        else // a held node beside very many parts
+            forCommon(nodes, row, [&](std::size_t neighbour, std::size_t r) { take(r, neighbour); });
+        part.graph.adjacency.begin.push_back(std::uint32_t(item.size()));
+    }
+    part.edge.resize(3, Eigen::Index(item.size()));
+    for (std::size_t e = 0; e < item.size(); ++e)
+        part.edge.col(Eigen::Index(e)) = graph.edge.col(item[e]);
+    return part;
+}
+
+struct PartsDeformer::Part {
+    std::vector<Index> nodes;
+    DeformationGraph graph;
+    std::unique_ptr<GraphDeformer> deformer; // of that graph
+};
+
+PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area,
+                             const NodeConstraints &given, double heldDepth)
+    : rest(graph.graph.position.cast<double>()) {
+    for (Index i = 0; i < graph.Size(); ++i)
+        isHeld.push_back(graph.IsHeld(i));
+    for (std::vector<Index> &nodes : SeparateParts(graph, given.constrained)) {
+        auto part = std::make_unique<Part>();
+        std::vector<bool> constrained, turns;
+        std::vector<double> heldArea;
+        double A = 0;
+        for (Index i : nodes) {
+            constrained.push_back(given.constrained[i]);
+            turns.push_back(given.turns[i]);
+            heldArea.push_back(given.heldArea[i]);
+            A += area[i];
+        }
+        part->graph = PartOf(graph, nodes);
+        part->nodes = std::move(nodes);
+        part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, turns, heldArea, heldDepth);
+        parts.push_back(std::move(part));
+    }
+}
+
+PartsDeformer::~PartsDeformer() = default;
+
+GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress,
+                               const GraphPose *last, const std::vector<Eigen::Affine3d> &lastMotion) const {
+    const Index k = Index(rest.cols());
+    GraphPose pose;
+    pose.position = rest;
+    pose.linear.assign(k, Eigen::Matrix3d::Identity());
+    pose.nodeEnergy.assign(k, 0);
+    pose.rests.assign(k, 0);
+    for (Index i = 0; i < k; ++i)
+        if (given.constrained[i]) {
+            pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
+            pose.linear[i] = given.motion[i].linear();
+        }
+    std::vector<bool> solved(k, false); // a held node beside several parts turns as the first of them wants
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const std::vector<Index> &nodes = parts[p]->nodes;
+        const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
+            return given.constrained[i] && !given.motion[i].matrix().isIdentity(0);
+        });
+        if (!moves) {
+            for (Index i : nodes)
+                pose.rests[i] = !isHeld[i];
+            continue;
+        }
+        std::vector<Eigen::Affine3d> motion, motionBefore;
+        GraphPose before;
+        before.position.resize(3, last ? Eigen::Index(nodes.size()) : 0);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            motion.push_back(given.motion[nodes[i]]);
+            if (!last)
+                continue;
+            motionBefore.push_back(lastMotion[nodes[i]]);
+            before.position.col(Eigen::Index(i)) = last->position.col(nodes[i]);
+            before.linear.push_back(last->linear[nodes[i]]);
+        }
+        const GraphPose found = parts[p]->deformer->Solve(
+            motion, param, progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size())),
+            last ? &before : nullptr, motionBefore);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
+            if (solved[nodes[i]])
+                continue;
+            solved[nodes[i]] = true;
+            pose.position.col(nodes[i]) = found.position.col(Eigen::Index(i));
+            pose.linear[nodes[i]] = found.linear[i];
+        }
+        pose.energy += found.energy;
+        pose.iterations = std::max(pose.iterations, found.iterations);
+        pose.converged = pose.converged && found.converged;
+    }
+    return pose;
+}
+
+} // namespace fcd
+} // namespace vcg

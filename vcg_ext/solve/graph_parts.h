@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_PARTS_H
+#define VCG_FCD_GRAPH_PARTS_H
+
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/graph/node_constraints.h>
+#include <vcg_ext/shape_constants.h>
+#include <vcg_ext/solve/graph_pose.h>
+#include <vcg_ext/solve/solver_param.h>
+
+#include <memory>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// The parts of \p graph that its held nodes separate: the nodes of each, ascending, held ones beside several parts in
+/// each of them. Parts without a constrained node are left out.
+std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph, const std::vector<bool> &constrained);
+
+/// The graph that \p nodes, ascending, form in \p graph.
+DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes);
+
+/// Deforms each part of a graph that held nodes separate as if there were no others (GraphDeformer). Prepared once, and
+/// solved as often as wanted; owns copies of what it needs of the graph.
+class PartsDeformer {
+  public:
+    /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
+    /// \param given motions are not read
+    /// \throw Unsolvable when a system cannot be factorised
+    PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
+                  double heldDepth = ShapeConstants().heldDepth);
+    ~PartsDeformer();
+    PartsDeformer(const PartsDeformer &) = delete;
+    PartsDeformer &operator=(const PartsDeformer &) = delete;
+
+    /// A part of which nothing that holds it moves stays at rest.
+    /// \param given as at construction, with the motions \param last as GraphDeformer::Solve takes it
+    GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
+                    const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
+
+  private:
+    struct Part;
+    Eigen::Matrix3Xd rest; // 3 x k
+    std::vector<bool> isHeld;
+    std::vector<std::unique_ptr<Part>> parts;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

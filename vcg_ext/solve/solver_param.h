@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SOLVER_PARAM_H
+#define VCG_FCD_SOLVER_PARAM_H
+
+namespace vcg {
+namespace fcd {
+
+/// How the graph is deformed (paper, sec. 2.2).
+struct SolverParam {
+    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. SR-ARAP as in CGAL has
+    /// 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are 1 / sqrt(3).
+    double smoothness = 0.0058;
+    int maxIterations = 1000; ///< >= 0
+    double tolerance = 1e-5;  ///< stop where no node is farther from rest than ten times this fraction of the diagonal
+    /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
+    /// more than the tolerance times the diagonal.
+    bool accelerated = true;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/frame.h>
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/surface/free_region.h>
+#include <vcg_ext/surface/point_cloud.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+/// Finds what FreeRegion gives: Classify, then one of the two that reach neighbours.
+class RegionFinder {
+  public:
+    RegionFinder(const SurfaceView &mesh, const std::vector<int> &tag)
+        : mesh(mesh), tag(tag), slots(mesh.vertexSlots), state(new std::atomic<unsigned char>[slots]) {}
+
+    /// \throw BadInput a coordinate of any vertex is not finite
+    void Classify(const std::vector<char> &excluded, const Progress &progress) {
+        std::vector<std::size_t> bad((slots + grain - 1) / grain, slots);
+        region.box.resize((slots + Region::boxed - 1) / Region::boxed);
+        ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                const bool takesPart = !mesh.IsDeleted(i) && (excluded.empty() || !excluded[i]);
+                if (takesPart) {
+                    const Eigen::Vector3d p = mesh.At(i);
+                    if (!p.allFinite())
+                        bad[first / grain] = std::min(bad[first / grain], i);
+                    region.box[i / Region::boxed].extend(p);
+                }
+                const int held = std::min(int(many), std::max(0, tag[i])) * few;
+                state[i].store((unsigned char)(held | (takesPart ? tag[i] == 1 ? live | free : live : 0)),
+                               std::memory_order_relaxed);
+            }
+        });
+        for (std::size_t i : bad)
+            if (i < slots)
+                throw detail::NotFinite(i);
+    }
+
+    /// Reaches the free points of a cloud and the nearest ones of each.
+    void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
+        std::vector<std::size_t> slotOf;
+        std::vector<Eigen::Vector3d> point;
+        for (std::size_t i = 0; i < slots; ++i)
+            if (Is(i, live)) {
+                slotOf.push_back(i);
+                point.emplace_back(metric * mesh.At(i));
+            }
+        if (point.size() < 2)
+            return;
+        const PointTree<double> tree(point);
+        ParallelFor(progress, "Finding neighbours", point.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+            std::vector<PointTree<double>::Found> found;
+            for (std::size_t k = first; k < last; ++k) {
+                if (!Is(slotOf[k], free))
+                    continue;
+                Reach(slotOf[k]); // among more points at its place it need not be found
+                tree.Nearest(point[k], detail::cloudNeighbours + 1, found);
+                for (const auto &each : found)
+                    Reach(slotOf[std::size_t(each.point)]);
+            }
+        });
+    }
+
+    /// Reaches the vertices of faces and edge elements that have a free one.
+    void ReachAlongElements(const Progress &progress) {
+        struct Found {
+            std::vector<std::uint32_t> faces;
+            std::vector<std::array<std::uint32_t, 2>> apart;
+        };
+        std::vector<Found> found((mesh.faces + grain - 1) / grain);
+        ParallelFor(progress, readingStage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
+            Found here;
+            for (std::size_t f = first; f < last; ++f) {
+                if (!mesh.IsFace(f))
+                    continue;
+                std::size_t slot[3];
+                unsigned char s[3];
+                for (int j = 0; j < 3; ++j) {
+                    slot[j] = mesh.corner[3 * f + std::size_t(j)];
+                    s[j] = Is(slot[j], all);
+                }
+                if (s[0] == s[1] && s[1] == s[2] && !(s[0] & free) && s[0] / few != many)
+                    continue; // held as one, as mostly where little is free
+                if (Join(slot, s, 3))
+                    here.faces.push_back(std::uint32_t(f));
+                for (int j = 0, k = 1; j < 3; ++j, k = k == 2 ? 0 : k + 1) {
+                    const int one = s[j] / few, other = s[k] / few;
+                    if ((one == other && one != many) || one == 1 || other == 1)
+                        continue;
+                    const std::size_t a = std::min(slot[j], slot[k]), b = std::max(slot[j], slot[k]);
+                    if (std::max(0, tag[a]) != std::max(0, tag[b]))
+                        here.apart.push_back({std::uint32_t(a), std::uint32_t(b)});
+                }
+            }
+            found[first / grain] = std::move(here);
+        });
+        std::vector<std::size_t> begin(1, 0);
+        for (const Found &here : found) {
+            begin.push_back(begin.back() + here.faces.size());
+            region.apart.insert(region.apart.end(), here.apart.begin(), here.apart.end());
+        }
+        AssignLarge(region.faces, begin.back(), std::uint32_t(0));
+        ParallelFor(progress.threads, found.size(), 1, [&](std::size_t c, std::size_t) {
+            std::copy(found[c].faces.begin(), found[c].faces.end(), region.faces.begin() + std::ptrdiff_t(begin[c]));
+        });
+        std::sort(region.apart.begin(), region.apart.end());
+        region.apart.erase(std::unique(region.apart.begin(), region.apart.end()), region.apart.end());
+        for (std::size_t e = 0; e < mesh.edges; ++e)
+            if (mesh.IsEdge(e)) {
+                const std::size_t slot[2] = {mesh.end[2 * e], mesh.end[2 * e + 1]};
+                const unsigned char s[2] = {Is(slot[0], all), Is(slot[1], all)};
+                Join(slot, s, 2);
+            }
+    }
+
+    /// The last that is asked.
+    Region TakeRegion(const Progress &progress) {
+        AssignLarge(region.flag, slots, Region::none);
+        ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                region.flag[i] = Is(i, reached)                ? Region::part
+                                 : Is(i, live) && !Is(i, free) ? Region::candidate
+                                                               : Region::none;
+        });
+        return std::move(region);
+    }
+
+  private:
+    static constexpr std::size_t grain = 1 << 16;
+    static_assert(grain % Region::boxed == 0, "one thread a box");
+    // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
+    // that few tags have to be looked up, its tag.
+    static constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
+
+    unsigned char Is(std::size_t i, unsigned char what) const {
+        return (unsigned char)(state[i].load(std::memory_order_relaxed) & what);
+    }
+    void Reach(std::size_t i) {
+        if (!Is(i, reached))
+            state[i].fetch_or(reached, std::memory_order_relaxed);
+    }
+    /// Reaches all corners where one is free. \param s their states \return whether that is so
+    bool Join(const std::size_t *slot, const unsigned char *s, int corners) {
+        unsigned char any = 0, every = live;
+        for (int j = 0; j < corners; ++j) {
+            any |= s[j] & free;
+            every &= s[j];
+        }
+        if (!any || !every)
+            return false;
+        for (int j = 0; j < corners; ++j)
+            if (!(s[j] & reached))
+                state[slot[j]].fetch_or(reached, std::memory_order_relaxed);
+        return true;
+    }
+
+    const SurfaceView &mesh;
+    const std::vector<int> &tag;
+    const std::size_t slots;
+    std::unique_ptr<std::atomic<unsigned char>[]> state;
+    Region region;
+};
+
+} // namespace
+
+Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<char> &excluded,
+                  const Eigen::Matrix3d &metric, const Progress &progress) {
+    RegionFinder finder(mesh, tag);
+    finder.Classify(excluded, progress.Slice(0, 0.1));
+    if (mesh.isCloud)
+        finder.ReachNearest(metric, progress.Slice(0.1, 0.9));
+    else
+        finder.ReachAlongElements(progress.Slice(0.1, 0.9));
+    return finder.TakeRegion(progress.Slice(0.9, 1));
+}
+
+} // namespace fcd
+} // namespace vcg

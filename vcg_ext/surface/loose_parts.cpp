@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/surface/free_region.h>
+#include <vcg_ext/surface/loose_parts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+/// Places of a surface that things near it follow: a sample of vertices so fine that the next one moves alike.
+class Places {
+  public:
+    /// \param position 3 x slots, mesh units \param slotTag as of FindLoose \param isPlace slots that may be one
+    template <class IsPlace>
+    Places(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame, const IsPlace &isPlace)
+        : frame(frame) {
+        const std::size_t most = 1 << 16;
+        std::vector<std::size_t> held, bent;
+        for (std::size_t i = 0; i < slotTag.size(); ++i)
+            if (slotTag[i] != noVertex && isPlace(i))
+                (slotTag[i] == 1 ? bent : held).push_back(i);
+        for (const std::vector<std::size_t> *from : {&bent, &held})
+            for (std::size_t i = 0; i < std::min(most, from->size()); ++i)
+                slot.push_back((*from)[from->size() * i / std::min(most, from->size())]);
+        std::vector<Eigen::Vector3d> point;
+        point.reserve(slot.size());
+        for (std::size_t i : slot)
+            point.push_back(frame.ToWorld(position.col(Eigen::Index(i))));
+        if (!slot.empty())
+            tree = std::make_unique<PointTree<double>>(point);
+    }
+
+    bool IsEmpty() const { return slot.empty(); }
+
+    /// The slot of the place nearest to \p p (mesh units). \param distance in the world, out
+    std::size_t Nearest(const Eigen::Vector3d &p, double &distance) const {
+        return slot[std::size_t(tree->Nearest(frame.ToWorld(p), &distance))];
+    }
+
+    static constexpr int several = LooseFollowing::several;
+    /// The slots of the places nearest to \p p, and weights of sum 1 that change smoothly with it; -1 fills up.
+    void Several(const Eigen::Vector3d &p, Index slots[several], float weights[several]) const {
+        std::vector<PointTree<double>::Found> nearest;
+        tree->Nearest(frame.ToWorld(p), several + 1, nearest);
+        std::vector<std::pair<double, Index>> found;
+        found.reserve(several + 1);
+        for (const auto &each : nearest)
+            found.emplace_back(std::sqrt(each.square), Index(slot[std::size_t(each.point)]));
+        std::sort(found.begin(), found.end());
+        const double last = found.empty() ? 0 : found.back().first; // has no weight left
+        double sum = 0, weight[several] = {};
+        for (int i = 0; i < several; ++i) {
+            const bool is = i < int(found.size());
+            slots[i] = is ? found[i].second : -1;
+            weight[i] = is && last > 0 ? std::pow(1 - found[i].first / last, 2) : 0;
+            sum += weight[i];
+        }
+        if (!(sum > 0) && !found.empty())
+            sum = weight[0] = 1;
+        for (int i = 0; i < several; ++i)
+            weights[i] = sum > 0 ? float(weight[i] / sum) : 0.f;
+    }
+
+  private:
+    const Frame &frame;
+    std::vector<std::size_t> slot;
+    std::unique_ptr<PointTree<double>> tree;
+};
+
+} // namespace
+
+SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<Index> &partOf,
+                             const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance) {
+    std::vector<char> excluded(partOf.size());
+    for (std::size_t i = 0; i < partOf.size(); ++i)
+        excluded[i] = partOf[i] >= 0;
+    Region region = FreeRegion(mesh, tag, excluded, metric, progress.Slice(0, 0.2));
+    SurfaceGraph surface = BuildSurfaceGraph(mesh, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
+    surface.faces = std::move(region.faces);
+    surface.apart = std::move(region.apart);
+    return surface;
+}
+
+LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
+                       const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
+    LooseSurface loose;
+    std::vector<Index> componentOf(surface.graph.Size());
+    loose.components = ConnectedComponents(surface.graph.adjacency, componentOf, progress);
+    std::vector<char> isHeld(loose.components, 0);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        isHeld[componentOf[u]] |= tag[u] != 1;
+    std::vector<Index> number(loose.components, -1);
+    for (Index c = 0; c < loose.components; ++c)
+        if (!isHeld[c])
+            number[c] = loose.parts++;
+    loose.isPartOfSurface = loose.parts > 0;
+    std::vector<char> isPoint;
+    for (std::size_t i : point)
+        if (surface.nodeOf[i] < 0) {
+            isPoint.resize(slotTag.size(), 0);
+            isPoint[i] = 1;
+        }
+    for (std::size_t i = 0; i < slotTag.size(); ++i) {
+        const Index u = surface.nodeOf[i];
+        if (slotTag[i] != 1 || (u >= 0 && isHeld[componentOf[u]]) || (!isPoint.empty() && isPoint[i]))
+            continue;
+        if (loose.partOf.empty())
+            AssignLarge(loose.partOf, slotTag.size(), Index(-1));
+        if (u < 0) {
+            ++loose.isolated;
+            ++loose.components;
+        }
+        loose.partOf[i] = u < 0 ? loose.parts++ : number[componentOf[u]];
+    }
+    return loose;
+}
+
+LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame,
+                             const LooseSurface &loose, double large, const Progress &progress) {
+    LooseFollowing following;
+    following.leader.assign(loose.parts, LooseFollowing::none);
+    if (loose.parts == 0)
+        return following;
+    const Places places(position, slotTag, frame, [&](std::size_t i) { return loose.partOf[i] < 0; });
+    if (places.IsEmpty())
+        return following;
+    std::vector<double> distance(loose.parts, std::numeric_limits<double>::infinity());
+    std::vector<Eigen::AlignedBox3d> box(loose.parts);
+    for (std::size_t i = 0; i < slotTag.size(); ++i) {
+        const Index part = loose.partOf[i];
+        if (part < 0)
+            continue;
+        double d = 0;
+        const std::size_t nearest = places.Nearest(position.col(Eigen::Index(i)), d);
+        if (d < distance[part]) {
+            distance[part] = d;
+            following.leader[part] = nearest;
+        }
+        box[part].extend(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
+    }
+    for (std::size_t i = 0; i < slotTag.size(); ++i)
+        if (loose.partOf[i] >= 0 && box[loose.partOf[i]].diagonal().norm() > large) {
+            following.vertex.emplace_back();
+            following.vertex.back().slot = i;
+        }
+    ParallelFor(progress, "Finding what loose parts follow", following.vertex.size(), 1 << 10,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t v = first; v < last; ++v) {
+                        LooseFollowing::Vertex &vertex = following.vertex[v];
+                        places.Several(position.col(Eigen::Index(vertex.slot)), vertex.place, vertex.weight);
+                    }
+                });
+    return following;
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_READ_SURFACE_H
+#define VCG_FCD_READ_SURFACE_H
+
+#include <vcg_ext/handles/handles.h>
+#include <vcg_ext/surface/surface_arrays.h>
+
+#include <vector>
+
+/// \file
+/// The one place where the method reads a VCG mesh, of any type: once, by all threads.
+
+namespace vcg {
+namespace tri {
+
+template <class VertexType>
+Eigen::Vector3d PositionOf(const VertexType &v) {
+    return Eigen::Vector3d(v.cP()[0], v.cP()[1], v.cP()[2]);
+}
+
+/// Reads positions, faces and edge elements of a mesh, and which of them are deleted.
+/// \param rest if given, rest(slot) is read instead of the vertices' own positions
+/// \throw fcd::BadInput more elements than indices can name \throw fcd::Cancelled
+template <class MeshType, class Rest = std::nullptr_t>
+fcd::SurfaceArrays ReadSurface(const MeshType &m, const fcd::Progress &progress = {}, const Rest &rest = nullptr) {
+    constexpr std::size_t grain = 1 << 16;
+    const bool isCompact = std::size_t(m.vn) == m.vert.size(); // then flags of vertices need not be read
+    fcd::SurfaceArrays arrays(m.vert.size(), m.face.size(), m.edge.size(), !isCompact);
+    ParallelFor(progress.Slice(0, 0.5), fcd::readingStage, m.vert.size(), grain,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i) {
+                        double *to = arrays.Position(i);
+                        if (!isCompact)
+                            arrays.Deleted()[i] = m.vert[i].IsD();
+                        for (int d = 0; d < 3; ++d)
+                            if constexpr (std::is_same<Rest, std::nullptr_t>::value)
+                                to[d] = m.vert[i].cP()[d];
+                            else
+                                to[d] = rest(i)[d];
+                    }
+                });
+    const auto read = [&](const auto &element, int corners, std::uint32_t *to) {
+        for (int k = 0; k < corners; ++k)
+            to[k] = element.IsD() ? fcd::SurfaceView::none : std::uint32_t(element.cV(k) - &m.vert[0]);
+    };
+    ParallelFor(progress.Slice(0.5, 1), fcd::readingStage, m.face.size(), grain,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t f = first; f < last; ++f)
+                        read(m.face[f], 3, arrays.Corner(f));
+                });
+    for (std::size_t e = 0; e < m.edge.size(); ++e)
+        read(m.edge[e], 2, arrays.End(e));
+    arrays.isCloud = m.fn == 0 && m.en == 0;
+    return arrays;
+}
+
+/// Which vertex slots are deleted; empty where none is.
+template <class MeshType>
+std::vector<char> DeletedOf(const MeshType &m) {
+    std::vector<char> deleted;
+    if (std::size_t(m.vn) != m.vert.size()) {
+        deleted.resize(m.vert.size());
+        for (std::size_t i = 0; i < deleted.size(); ++i)
+            deleted[i] = m.vert[i].IsD();
+    }
+    return deleted;
+}
+
+/// \param tag one per vertex slot \throw fcd::BadInput when there are fewer or more
+template <class MeshType>
+fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned threads = 0) {
+    fcd::ExpectTags(tag, m.vert.size());
+    const std::vector<char> deleted = DeletedOf(m);
+    return fcd::CountTags(tag, deleted.empty() ? nullptr : deleted.data(), threads);
+}
+
+} // namespace tri
+} // namespace vcg
+
+#endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SEAMS_H
+#define VCG_FCD_SEAMS_H
+
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/progress.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Open borders of a surface that run along each other.
+struct Seams {
+    std::vector<Index> into; ///< n, the node of the smallest number that each is joined with: itself for most; empty
+                             ///< where none is joined
+    Index joined = 0;        ///< nodes that are joined with one of a smaller number
+    Index gaps = 0; ///< nodes that are not joined with another border's, though nearer to it than a tenth of an edge
+};
+
+/// Finds the nodes on open borders that are as good as at one place: no farther from each other than \p distance, and
+/// one of them free.
+/// \param open n flags: nodes on open borders \param tag as of SurfaceGraph
+/// \param distance units of the graph's positions, >= 0
+inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
+                       double distance, const Progress &progress = {}) {
+    Seams seams;
+    // In the order along a line that no mesh has borders across.
+    const Eigen::Vector3f direction = Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f).normalized();
+    struct Place {
+        float along, reach; // reach: a tenth of the shortest edge
+        Index node;
+        bool operator<(const Place &o) const { return along != o.along ? along < o.along : node < o.node; }
+    };
+    std::vector<Place> place;
+    for (Index u = 0; u < graph.Size(); ++u)
+        if (open[u]) {
+            const Eigen::Vector3f p = graph.position.col(u);
+            float shortest = std::numeric_limits<float>::infinity();
+            for (Index v : graph.adjacency[u])
+                shortest = std::min(shortest, (graph.position.col(v) - p).norm());
+            place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u});
+        }
+    std::sort(place.begin(), place.end());
+
+    const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
+    const auto areNeighbours = [&](Index u, Index v) { // or have one in common
+        if (graph.adjacency[u].size() > graph.adjacency[v].size())
+            std::swap(u, v); // around the middle of a fan are all the others
+        const Csr::Row few = graph.adjacency[u], many = graph.adjacency[v];
+        return std::any_of(few.begin(), few.end(),
+                           [&](Index w) { return w == v || std::binary_search(many.begin(), many.end(), w); });
+    };
+    struct Pair {
+        Index u, v;
+        bool same;
+    };
+    const std::vector<Pair> pairs =
+        CollectInOrder<Pair>(progress, readingStage, Index(place.size()), [&](Index i, std::vector<Pair> &found) {
+            const Place &a = place[i];
+            const Eigen::Vector3f p = graph.position.col(a.node);
+            const float reach = std::max(a.reach, float(distance)) + 2e-7f; // rounding
+            for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
+                const Place &b = place[j];
+                if (!isFree(a.node) && !isFree(b.node))
+                    continue;
+                const float d = (graph.position.col(b.node) - p).norm();
+                const bool same = d <= distance;
+                if (same || (d <= std::min(a.reach, b.reach) && !areNeighbours(a.node, b.node)))
+                    found.push_back({std::min(a.node, b.node), std::max(a.node, b.node), same});
+            }
+        });
+    if (pairs.empty())
+        return seams;
+    std::vector<Index> into(graph.Size());
+    std::iota(into.begin(), into.end(), 0);
+    const auto root = [&](Index u) {
+        while (into[u] != u)
+            u = into[u] = into[into[u]];
+        return u;
+    };
+    for (const Pair &p : pairs)
+        if (p.same) {
+            const Index a = root(p.u), b = root(p.v);
+            into[std::max(a, b)] = std::min(a, b);
+        }
+    std::vector<char> gap(graph.Size(), 0);
+    for (const Pair &p : pairs)
+        if (!p.same && root(p.u) != root(p.v))
+            gap[p.u] = gap[p.v] = 1;
+    for (Index u = 0; u < graph.Size(); ++u) {
+        seams.joined += root(u) != u;
+        seams.gaps += gap[u] && root(u) == u;
+    }
+    if (seams.joined > 0) {
+        for (Index u = 0; u < graph.Size(); ++u)
+            into[u] = root(u);
+        seams.into = std::move(into);
+    }
+    return seams;
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

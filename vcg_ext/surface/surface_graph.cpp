@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/surface/candidates_beside.h>
+#include <vcg_ext/surface/point_cloud.h>
+#include <vcg_ext/surface/seams.h>
+#include <vcg_ext/surface/surface_graph.h>
+#include <vcg_ext/surface/triangle_graph.h>
+#include <vcg_ext/surface/vertex_welding.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// The tag of a place where vertices have two: held where one is, by the smaller one.
+inline Index TagOfBoth(Index a, Index b) { return a == 1 ? b : b == 1 ? a : std::min(a, b); }
+
+/// Reads a mesh, or a region of it, as BuildSurfaceGraph tells.
+class SurfaceReader {
+  public:
+    SurfaceReader(const SurfaceView &mesh, const Region *region, const std::vector<int> &tag,
+                  const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance)
+        : mesh(mesh), region(region), tag(tag), progress(progress), weldDistance(weldDistance),
+          slots(mesh.vertexSlots) {
+        s.frame.SetMetric(metric);
+        s.report.pointCloud = s.graph.isCloud = mesh.isCloud;
+        hasSeams = !s.report.pointCloud && weldDistance > 0;
+    }
+
+    /// Once.
+    SurfaceGraph Read() {
+        progress(0, readingStage);
+        const Eigen::AlignedBox3d box = Measure();
+        AssignLarge(s.nodeOf, slots, Index(-1));
+        if (Live() > 0) {
+            SetFrame(box);
+            FindBeside(box);
+            MakeNodes();
+            Connect();
+            progress(1, readingStage);
+        }
+        return std::move(s);
+    }
+
+  private:
+    static constexpr std::size_t grain = 1 << 16;
+
+    bool IsPart(std::size_t i) const { return region ? region->flag[i] == Region::part : !mesh.IsDeleted(i); }
+    bool IsBeside(std::size_t i) const { return !beside.empty() && beside[i]; }
+    std::size_t Live() const { return begin.back(); }
+
+    Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
+        const double most = 1e15; // squares of it are floats
+        const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
+        return x.array() + 0.f; // no negative zero: equal positions have equal bits
+    }
+    Eigen::Vector3d InWorld(std::size_t i) const { return s.frame.ToWorld(mesh.At(i)); }
+    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(InWorld(i)); }
+
+    /// Counts vertices. \return their box, world units \throw BadInput as BuildSurfaceGraph
+    Eigen::AlignedBox3d Measure() {
+        struct Chunk {
+            Eigen::AlignedBox3d box;
+            std::size_t live = 0, bad = std::size_t(-1), candidates = 0;
+        };
+        std::vector<Chunk> chunks((slots + grain - 1) / grain);
+        ParallelFor(progress.Slice(0, 0.05), readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
+            Chunk c;
+            for (std::size_t i = first; i < last; ++i) {
+                c.candidates += region && region->flag[i] == Region::candidate;
+                if (!IsPart(i))
+                    continue;
+                const Eigen::Vector3d x = InWorld(i);
+                if (!x.allFinite())
+                    c.bad = std::min(c.bad, i);
+                c.box.extend(x);
+                ++c.live;
+            }
+            chunks[first / grain] = c;
+        });
+        Eigen::AlignedBox3d box;
+        std::size_t bad = std::size_t(-1);
+        begin.assign(1, 0);
+        for (const Chunk &c : chunks) {
+            box.extend(c.box);
+            begin.push_back(begin.back() + c.live);
+            candidates += c.candidates;
+            bad = std::min(bad, c.bad);
+        }
+        if (Live() == 0 && !region)
+            throw BadInput("The mesh has no vertices.");
+        if (bad != std::size_t(-1))
+            throw NotFinite(bad);
+        s.report.vertices = Index(Live());
+        return box;
+    }
+
+    void SetFrame(const Eigen::AlignedBox3d &ofAll) {
+        const Eigen::AlignedBox3d box = WithoutStrays(ofAll, Live(), [&](std::size_t k) {
+            std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
+            for (std::size_t i = c * grain, at = begin[c];; ++i)
+                if (IsPart(i) && at++ == k)
+                    return InWorld(i);
+        });
+        const Eigen::Vector3d extent = box.max() * 0.5 - box.min() * 0.5; // half of it: no overflow
+        const double halfDiagonal = extent.stableNorm();
+        s.frame.origin = box.min() * 0.5 + box.max() * 0.5;
+        s.frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
+    }
+
+    /// Takes in candidates that may be at a part, or a hair from it. \param box of the parts, world units
+    void FindBeside(const Eigen::AlignedBox3d &box) {
+        if (!candidates)
+            return;
+        const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f;
+        const std::vector<std::uint32_t> found = CandidatesBeside(
+            *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
+            [&](const Eigen::Vector3d &p) { return InFrame(s.frame.ToWorld(p)); },
+            {InFrame(box.min()), InFrame(box.max())}, hair, progress.Slice(0.05, 0.06));
+        if (found.empty()) // as mostly
+            return;
+        beside.assign(slots, 0);
+        for (std::uint32_t i : found)
+            beside[i] = 1;
+        for (std::size_t c = 0; c < begin.size(); ++c)
+            begin[c] += std::size_t(std::lower_bound(found.begin(), found.end(), c * grain) - found.begin());
+    }
+
+    void MakeNodes() {
+        VertexWelder welder(Live(), slots);
+        ParallelFor(progress.Slice(0.07, 0.1), readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
+            std::size_t at = begin[first / grain];
+            for (std::size_t i = first; i < last; ++i)
+                if (IsPart(i) || IsBeside(i))
+                    welder.Put(at++, i, InFrame(i));
+        });
+        welder.Sort(progress.Slice(0.1, 0.2));
+        // With seams, it is known after them which of those beside stay.
+        welder.FindNodes([&](std::size_t i) { return !hasSeams && IsBeside(i); }, progress.Slice(0.2, 0.3));
+        s.report.welded = Index(welder.Kept()) - welder.Nodes();
+        AssignLarge(s.slots, welder.Kept(), std::uint32_t(0));
+        if (region)
+            AssignLarge(s.tag, welder.Nodes(), Index(1));
+        s.graph.position = welder.ForEach(
+            [&](Index node, std::uint32_t slot, std::size_t at) {
+                s.nodeOf[slot] = node;
+                s.slots[at] = slot;
+                if (region && tag[slot] != 1)
+                    s.tag[node] = TagOfBoth(s.tag[node], std::max(tag[slot], 0));
+            },
+            progress.Slice(0.3, 0.4));
+    }
+
+    void Connect() {
+        const Eigen::Matrix3Xf &x = s.graph.position;
+        TriangleList list = ElementTriangles(
+            mesh, region ? &region->faces : nullptr, s.nodeOf, [&](Index u) { return s.IsHeld(u); },
+            progress.Slice(0.4, 0.5));
+        s.report.degenerateFaces = list.degenerateFaces;
+        if (s.report.pointCloud)
+            list = NearestNeighbourPairs(x, progress.Slice(0.4, 0.5));
+        TriangleGraph connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.5, 0.9));
+        s.graph.adjacency = std::move(connected.adjacency);
+        if (hasSeams && JoinSeams(connected.open, list)) {
+            connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.92, 1));
+            s.graph.adjacency = std::move(connected.adjacency);
+        }
+        s.nodeArea = std::move(connected.area);
+        s.report.nonManifoldEdges = connected.nonManifoldEdges;
+        const std::size_t items = s.graph.adjacency.item.size();
+        s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
+        if (s.report.pointCloud)
+            CloudAreas(s.graph, s.tag, progress.threads, s.nodeArea);
+        for (Index u = 0; u < s.graph.Size(); ++u) {
+            s.area += s.nodeArea[u];
+            s.report.isolated += s.graph.adjacency[u].size() == 0;
+        }
+    }
+
+    /// Flags of nodes of vertices beside alone, which only a seam makes part of it; empty for none. Does not count
+    /// their vertices as welded.
+    std::vector<char> NodesBeside() {
+        std::vector<char> near;
+        if (beside.empty())
+            return near;
+        near.assign(s.graph.Size(), 1);
+        for (std::size_t i = 0; i < slots; ++i)
+            if (s.nodeOf[i] >= 0 && !beside[i])
+                near[s.nodeOf[i]] = 0;
+        s.report.welded = 0;
+        for (std::size_t i = 0; i < slots; ++i)
+            s.report.welded += s.nodeOf[i] >= 0 && !near[s.nodeOf[i]];
+        for (char isNear : near)
+            s.report.welded -= !isNear;
+        return near;
+    }
+
+    /// Makes nodes on open borders a hair apart one, and leaves out those beside that are joined with none.
+    /// \param open flags as of TriangleGraph
+    /// \param list renumbered like the nodes; triangles between held nodes alone become points
+    /// \return whether a node went: then the triangles have to be connected again
+    bool JoinSeams(std::vector<char> &open, TriangleList &list) {
+        const std::vector<char> near = NodesBeside();
+        for (std::size_t u = 0; u < near.size(); ++u)
+            open[u] |= near[u];
+        Seams seams = FindSeams(s.graph, open, s.tag, weldDistance, progress.Slice(0.9, 0.92));
+        s.report.seams = seams.joined;
+        s.report.gaps = seams.gaps;
+        if (seams.joined == 0 && std::find(near.begin(), near.end(), 1) == near.end())
+            return false;
+        Eigen::Matrix3Xf &x = s.graph.position;
+        const Index n = s.graph.Size();
+        if (seams.into.empty()) {
+            seams.into.resize(n);
+            std::iota(seams.into.begin(), seams.into.end(), 0);
+        }
+        std::vector<Index> newIndex(n, -1);
+        for (Index u = 0; u < n; ++u)
+            if (near.empty() || !near[u])
+                newIndex[seams.into[u]] = 0;
+        Index kept = 0;
+        for (Index u = 0; u < n; ++u)
+            if (newIndex[u] >= 0) {
+                newIndex[u] = kept;
+                x.col(kept++) = Eigen::Vector3f(x.col(u));
+            }
+        for (Index u = 0; u < n; ++u)
+            newIndex[u] = newIndex[seams.into[u]];
+        Eigen::Matrix3Xf left = x.leftCols(kept);
+        x.swap(left);
+        for (Index &node : s.nodeOf)
+            if (node >= 0)
+                node = newIndex[node];
+        if (!s.tag.empty()) {
+            std::vector<Index> joined(kept, 1);
+            for (Index u = 0; u < n; ++u)
+                if (newIndex[u] >= 0)
+                    joined[newIndex[u]] = TagOfBoth(joined[newIndex[u]], s.tag[u]);
+            s.tag = std::move(joined);
+        }
+        for (Index *c = list.corner.get(); c < list.corner.get() + 3 * list.count; c += 3) {
+            for (int j = 0; j < 3; ++j)
+                c[j] = newIndex[c[j]];
+            if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
+                c[1] = c[2] = c[0];
+        }
+        return true;
+    }
+
+    const SurfaceView &mesh;
+    const Region *region; // nullptr: all of the mesh
+    const std::vector<int> &tag;
+    const Progress &progress;
+    const double weldDistance;
+    const std::size_t slots;
+    bool hasSeams;
+    std::size_t candidates = 0;
+    std::vector<std::size_t> begin;    // of each chunk's vertices in the list of all of them
+    std::vector<unsigned char> beside; // flags of slots; empty for none
+    SurfaceGraph s;
+};
+
+} // namespace detail
+
+SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Region *region, const std::vector<int> &tag,
+                               const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance) {
+    return detail::SurfaceReader(mesh, region, tag, metric, progress, weldDistance).Read();
+}
+
+SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Progress &progress) {
+    return BuildSurfaceGraph(mesh, nullptr, {}, Eigen::Matrix3d::Identity(), progress);
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/surface_reach.h>
+
+#include <functional>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+std::vector<Index> NodesWithin(const Graph &graph, Index seed, double radius) {
+    using Item = std::pair<double, Index>;
+    std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
+    std::unordered_map<Index, double> distance{{seed, 0}};
+    std::vector<Index> found;
+    queue.emplace(0, seed);
+    while (!queue.empty()) {
+        const auto [d, u] = queue.top();
+        queue.pop();
+        if (d > distance[u])
+            continue; // reached by a shorter way since
+        found.push_back(u);
+        for (Index v : graph.adjacency[u]) {
+            const double there = d + double((graph.position.col(v) - graph.position.col(u)).norm());
+            if (!(there <= radius))
+                continue;
+            const auto at = distance.emplace(v, there);
+            if (at.second || there < at.first->second) {
+                at.first->second = there;
+                queue.emplace(there, v);
+            }
+        }
+    }
+    return found;
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SURFACE_REACH_H
+#define VCG_FCD_SURFACE_REACH_H
+
+#include <vcg_ext/base/graph.h>
+
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// The nodes that are at most \p radius from \p seed along the edges of the graph (Dijkstra 1959), \p seed included,
+/// nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
+std::vector<Index> NodesWithin(const Graph &graph, Index seed, double radius);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_TRIANGLE_GRAPH_H
+#define VCG_FCD_TRIANGLE_GRAPH_H
+
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/base/sort_short.h>
+#include <vcg_ext/surface/surface_arrays.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// Triangles of a graph's nodes. One with a repeated corner counts as the edge that is left of it, and one with three
+/// equal corners not at all.
+struct TriangleList {
+    std::unique_ptr<Index[]> corner; ///< 3 x count nodes
+    std::size_t count = 0;
+    Index degenerateFaces = 0; ///< as of SurfaceReport
+};
+
+/// The faces and edge elements of a mesh, without those that are deleted, that have a vertex without a node, or that
+/// are between held nodes alone.
+/// \param faces that are taken, nullptr for all \param nodeOf as of SurfaceGraph \param isHeld isHeld(node)
+template <class IsHeld>
+TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::uint32_t> *faces,
+                              const std::vector<Index> &nodeOf, const IsHeld &isHeld, const Progress &progress) {
+    const std::size_t faceCount = faces ? faces->size() : mesh.faces, grain = 1 << 16;
+    TriangleList list;
+    list.corner = LargeArray<Index>(3 * (faceCount + mesh.edges));
+    // Puts the element's nodes at \p to. \return whether it is taken
+    const auto take = [&](const std::uint32_t *slot, int corners, Index *to) {
+        for (int j = 0; j < 3; ++j) {
+            to[j] = nodeOf[slot[std::min(j, corners - 1)]];
+            if (to[j] < 0)
+                return false;
+        }
+        return !(isHeld(to[0]) && isHeld(to[1]) && isHeld(to[2]));
+    };
+    struct Count {
+        std::size_t triangles = 0;
+        Index degenerate = 0;
+    };
+    std::vector<Count> counts((faceCount + grain - 1) / grain);
+    ParallelFor(progress, readingStage, faceCount, grain, [&](std::size_t first, std::size_t last) {
+        Index *to = &list.corner[3 * first];
+        Count count;
+        for (std::size_t f = first; f < last; ++f)
+            if (const std::size_t face = faces ? (*faces)[f] : f;
+                mesh.IsFace(face) && take(mesh.corner + 3 * face, 3, to)) {
+                count.degenerate += to[0] == to[1] || to[1] == to[2] || to[2] == to[0];
+                ++count.triangles;
+                to += 3;
+            }
+        counts[first / grain] = count;
+    });
+    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists
+        const Index *from = &list.corner[3 * c * grain];
+        if (list.count != c * grain)
+            std::copy(from, from + 3 * counts[c].triangles, &list.corner[3 * list.count]);
+        list.count += counts[c].triangles;
+        list.degenerateFaces += counts[c].degenerate;
+    }
+    for (std::size_t e = 0; e < mesh.edges; ++e)
+        list.count += mesh.IsEdge(e) && take(mesh.end + 2 * e, 2, &list.corner[3 * list.count]);
+    return list;
+}
+
+/// A graph of triangles, and what is measured on the way.
+struct TriangleGraph {
+    Csr adjacency;
+    Index nonManifoldEdges = 0;
+    double edgeLengths = 0;  ///< sum over all edges
+    std::vector<float> area; ///< of each node: a third of its triangles
+    std::vector<char> open;  ///< of each node: whether one of its edges has a single face
+};
+
+/// Nodes cut into blocks that fit the cache, each with a copy of the triangles that have a corner in it.
+struct TriangleBlocks {
+    struct Triangle {
+        Index corner[3];
+    };
+    Index nodes;
+    int shift;                      ///< node u is in block u >> shift
+    std::vector<std::size_t> begin; ///< blocks + 1, of each block's triangles
+    std::unique_ptr<Triangle[]> triangle;
+
+    /// A neighbour and, in the lowest bit, whether a face is what joins it.
+    using Entry = std::uint32_t;
+
+    /// Nodes [first, last) and their triangles.
+    struct Block {
+        Index first, last;
+        const Triangle *begin, *end;
+
+        bool Has(Index u) const { return u >= first && u < last; }
+
+        /// body(node - first, next, previous), the last two as Entry, for every corner in the block
+        template <class Body>
+        void ForCorners(const Body &body) const {
+            for (const Triangle *t = begin; t < end; ++t) {
+                const Index *c = t->corner;
+                if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
+                    for (int i = 0, next = 1, previous = 2; i < 3; previous = i++, next = next == 2 ? 0 : next + 1)
+                        if (Has(c[i]))
+                            body(c[i] - first, Entry(c[next]) << 1 | 1, Entry(c[previous]) << 1 | 1);
+                } else { // the edge between its two different corners
+                    const Index u = c[0], v = c[0] == c[1] ? c[2] : c[1];
+                    if (Has(u))
+                        body(u - first, Entry(v) << 1, Entry(v) << 1);
+                    if (Has(v))
+                        body(v - first, Entry(u) << 1, Entry(u) << 1);
+                }
+            }
+        }
+    };
+    std::size_t Size() const { return begin.size() - 1; }
+    Index FirstNode(std::size_t b) const { return Index(std::min(std::size_t(nodes), b << shift)); }
+    Block operator[](std::size_t b) const {
+        return {FirstNode(b), FirstNode(b + 1), triangle.get() + begin[b], triangle.get() + begin[b + 1]};
+    }
+};
+
+/// The blocks of nodes [0, nodes). \param corner as of ConnectTriangles
+inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size_t triangles,
+                                     const Progress &progress) {
+    const std::size_t grain = 1 << 15, chunks = (triangles + grain - 1) / grain;
+    int shift = 12;
+    while ((nodes - 1) >> shift >= 1024)
+        ++shift;
+    const std::size_t blocks = (std::size_t(nodes - 1) >> shift) + 1;
+    const auto forBlocksOf = [shift](const Index *c, const auto &body) {
+        const Index a = c[0] >> shift, b = c[1] >> shift, d = c[2] >> shift;
+        if (c[0] == c[1] && c[1] == c[2])
+            return;
+        body(a);
+        if (b != a)
+            body(b);
+        if (d != a && d != b)
+            body(d);
+    };
+
+    // Count, prefix sum, fill.
+    std::vector<std::size_t> at(chunks * blocks, 0); // of each chunk's triangles in each block
+    ParallelFor(progress.Slice(0, 1.0 / 3), readingStage, triangles, grain, [&](std::size_t first, std::size_t last) {
+        std::size_t *count = &at[first / grain * blocks];
+        for (std::size_t t = first; t < last; ++t)
+            forBlocksOf(corner + 3 * t, [&](Index block) { ++count[block]; });
+    });
+    std::vector<std::size_t> begin(blocks + 1, 0);
+    for (std::size_t b = 0, sum = 0; b < blocks; ++b) {
+        for (std::size_t c = 0; c < chunks; ++c) {
+            const std::size_t here = at[c * blocks + b];
+            at[c * blocks + b] = sum;
+            sum += here;
+        }
+        begin[b + 1] = sum;
+    }
+    auto triangle = LargeArray<TriangleBlocks::Triangle>(begin[blocks]);
+    ParallelFor(progress.Slice(1.0 / 3, 1), readingStage, triangles, grain, [&](std::size_t first, std::size_t last) {
+        std::size_t *next = &at[first / grain * blocks];
+        for (std::size_t t = first; t < last; ++t) {
+            const Index *c = corner + 3 * t;
+            forBlocksOf(c, [&](Index block) { triangle[next[block]++] = {{c[0], c[1], c[2]}}; });
+        }
+    });
+    return {nodes, shift, std::move(begin), std::move(triangle)};
+}
+
+/// The neighbours of a block's nodes, one node after the other, and what was measured of them.
+struct ConnectedBlock {
+    std::vector<Index> item;
+    Index nonManifoldEdges = 0;
+    double edgeLengths = 0;
+};
+
+/// Joins the corners of a block's triangles. Around a node whose triangles form a closed, evenly oriented fan, the
+/// corners that come next are every neighbour once; a checksum of next minus previous corners tells the other nodes,
+/// for which both are taken. \param graph gets area and open of the block's nodes, and how many neighbours node u has
+/// in adjacency.begin[u + 1]
+inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const TriangleBlocks::Block &in,
+                                   TriangleGraph &graph) {
+    using Entry = TriangleBlocks::Entry;
+    const auto scramble = [](Entry e) {
+        std::uint64_t v = (e + 1) * 0x9E3779B97F4A7C15u;
+        return (v ^ v >> 29) * 0xBF58476D1CE4E5B9u;
+    };
+    struct Node {
+        std::uint64_t checksum = 0; // 0: closed
+        std::uint32_t corners = 0, begin = 0, end = 0;
+    };
+    std::vector<Node> node(in.last - in.first);
+    in.ForCorners([&](Index u, Entry next, Entry previous) {
+        node[u].checksum += scramble(next) - scramble(previous);
+        ++node[u].corners;
+    });
+    std::uint32_t entries = 0;
+    for (Node &n : node) {
+        n.begin = n.end = entries;
+        entries += n.checksum ? 2 * n.corners : n.corners;
+    }
+    std::vector<Entry> entry(entries);
+    in.ForCorners([&](Index u, Entry next, Entry previous) {
+        entry[node[u].end++] = next;
+        if (node[u].checksum)
+            entry[node[u].end++] = previous;
+    });
+    ConnectedBlock block;
+    block.item.reserve(entries);
+    for (Index u = in.first; u < in.last; ++u) {
+        const Node &n = node[u - in.first];
+        SortShort(entry.data() + n.begin, entry.data() + n.end);
+        const Eigen::Vector3f x = position.col(u);
+        const std::size_t size = block.item.size();
+        for (std::uint32_t i = n.begin; i < n.end;) {
+            const Index v = Index(entry[i] >> 1);
+            Index faces = 0;
+            for (; i < n.end && Index(entry[i] >> 1) == v; ++i)
+                faces += entry[i] & 1;
+            block.nonManifoldEdges += u < v && (n.checksum ? faces > 2 : faces > 1);
+            graph.open[u] |= n.checksum && faces == 1;
+            block.item.push_back(v);
+            if (u < v)
+                block.edgeLengths += (position.col(v) - x).norm();
+        }
+        graph.adjacency.begin[u + 1] = std::uint32_t(block.item.size() - size);
+    }
+    for (const TriangleBlocks::Triangle *t = in.begin; t < in.end; ++t) {
+        const Eigen::Vector3f x = position.col(t->corner[0]);
+        const Eigen::Vector3f e = position.col(t->corner[1]) - x, f = position.col(t->corner[2]) - x;
+        const float third = e.cross(f).norm() / 6;
+        for (Index u : t->corner)
+            if (in.Has(u))
+                graph.area[u] += third;
+    }
+    block.item.shrink_to_fit();
+    return block;
+}
+
+/// Joins the corners of triangles, as of TriangleList, block by block.
+/// \param corner 3 x triangles nodes
+/// \pre neighbours have numbers that are close (Morton order), for speed
+inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const Index *corner, std::size_t triangles,
+                                      const Progress &progress) {
+    const Index nodes = Index(position.cols());
+    TriangleBlocks in = SortIntoBlocks(nodes, corner, triangles, progress.Slice(0, 0.3));
+    const std::size_t blocks = in.Size();
+    std::vector<ConnectedBlock> done(blocks);
+    TriangleGraph graph;
+    AssignLarge(graph.area, std::size_t(nodes), 0.f);
+    graph.open.assign(std::size_t(nodes), 0);
+    AssignLarge(graph.adjacency.begin, std::size_t(nodes) + 1, 0u);
+    ParallelFor(progress.Slice(0.3, 0.9), readingStage, blocks, 1,
+                [&](std::size_t b, std::size_t) { done[b] = ConnectBlock(position, in[b], graph); });
+    in.triangle.reset();
+
+    // All of it in one.
+    std::vector<std::size_t> itemBegin(blocks + 1, 0);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        itemBegin[b + 1] = itemBegin[b] + done[b].item.size();
+        graph.nonManifoldEdges += done[b].nonManifoldEdges;
+        graph.edgeLengths += done[b].edgeLengths;
+    }
+    if (itemBegin[blocks] > std::uint32_t(-1))
+        throw BadInput("The mesh has more than two thousand million edges; simplify it first.");
+    AssignLarge(graph.adjacency.item, itemBegin[blocks], 0);
+    ParallelFor(progress.Slice(0.9, 1), readingStage, blocks, 1, [&](std::size_t b, std::size_t) {
+        std::copy(done[b].item.begin(), done[b].item.end(), graph.adjacency.item.begin() + itemBegin[b]);
+        done[b].item = {};
+        std::uint32_t sum = std::uint32_t(itemBegin[b]);
+        for (Index u = in.FirstNode(b); u < in.FirstNode(b + 1); ++u)
+            graph.adjacency.begin[u + 1] = sum += graph.adjacency.begin[u + 1];
+    });
+    return graph;
+}
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

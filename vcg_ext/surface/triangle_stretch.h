@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_TRIANGLE_STRETCH_H
+#define VCG_FCD_TRIANGLE_STRETCH_H
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vcg {
+namespace fcd {
+
+/// How a triangle is stretched: what lengths along two perpendicular directions in its plane are multiplied by.
+struct TriangleStretch {
+    double largest = 1, smallest = 1; ///< >= 0; 1: as long as at rest, 2: twice as long
+    double area = 0;                  ///< at rest, the square of the unit of the edges; 0: it has none, and the others
+                                      ///< say nothing
+
+    /// The stretch that is farther from 1, as a power of two: 1 is twice as long, -1 half as long, 0 as it was.
+    /// [-16, 16]
+    float Exponent() const {
+        const double farther = largest * smallest >= 1 ? largest : smallest;
+        return std::log2(float(std::min(65536.0, std::max(1 / 65536.0, farther))));
+    }
+};
+
+/// \param a, b two edges from one corner at rest \param nowA, nowB the same edges now, in the same unit; any place and
+/// direction
+TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &nowA,
+                          const Eigen::Vector3d &nowB);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
