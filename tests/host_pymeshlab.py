@@ -1450,13 +1450,25 @@ def test_the_shape_hardly_depends_on_the_number_of_nodes_and_the_seed(shared, ca
     assert max(rms(plain, shape(random_seed=seed)) for seed in (2, 3)) < 0.003
 
 
-@pytest.mark.parametrize("case, limit", [("bar", 0.36), ("cactus", 0.3), ("cylinder", 0.42), ("plane", 1.4)])
+# How far 300 patches may be from a node at every vertex, percent of the diagonal: half as far again as the worst of the benchmark's
+# shapes is (0.09 to 0.10).
+PATCHES = 0.15
+
+
+@pytest.mark.parametrize("case, limit", [
+    # Bar and plane: half of what CGAL's own results with all diagonals one way and the other way differ by (0.70 and 1.75). The
+    # references are the means of the two, and who is farther from them than each of the two is worse than another triangulation.
+    ("bar", 0.35), ("plane", 0.875),
+    # Cactus and cylinder: how far ours is from CGAL's with a node at every vertex, where the energies alone differ (docs/method.md),
+    # and what patches may add to that.
+    ("cactus", 0.152 + PATCHES), ("cylinder", 0.234 + PATCHES)])
 def test_benchmark_of_botsch_and_sorkine(shared, case, limit):
     """Close to converged SR-ARAP (percent of the diagonal, root mean square), constraints exact."""
     folder = shared / "meshes" / "bs08"
-    reference = shared / "reference" / "bs08" / f"{case}_sr_arap_free.off"
-    if not reference.exists():
-        pytest.skip(f"{reference} is absent")
+    references = [shared / "reference" / "bs08" / f"{case}_sr_arap_{which}.off" for which in ("mean", "free")]
+    reference = next((path for path in references if path.exists()), None)
+    if not reference:
+        pytest.skip(f"{references[0]} is absent")
     ms = new_set()
     ms.load_new_mesh(str(folder / f"{case}.off"))
     rest = ms.current_mesh().vertex_matrix()

@@ -1086,7 +1086,7 @@ TEST(DeformCentroidal, TheShapeHardlyDependsOnTheNumberOfNodesOrTheSeed) {
     }
     DeformationParam uniform = Param(400);
     uniform.graphWeights = GraphWeights::Uniform;
-    EXPECT_GT(rms(uniform), 0) << "another choice of weights does something";
+    EXPECT_GT(rms(uniform), 10 * param.tolerance) << "another choice of weights is more than what the solver leaves";
 }
 
 TEST(DeformCentroidal, MeasuresStretchAndRotation) {
