@@ -195,7 +195,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.tags));
     values.insert({{"loose_parts", result.looseParts},
-                   {"folded_triangles", result.check.folded},
+                   {"folded_triangles", result.check.flipped},
                    {"strained_edges", result.check.strained},
                    {"nodes", nodes},
                    {"iterations", result.iterations},

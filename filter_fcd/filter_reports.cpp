@@ -67,8 +67,8 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
              << check.longest << " times). Leave free vertices between them.";
         warnings.push_back(line.str());
     }
-    if (check.folded > 0)
-        warnings.push_back(count(check.folded, "triangle has", "triangles have") +
+    if (check.flipped > 0)
+        warnings.push_back(count(check.flipped, "triangle has", "triangles have") +
                            " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
                            "leave more free surface between them.");
     return warnings;

@@ -5,6 +5,7 @@
 #include <vcg_ext/graph/contrasting_colors.h>
 #include <vcg_ext/map/normals.h>
 
+#include <cassert>
 #include <cmath>
 
 namespace vcg {
@@ -110,7 +111,7 @@ DeformationCheck Check(const SurfaceView &mesh, const Handles &handles, const De
     for (Index j = 0; j < deformer.graph.Size(); ++j)
         if (deformer.graph.IsHeld(j))
             turns[j] = pose.nodeMotion[j].linear();
-    check.folded = detail::CountFolded(mesh, surface, deformer.patches.patchOf, turns, position, progress);
+    check.flipped = detail::CountFlipped(mesh, surface, deformer.patches.patchOf, turns, position, progress);
     return check;
 }
 
@@ -171,6 +172,8 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
 
 void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
                  const DeformationParam &param, const Progress &progress, DeformationResult &result) {
+    assert(mesh.vertexSlots == deformer.slotTag.size() && handles.tag.size() == mesh.vertexSlots);
+    assert(result.position.cols() == Eigen::Index(mesh.vertexSlots));
     const SurfaceGraph &surface = deformer.surface;
     result.surface = surface.report;
     result.surface.components = deformer.loose.components;

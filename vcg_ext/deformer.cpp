@@ -33,8 +33,8 @@ Deformer::Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface loose
                    const std::vector<std::size_t> &point, const PositionsRef &rest, const DeformerParam &param,
                    const Progress &progress)
     : MovingSurface(std::move(surface), std::move(heldNodes), std::move(looseSurface), std::move(slotTag)),
-      point(point), param(param) {
-    weights = IsPrinted() ? MappingWeights::Euclidean : param.weights;
+      point(point), param(param), beyond(param.graphWeights) {
+    weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
     Stopwatch watch;
     for (std::size_t i : point)
         pointRest.emplace_back(rest.col(Eigen::Index(i)));
@@ -44,7 +44,7 @@ Deformer::Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface loose
     watch = {};
     mapping =
         std::make_unique<GraphMapping>(this->surface.graph, held.tag, patches, graph, weights, param.influence,
-                                       param.shape.runOver * D, progress.Slice(0.7, 0.95), param.shape, IsPrinted());
+                                       param.shape.blendWidth * D, progress.Slice(0.7, 0.95), param.shape, beyond);
     following = param.looseParts == LooseParts::Follow
                     ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
                     : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
@@ -56,6 +56,7 @@ Deformer::Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface loose
 }
 
 HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
+    assert(handles.point.size() == point.size());
     HeldMotions m;
     m.motion[0].setIdentity();
     for (const auto &[tag, middle] : center) {
@@ -91,23 +92,23 @@ Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, c
     NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
     if (!held.original.empty())
         detail::TurnTogether(graph, held.tag, patches, given);
-    if (IsPrinted())
-        given.turns.assign(given.turns.size(), false);
+    if (!beyond.compliance)
+        given.compliant.assign(given.compliant.size(), false);
     const std::shared_ptr<const System> system = SystemOf(given);
     SolverParam steps = solver;
-    steps.accelerated = solver.accelerated && !IsPrinted();
+    steps.accelerated = solver.accelerated && beyond.acceleration;
     pose.solved = system->parts.Solve(given, steps, progress, last ? &last->solved : nullptr,
                                       last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
     pose.iterations = pose.solved.iterations;
     pose.graph = pose.solved;
     std::vector<bool> hasMotion(graph.Size());
     for (Index j = 0; j < graph.Size(); ++j)
-        hasMotion[j] = given.constrained[j] && !given.turns[j];
-    if (!IsPrinted())
+        hasMotion[j] = given.constrained[j] && !given.compliant[j];
+    if (beyond.linearMaps)
         FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
     for (Index j = 0; j < graph.Size(); ++j) {
         const Index t = held.tag[patches.center[j]];
-        if (HeldNodes::IsSingle(t) && given.turns[j]) { // run over into the motion that the surface makes there
+        if (HeldNodes::IsSingle(t) && given.compliant[j]) { // run over into the motion that the surface makes there
             Eigen::Affine3d &there = pose.motion[t];
             there.linear() = pose.graph.linear[j];
             there.translation() =
@@ -131,11 +132,11 @@ Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &p
 }
 
 Deformer::System::System(const Deformer &deformer, const NodeConstraints &given)
-    : turns(given.turns), parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth) {}
+    : compliant(given.compliant), parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth) {}
 
 std::shared_ptr<const Deformer::System> Deformer::SystemOf(const NodeConstraints &given) const {
     const std::lock_guard<std::mutex> guard(lock);
-    if (!latest || latest->turns != given.turns)
+    if (!latest || latest->compliant != given.compliant)
         latest = std::make_shared<const System>(*this, given);
     return latest;
 }

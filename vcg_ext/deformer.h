@@ -92,11 +92,9 @@ class Deformer : public MovingSurface {
     double secondsMap = 0;                   ///< ... and the mapping
 
   private:
-    bool IsPrinted() const { return param.graphWeights == GraphWeights::Printed; }
-
     /// What is factorised, for nodes of which some turn with what they hold.
     struct System {
-        std::vector<bool> turns;
+        std::vector<bool> compliant;
         PartsDeformer parts;
         System(const Deformer &deformer, const NodeConstraints &given);
     };
@@ -107,6 +105,7 @@ class Deformer : public MovingSurface {
     std::vector<std::size_t> point;
     std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
     DeformerParam param;
+    const BeyondPaper beyond;
     double D = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2

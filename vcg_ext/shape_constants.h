@@ -33,9 +33,9 @@ struct ShapeConstants {
     double surrounded = 0.5;
     /// Width of the run-over into held regions, D. Below 2 the border shows as a crease (the rotation of half a patch
     /// is made up in less than a patch), above 3 what is free is held back.
-    double runOver = 2.5;
+    double blendWidth = 2.5;
     /// The same around held vertices in a patch of free ones, radii of that patch: their motion is that of the patch.
-    double smallRunOver = 1.5;
+    double smallBlendWidth = 1.5;
     /// Weight of a node's rotation beside its edges where its linear map is fitted: decides what the edges leave open,
     /// across the surface, and no more.
     double openness = 0.1;

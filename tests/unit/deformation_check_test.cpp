@@ -31,16 +31,16 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
         EXPECT_EQ(check.overruled, 0);
         EXPECT_EQ(check.strained, 0);
         EXPECT_EQ(check.longest, 1);
-        EXPECT_EQ(check.folded, 0);
+        EXPECT_EQ(check.flipped, 0);
     }
 }
 
-/// CountFolded where all is one patch that \p linear turns.
+/// CountFlipped where all is one patch that \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
     const std::vector<int> free(mesh.vert.size(), 1);
     const SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, {}, Eigen::Matrix3d::Identity(), {});
     const std::vector<Index> patchOf(surface.graph.Size(), 0);
-    return vcg::fcd::detail::CountFolded(Read(mesh), surface, patchOf, {linear}, position, {});
+    return vcg::fcd::detail::CountFlipped(Read(mesh), surface, patchOf, {linear}, position, {});
 }
 
 TEST(DeformationCheck, CountsTrianglesThatTurnedOver) {

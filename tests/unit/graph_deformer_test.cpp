@@ -173,7 +173,7 @@ TEST(GraphDeformer, UnconstrainedComponentsStayAtRest) {
     EXPECT_EQ(deformer.LooseComponents(), 1);
     Index loose = 0, moved = 0;
     for (Index i = 0; i < rig.graph.Size(); ++i) {
-        if (deformer.IsHeld(i)) {
+        if (deformer.HasConstraint(i)) {
             moved += pose.position.col(i) != x.col(i);
             continue;
         }

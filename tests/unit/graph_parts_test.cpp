@@ -133,7 +133,7 @@ TEST(PartsDeformer, OfOnePartIsTheGraphDeformers) {
     const NodeConstraints given = ConstraintsOf(rig);
     ASSERT_EQ(SeparateParts(rig.graph, given.constrained).size(), 1u);
     const GraphPose pose = SolveParts(rig.graph, area, given, {}),
-                    whole = GraphDeformer(rig.graph, given.constrained, A, given.turns, given.heldArea)
+                    whole = GraphDeformer(rig.graph, given.constrained, A, given.compliant, given.heldArea)
                                 .Solve(given.motion, {});
     EXPECT_TRUE(pose.converged);
     EXPECT_TRUE(SameBits(pose.position, whole.position));
@@ -185,7 +185,7 @@ TEST(PartsDeformer, APartIsSolvedAsIfThereWereNoOthers) {
         std::vector<double> areas;
         for (Index i : nodes) {
             here.constrained.push_back(given.constrained[i]);
-            here.turns.push_back(given.turns[i]);
+            here.compliant.push_back(given.compliant[i]);
             here.heldArea.push_back(given.heldArea[i]);
             here.motion.push_back(given.motion[i]);
             areas.push_back(area[i]);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -13,6 +14,7 @@ namespace fcd {
 
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body) {
+    assert(grain > 0);
     const std::size_t ranges = (n + grain - 1) / grain;
     const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
     std::atomic<std::size_t> next{0};

@@ -2,6 +2,7 @@
 #include <vcg_ext/base/point_tree.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <vcg/space/index/kdtree/kdtree.h>
@@ -19,6 +20,7 @@ vcg::Point3<Scalar> ToVcg(const Eigen::Matrix<Scalar, 3, 1> &p) {
 
 template <class Scalar>
 std::unique_ptr<vcg::KdTree<Scalar>> MakeTree(const std::vector<Eigen::Matrix<Scalar, 3, 1>> &points) {
+    assert(!points.empty());
     std::vector<vcg::Point3<Scalar>> copy;
     copy.reserve(points.size());
     for (const auto &p : points)

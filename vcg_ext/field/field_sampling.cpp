@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <limits>
 #include <utility>
 
@@ -249,6 +250,8 @@ class FieldSampler {
 SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param, const Progress &progress,
                          const Eigen::Matrix3d &metric) {
+    assert(rest.cols() == Eigen::Index(mesh.vertexSlots) && deformed.cols() == rest.cols());
+    assert(linear.size() == mesh.vertexSlots);
     const SurfaceGraph surface = BuildSurfaceGraph(mesh, nullptr, {}, metric, progress.Slice(0, 0.2));
     std::vector<std::array<Index, 3>> face;
     face.reserve(mesh.faces);

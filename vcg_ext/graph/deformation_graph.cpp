@@ -15,6 +15,7 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
                                       const std::vector<float> &area, const Patches &patches, GraphWeights weights,
                                       const Progress &progress, const ShapeConstants &shape) {
     using detail::Flux;
+    const BeyondPaper beyond(weights);
     DeformationGraph d;
     const Index k = patches.Size();
     for (Index j = 0; j < k; ++j)
@@ -44,8 +45,7 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
             sum.col(patches.patchOf[u]) += double(area[u]) * surface.position.col(u).cast<double>().homogeneous();
     d.graph.position.resize(3, k);
     for (Index j = 0; j < k; ++j) {
-        const bool isPlaced =
-            weights == GraphWeights::Printed || (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);
+        const bool isPlaced = !beyond.barycenters || (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);
         d.graph.position.col(j) = isPlaced ? Eigen::Vector3f(surface.position.col(patches.center[j]))
                                            : Eigen::Vector3f((sum.col(j).head<3>() / sum(3, j)).cast<float>());
     }
@@ -58,7 +58,7 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
             const Index j = d.graph.adjacency.item[e];
             const Flux &flux = dual.value[e];
             Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
-            if (flux.held[3] > 0 && weights != GraphWeights::Printed)
+            if (flux.held[3] > 0 && beyond.borders)
                 (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
             const Eigen::Vector3d way = from - to;
             d.edge.col(e) = way.cast<float>();

@@ -3,6 +3,7 @@
 #define VCG_FCD_DEFORMATION_GRAPH_H
 
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/graph/beyond_paper.h>
 #include <vcg_ext/patches/patch_sampling.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/shape_constants.h>
@@ -12,17 +13,6 @@
 
 namespace vcg {
 namespace fcd {
-
-/// Weights w_ij of the deformation graph's edges.
-enum class GraphWeights {
-    Border,  ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
-             ///< (its straight length over the centres' distance), so that around each node as much flows in every
-             ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
-    Uniform, ///< 1 for every edge (paper, Eqs. 3 and 4)
-    /// The same, with the nodes at the patches' central vertices and all edges from node to node (paper, sec. 2.1): a
-    /// deformer with them keeps to what is printed in all else, too, to compare with it.
-    Printed
-};
 
 /// The deformation graph: the dual graph of the patches, a node at each patch's centre (paper, sec. 2.1).
 struct DeformationGraph {

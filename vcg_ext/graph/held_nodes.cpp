@@ -82,7 +82,7 @@ void TurnTogether(const DeformationGraph &graph, const std::vector<Index> &tag, 
     // Where few points leave the rotation open, none is preferred.
     const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
     for (Index j = 0; j < graph.Size(); ++j)
-        if (given.turns[j] && HeldNodes::IsSingle(tag[patches.center[j]])) {
+        if (given.compliant[j] && HeldNodes::IsSingle(tag[patches.center[j]])) {
             const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>(), y = motion[j] * x;
             motion[j].linear() = rotation;
             motion[j].translation() = y - rotation * x;
@@ -152,7 +152,7 @@ NodeConstraints ConstrainNodes(const DeformationGraph &graph, const std::vector<
             continue;
         const auto rotates = motions.rotates.find(t);
         given.constrained[j] = true;
-        given.turns[j] = !(HeldNodes::IsSingle(t) && rotates != motions.rotates.end() && rotates->second);
+        given.compliant[j] = !(HeldNodes::IsSingle(t) && rotates != motions.rotates.end() && rotates->second);
         given.heldArea[j] = HeldNodes::IsSingle(t) ? 0 : std::numeric_limits<double>::infinity();
         given.motion[j] = motion.at(t);
     }

@@ -45,9 +45,9 @@ void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
     }
 }
 
-Index CountFolded(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
-                  const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
-                  const Progress &progress) {
+Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+                   const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
+                   const Progress &progress) {
     using Eigen::Vector3d;
     std::vector<Eigen::Matrix3d> turn;
     turn.reserve(linear.size());

@@ -17,7 +17,7 @@ struct DeformationCheck {
         0; ///< handle vertices at the place of one that is fixed, or of a smaller tag, and held as that one
     Index strained = 0; ///< edges that join regions held apart and get twice or half as long, or worse
     double longest = 1; ///< the largest ratio of the length of such an edge to that at rest
-    Index folded = 0;   ///< triangles that turned over
+    Index flipped = 0;  ///< triangles that turned over
 };
 
 namespace detail {
@@ -37,9 +37,9 @@ void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
 
 /// A triangle has turned over when its normal points away from where the patches of its corners turn it. Needles, whose
 /// normals are noise, do not count.
-Index CountFolded(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
-                  const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
-                  const Progress &progress);
+Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+                   const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
+                   const Progress &progress);
 
 } // namespace detail
 } // namespace fcd

@@ -2,7 +2,7 @@
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/map/graph_mapping.h>
 #include <vcg_ext/map/mapping_candidates.h>
-#include <vcg_ext/map/run_over.h>
+#include <vcg_ext/map/constraint_blend.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,12 +26,12 @@ static Space SpaceOf(const Frame &frame) {
 
 GraphMapping::GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                            const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
-                           const Progress &progress, const ShapeConstants &shape, bool isPrinted)
-    : surface(surface), tag(tag), patches(patches), graph(graph), isPrinted(isPrinted),
-      candidates(std::make_unique<MappingCandidates>(patches, graph, weights, isPrinted ? 1 : influence,
+                           const Progress &progress, const ShapeConstants &shape, const BeyondPaper &beyond)
+    : surface(surface), tag(tag), patches(patches), graph(graph), isSmooth(beyond.smoothMapping),
+      candidates(std::make_unique<MappingCandidates>(patches, graph, weights, isSmooth ? influence : 1,
                                                      progress.Slice(0, 0.2), shape)),
-      runOver(std::make_unique<RunOver>(surface, tag, patches, graph, isPrinted ? 0 : fade, progress.Slice(0.2, 1),
-                                        shape)) {}
+      constraintBlend(std::make_unique<ConstraintBlend>(surface, tag, patches, graph, isSmooth ? fade : 0,
+                                                        progress.Slice(0.2, 1), shape)) {}
 
 GraphMapping::~GraphMapping() = default;
 
@@ -54,7 +54,7 @@ void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch
     const Index patch = mapping.patches.patchOf[node[0]];
     detail::Vertices &vertices = scratch.vertices;
     vertices.Fill(count);
-    if (mapping.isPrinted) {
+    if (!mapping.isSmooth) {
         for (int l = 0; l < detail::lanes; ++l)
             MapAsPrinted(node[std::min(l, count - 1)], l, linear, vertices);
         return;
@@ -68,7 +68,7 @@ void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch
     detail::Carry(b, own[patch], space, linear, vertices);
     bool isStrainKnown = false;
     for (int l = 0; l < count; ++l) {
-        if (mapping.runOver->begin[node[l]] == mapping.runOver->begin[node[l] + 1])
+        if (mapping.constraintBlend->begin[node[l]] == mapping.constraintBlend->begin[node[l] + 1])
             continue;
         if (!isStrainKnown)
             SumStrain(scratch);
@@ -143,13 +143,13 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
     const Eigen::Vector3d rest = vertices.Rest(lane);
     const Eigen::Map<const Eigen::Matrix3d> fromFrame(space.fromFrame);
     double total = 1;
-    for (std::uint32_t h = mapping.runOver->begin[node]; h < mapping.runOver->begin[node + 1]; ++h)
-        total += mapping.runOver->held[h].share;
+    for (std::uint32_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h)
+        total += mapping.constraintBlend->held[h].share;
     Eigen::Vector3d moved = vertices.Moved(lane) / total;
     Eigen::Matrix3d map = vertices.Linear(lane).cast<double>() / total;
-    for (std::uint32_t h = mapping.runOver->begin[node]; h < mapping.runOver->begin[node + 1]; ++h) {
+    for (std::uint32_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
         // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
-        const RunOver::Held &held = mapping.runOver->held[h];
+        const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
         const Eigen::Affine3d &its = *heldMotion[held.index];
         const double share = held.share / total;
         moved += share * (its * (rest + fromFrame * (strain * held.away).cast<double>()));
@@ -166,7 +166,7 @@ GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
       term(mapping.candidates->nodes.item.size() * detail::terms), space(detail::SpaceOf(frame)) {
     for (const auto &[tag, each] : inFrame)
         motion[tag] = each.matrix().isIdentity(0) ? each : Eigen::Affine3d(frame.FromFrame(each));
-    for (Index t : mapping.runOver->heldTag)
+    for (Index t : mapping.constraintBlend->heldTag)
         heldMotion.push_back(&motion.at(t));
     ParallelFor(0, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
         for (Index j = Index(first); j < Index(last); ++j) {

@@ -19,7 +19,7 @@ namespace vcg {
 namespace fcd {
 
 class MappingCandidates;
-class RunOver;
+class ConstraintBlend;
 
 /// Carries the motion of the deformation graph's nodes over to the nodes of the surface (paper, sec. 2.3, Eqs. 7 and
 /// 8).
@@ -38,10 +38,11 @@ class GraphMapping {
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
     /// \param influence node radius over patch radius, > 1
     /// \param fade greatest width of the run-over into held regions along the surface, units of the positions
-    /// \param isPrinted by Eqs. 7 and 8 to the letter; influence and fade are not read
+    /// \param beyond without smoothMapping by Eqs. 7 and 8 to the letter; influence and fade are not read then
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
-                 const Progress &progress = {}, const ShapeConstants &shape = {}, bool isPrinted = false);
+                 const Progress &progress = {}, const ShapeConstants &shape = {},
+                 const BeyondPaper &beyond = BeyondPaper());
     ~GraphMapping();
     GraphMapping(const GraphMapping &) = delete;
     GraphMapping &operator=(const GraphMapping &) = delete;
@@ -94,7 +95,7 @@ class GraphMapping {
 
         const GraphMapping &mapping;
         std::map<Index, Eigen::Affine3d> motion;         // of each held tag, mesh units
-        std::vector<const Eigen::Affine3d *> heldMotion; // of each of runOver.heldTag
+        std::vector<const Eigen::Affine3d *> heldMotion; // of each of constraintBlend.heldTag
         std::vector<detail::PatchMotion> own;            // of each node
         std::vector<Eigen::Matrix3f> nodeStrain;         // stretch minus identity
         /// Of each candidate, about the patch's centre: columns of the 3 x 4 affine map by which it moves otherwise
@@ -115,9 +116,9 @@ class GraphMapping {
     const std::vector<Index> &tag;
     const Patches &patches;
     const DeformationGraph &graph;
-    const bool isPrinted;
+    const bool isSmooth;
     const std::unique_ptr<const MappingCandidates> candidates;
-    const std::unique_ptr<const RunOver> runOver;
+    const std::unique_ptr<const ConstraintBlend> constraintBlend;
 };
 
 } // namespace fcd

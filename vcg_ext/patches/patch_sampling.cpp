@@ -4,6 +4,7 @@
 #include <vcg_ext/patches/patch_sampling.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -30,6 +31,9 @@ Patches TakePatches(detail::Lloyd &lloyd) {
 
 Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass,
                       const PatchParam &param, const Progress &progress) {
+    assert(tag.empty() || Index(tag.size()) == graph.Size());
+    assert(mass.empty() || Index(mass.size()) == graph.Size());
+    assert(param.targetRadius > 0 && param.initialPatches >= 1 && param.maxIterations >= 1);
     const std::vector<float> each = detail::Masses(graph, tag, mass);
     const std::vector<Index> seed = detail::RandomSample(each, param.initialPatches, param.randomSeed);
     std::vector<SamplingStep> history;

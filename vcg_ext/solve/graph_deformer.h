@@ -34,24 +34,26 @@ class GraphDeformer {
   public:
     /// \param constrained k flags: the node's position is given, and its rotation with it
     /// \param area A, frame units^2
-    /// \param turns k flags, or empty for none: of constrained nodes whose rotation is free
+    /// \param compliant k flags, or empty for none: of constrained nodes whose rotation is free
     /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
     ///        frame units^2, infinite for a region that goes on
     /// \param heldDepth as in ShapeConstants
     /// \throw BadInput when the system cannot be factorised
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
-                  const std::vector<bool> &turns = {}, const std::vector<double> &heldArea = {},
+                  const std::vector<bool> &compliant = {}, const std::vector<double> &heldArea = {},
                   double heldDepth = ShapeConstants().heldDepth)
-        : graph(graph), area(area), unknown(graph.graph.adjacency, constrained, turns),
+        : graph(graph), area(area), unknown(graph.graph.adjacency, constrained, compliant),
           energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown) {
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
     }
 
     /// Whether node \p i is in a component with a constrained node.
-    bool IsHeld(Index i) const { return unknown.IsHeld(i); }
-    Index Components() const { return Index(unknown.held.size()); }
-    Index LooseComponents() const { return Index(std::count(unknown.held.begin(), unknown.held.end(), false)); }
+    bool HasConstraint(Index i) const { return unknown.HasConstraint(i); }
+    Index Components() const { return Index(unknown.hasConstraint.size()); }
+    Index LooseComponents() const {
+        return Index(std::count(unknown.hasConstraint.begin(), unknown.hasConstraint.end(), false));
+    }
 
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
@@ -107,8 +109,9 @@ class GraphDeformer {
             if (unknown.constrained[i]) {
                 state.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
                 const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
-                rotation[i] = last && unknown.turns[i] ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
-                                                       : detail::RotationOf(motion[i].linear());
+                rotation[i] = last && unknown.compliant[i]
+                                  ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
+                                  : detail::RotationOf(motion[i].linear());
                 if (isFirst)
                     common = way.matrix().topRows<3>();
                 isFirst = false;

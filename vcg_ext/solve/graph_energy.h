@@ -35,7 +35,7 @@ class GraphEnergy {
         double smooth;                       ///< alpha A
         std::vector<Eigen::Matrix3d> anchor; ///< k, of held nodes that turn: the rotation of what holds them
         std::vector<Eigen::Vector4d> anchorQuaternion;
-        std::vector<double> hold;            ///< k, how strongly it holds: the w of Eq. 2
+        std::vector<double> stiffness;       ///< k, how strongly it holds: the w of Eq. 2
         std::vector<Eigen::Matrix3d> linear; ///< k, of nodes whose rotation is given; may scale
         std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes hold
         std::vector<Eigen::Vector3d> to;     ///< them
@@ -48,16 +48,16 @@ class GraphEnergy {
             const double depth = std::sqrt(g.heldDepth * smooth);
             anchor = x.rotation;
             anchorQuaternion = x.quaternion;
-            hold.assign(g.graph.Size(), 0);
+            stiffness.assign(g.graph.Size(), 0);
             for (Index i = 0; i < g.graph.Size(); ++i) {
-                if (!g.unknown.turns[i] || !(g.heldArea[i] > 0) || !(depth > 0))
+                if (!g.unknown.compliant[i] || !(g.heldArea[i] > 0) || !(depth > 0))
                     continue;
                 anchor[i] = RotationOf(motion[i].linear());
                 anchorQuaternion[i] = ToQuaternion(anchor[i]);
                 double border = 0;
                 for (std::uint32_t e = g.Begin(i); e < g.Begin(i + 1); ++e)
                     border += g.graph.weight[e] * g.graph.edge.col(e).norm();
-                hold[i] = std::min(border / depth, g.heldArea[i] / (depth * depth));
+                stiffness[i] = std::min(border / depth, g.heldArea[i] / (depth * depth));
             }
             const auto rest = [&](Index i) { return g.graph.graph.position.col(i).template cast<double>(); };
             for (Index i = 0; i < g.graph.Size(); ++i) {
@@ -97,9 +97,11 @@ class GraphEnergy {
                 s = 1;
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
-                if (i < Neighbour(e) && unknown.IsHeld(i))
+                if (i < Neighbour(e) && unknown.HasConstraint(i))
                     pairs.push_back({i, Neighbour(e), e});
-        const auto isOpen = [&](const Pair &p) { return !unknown.IsTurned(p.i) || !unknown.IsTurned(p.j); };
+        const auto isOpen = [&](const Pair &p) {
+            return !unknown.IsRotationGiven(p.i) || !unknown.IsRotationGiven(p.j);
+        };
         openPairs = std::size_t(std::stable_partition(pairs.begin(), pairs.end(), isOpen) - pairs.begin());
         sumOfEdges.assign(unknown.position.size(), Eigen::Vector3d::Zero());
         for (std::size_t u = 0; u < sumOfEdges.size(); ++u)
@@ -146,7 +148,7 @@ class GraphEnergy {
             Eigen::Matrix3d neighbours = Eigen::Matrix3d::Zero();
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
                 neighbours += double(graph.weight[e]) * y.rotation[Neighbour(e)];
-            neighbours += given.hold[i] * given.anchor[i];
+            neighbours += given.stiffness[i] * given.anchor[i];
             const Eigen::Matrix3d sum =
                 s[i] + given.smooth * neighbours.transpose() + stay[i] * x.rotation[i].transpose();
             const Eigen::Vector4d q = FitQuaternion(sum, x.quaternion[i]);
@@ -181,7 +183,7 @@ class GraphEnergy {
     }
     /// A node's linear part as its neighbours' edges see it.
     const Eigen::Matrix3d &Linear(const State &x, const Given &given, Index i) const {
-        return unknown.IsTurned(i) ? given.linear[i] : x.rotation[i];
+        return unknown.IsRotationGiven(i) ? given.linear[i] : x.rotation[i];
     }
 
     /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
@@ -195,10 +197,10 @@ class GraphEnergy {
 
     /// The term of what holds the rotation of a node that turns.
     static double HoldEnergy(Index i, const State &x, const Given &given) {
-        if (!(given.hold[i] > 0))
+        if (!(given.stiffness[i] > 0))
             return 0;
         const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);
-        return 8 * given.hold[i] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+        return 8 * given.stiffness[i] * given.smooth * std::max(0.0, 1 - cosine * cosine);
     }
 
     const DeformationGraph &graph;

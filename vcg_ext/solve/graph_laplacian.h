@@ -27,7 +27,7 @@ class GraphLaplacian {
         const Csr &adjacency = graph.graph.adjacency;
         std::vector<Eigen::Triplet<double>> free, known;
         for (Index i = 0; i < k; ++i) {
-            if (!unknown.IsHeld(i))
+            if (!unknown.HasConstraint(i))
                 continue;
             double sum = 0;
             for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e) {

@@ -84,18 +84,18 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
         isHeld.push_back(graph.IsHeld(i));
     for (std::vector<Index> &nodes : SeparateParts(graph, given.constrained)) {
         auto part = std::make_unique<Part>();
-        std::vector<bool> constrained, turns;
+        std::vector<bool> constrained, compliant;
         std::vector<double> heldArea;
         double A = 0;
         for (Index i : nodes) {
             constrained.push_back(given.constrained[i]);
-            turns.push_back(given.turns[i]);
+            compliant.push_back(given.compliant[i]);
             heldArea.push_back(given.heldArea[i]);
             A += area[i];
         }
         part->graph = PartOf(graph, nodes);
         part->nodes = std::move(nodes);
-        part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, turns, heldArea, heldDepth);
+        part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth);
         parts.push_back(std::move(part));
     }
 }
@@ -115,7 +115,7 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
             pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
             pose.linear[i] = given.motion[i].linear();
         }
-    std::vector<bool> solved(k, false); // a held node beside several parts turns as the first of them wants
+    std::vector<bool> solved(k, false); // a held node beside several parts compliant as the first of them wants
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const std::vector<Index> &nodes = parts[p]->nodes;
         const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <memory>
 #include <utility>
 
@@ -174,6 +175,8 @@ class RegionFinder {
 
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<char> &excluded,
                   const Eigen::Matrix3d &metric, const Progress &progress) {
+    assert(tag.size() == mesh.vertexSlots);
+    assert(excluded.empty() || excluded.size() == mesh.vertexSlots);
     RegionFinder finder(mesh, tag);
     finder.Classify(excluded, progress.Slice(0, 0.1));
     if (mesh.isCloud)

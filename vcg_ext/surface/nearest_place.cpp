@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <unsupported/Eigen/BVH>
@@ -17,6 +18,7 @@ class NearestPlace::Search {
     Search(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
            const std::vector<char> &isVertex)
         : position(position), triangle(std::move(triangle)) {
+        assert(!this->triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
         if (!this->triangle.empty()) {
             std::vector<Index> object(this->triangle.size());
             std::vector<Box> box(this->triangle.size());

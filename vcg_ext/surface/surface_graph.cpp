@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -270,6 +271,7 @@ class SurfaceReader {
 
 SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Region *region, const std::vector<int> &tag,
                                const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance) {
+    assert(!region || tag.size() == mesh.vertexSlots);
     return detail::SurfaceReader(mesh, region, tag, metric, progress, weldDistance).Read();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_RUN_OVER_H
-#define VCG_FCD_RUN_OVER_H
+#ifndef VCG_FCD_CONSTRAINT_BLEND_H
+#define VCG_FCD_CONSTRAINT_BLEND_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/base/point_tree.h>
@@ -15,7 +15,7 @@ namespace fcd {
 
 /// Where the blend of the nodes' motions runs over into the motions of held regions: the free nodes of the surface near
 /// them.
-class RunOver {
+class ConstraintBlend {
   public:
     /// A held region near a free node.
     struct Held {
@@ -27,8 +27,8 @@ class RunOver {
 
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
     /// \param fade greatest width along the surface, units of the positions
-    RunOver(const Graph &surface, const std::vector<Index> &tag, const Patches &patches, const DeformationGraph &graph,
-            double fade, const Progress &progress, const ShapeConstants &shape)
+    ConstraintBlend(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
+                    const DeformationGraph &graph, double fade, const Progress &progress, const ShapeConstants &shape)
         : surface(surface), tag(tag), patches(patches), graph(graph), shape(shape) {
         FindHeldNearby(fade, progress.Slice(0, 0.9));
         FindWaysAway(fade, progress.Slice(0.9, 1));
@@ -75,8 +75,9 @@ class RunOver {
         const std::vector<Border> border = FindBorder();
         auto width = [&](Index u) {
             const Index j = patches.patchOf[u];
-            return patches.tag[j] == 1 ? float(std::min(fade, shape.smallRunOver * std::max(patches.radius[j], 1e-6f)))
-                                       : float(fade);
+            return patches.tag[j] == 1
+                       ? float(std::min(fade, shape.smallBlendWidth * std::max(patches.radius[j], 1e-6f)))
+                       : float(fade);
         };
         struct Offered {
             float distance; // over the width at the source
