@@ -89,7 +89,8 @@ def test_cpp_with_a_mesh(folder):
         *includes, '#include "tests/unit/test_mesh.h"',
         "int main() {", "const fcd_test::MeshD mesh(fcd_test::Tube(20, 8));", *lines,
         "return position.allFinite() && position.cols() == int(mesh.vert.size()) ? 0 : 1;", "}", ""]))
-    run(folder, "ccache", "clang++", "-std=c++17", f"-I{ROOT}", f"-I{ROOT / 'vcg_ext'}", "-isystem", str(VCGLIB),
+    run(folder, "ccache", "clang++", "-std=c++17", f"-I{ROOT}", "-isystem", str(VCGLIB),
         "-isystem", "/usr/include/eigen3", "-c", "program.cpp", "-o", "program.o")
-    run(folder, "clang++", "program.o", "-o", "program", "-pthread")
+    library = ROOT / "build" / "cmake" / "pymeshlab-2025.7" / "vcg_ext" / "libfcd_vcg_ext.a"
+    run(folder, "clang++", "program.o", str(library), "-o", "program", "-pthread")
     run(folder, "./program")

@@ -18,12 +18,16 @@ build() {
     shift
     printf '#include "%s"\n' "$root"/tests/unit/*_test.cpp | grep -vE '(faults|build_types)_test' >tests.cpp
     mkdir -p include && ln -sfn /usr/include/eigen3 include/eigen3 # and nothing else of this system
-    "${compiler[@]}" -std=c++17 -O1 -Wall -Wextra -Werror -I"$root" -I"$root/vcg_ext" -isystem include/eigen3 -isystem "$gtest/include" \
-        -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib" -c tests.cpp -o tests.o
+    local source objects=()
+    for source in tests.cpp "$root"/vcg_ext/unity/*.cpp "$root/vcg_ext/base/point_tree.cpp"; do
+        objects+=("$(basename "$source" .cpp).o")
+        "${compiler[@]}" -std=c++17 -O1 -ffp-contract=off -Wall -Wextra -Werror -I"$root" -isystem include/eigen3 \
+            -isystem "$gtest/include" -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib" -c "$source" -o "${objects[-1]}"
+    done
     for source in gtest-all gtest_main; do
         "${compiler[@]}" -std=c++17 -O1 -isystem "$gtest/include" -isystem "$gtest" -c "$gtest/src/$source.cc" -o "$source.o"
     done
-    "${compiler[@]}" tests.o gtest-all.o gtest_main.o "$@"
+    "${compiler[@]}" "${objects[@]}" gtest-all.o gtest_main.o "$@"
 }
 
 for system in ${1:-windows libc++}; do

@@ -11,6 +11,7 @@
 #include "benchmark_mesh.h"
 
 #include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/surface/read_surface.h>
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <wrap/io_trimesh/import.h>
@@ -63,7 +64,7 @@ int main(int argc, char **argv) {
             surface = SurfaceGraph();
             patches = Patches();
             const Stopwatch watch;
-            surface = BuildSurfaceGraph(Read(mesh));
+            surface = BuildSurfaceGraph(vcg::tri::ReadSurface(mesh).View());
             const double read = watch.Seconds();
             param.targetRadius =
                 0.7 * surface.averageEdge * std::sqrt(double(surface.graph.Size()) / param.initialPatches);
