@@ -16,6 +16,7 @@ static float SpacingOf(const PointTree<float> &tree, const Eigen::Matrix3Xf &pos
     if (position.cols() < 2)
         return std::numeric_limits<float>::infinity();
     std::vector<float> spacing;
+    spacing.reserve(std::size_t(position.cols()));
     for (Eigen::Index i = 0; i < position.cols(); ++i)
         spacing.push_back(tree.DistanceOf(position.col(i), 2));
     std::nth_element(spacing.begin(), spacing.begin() + spacing.size() / 2, spacing.end());
@@ -58,8 +59,8 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
         if (!held.empty()) {
             const PointTree<float> heldTree(held);
             for (Index i = 0; i < k; ++i) {
-                const Eigen::Vector3f p = position.col(i), nearby = held[std::size_t(heldTree.Nearest(p))];
-                const float here = (nearby - p).norm();
+                const Eigen::Vector3f p = position.col(i);
+                const float here = (held[std::size_t(heldTree.Nearest(p))] - p).norm();
                 if (here < distance[i]) {
                     distance[i] = here;
                     nearest[i] = -1;
