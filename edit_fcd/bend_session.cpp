@@ -5,6 +5,7 @@
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 #include <set>
 
@@ -43,9 +44,9 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     BendTags present;
     try {
         present = presentTags(layer, target);
-        if (std::set<int>(present.begin(), present.end()).size() > 64) // of something else, patches for example
-            throw Error("not tags");
-    } catch (const Error &) {
+    } catch (const Error &) { // no whole numbers
+    }
+    if (present.empty() || std::set<int>(present.begin(), present.end()).size() > 64) { // patches for example
         target.attribute = "fcd_tag"; // leaves a quality that is none of ours alone
         present = presentTags(layer, target);
     }
@@ -277,11 +278,7 @@ void BendSession::clearMarks() {
 
 int BendSession::addPoint(std::size_t slot, double radius) {
     const auto add = [&](std::size_t at) {
-        if (now.marks && (*effective)[at] != 1)
-            throw Error(
-                "There the surface does not bend: it is " +
-                std::string((*effective)[at] > 1 ? "a handle" : "fixed, or outside of the region of influence") +
-                ". Mark it as free first, or clear the marks.");
+        assert(!now.marks || (*effective)[at] == 1);
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
         updateTags();

@@ -69,7 +69,7 @@ class BendSession {
     /// Gives the layer tags and colours, or the look that it had before there were any.
     void showTags();
     void clearMarks();
-    /// A new handle around a vertex. \return its tag
+    /// A new handle around a vertex. \pre it is free where anything is marked \return its tag
     int addPoint(std::size_t slot, double radius);
     void setRadius(int tag, double radius);
     void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);

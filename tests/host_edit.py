@@ -17,6 +17,7 @@ import pymeshlab
 import pytest
 
 import host_window
+from conftest import record
 from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
 
 MESHLAB = Path(os.environ.get("FCD_MESHLAB", Path(SERVER).with_name("meshlab")))
@@ -31,10 +32,10 @@ pytestmark = [
 VERSION = os.environ.get("FCD_MESHLAB_VERSION", "2020.09")
 # In the window, maximised on a screen of 1366 x 768: the middle of the view, with the tool's panel to the left of it, and what is
 # in the panel. The letters of 2020.09 are its own, those of the others DejaVu Sans.
-MIDDLE, DISTANCES, SHOW_STRETCH = {
-    "2020.09": [(662, 411), (235, 327), (14, 376)],
-    "2022.02": [(662, 411), (220, 309), (14, 352)],
-    "2025.07": [(642, 411), (220, 309), (14, 352)],
+MIDDLE, DISTANCES, SHOW_STRETCH, MOTION_TEXT, TAKE_MOTIONS = {
+    "2020.09": [(662, 411), (235, 327), (14, 376), (185, 418), (95, 464)],
+    "2022.02": [(662, 411), (220, 309), (14, 352), (185, 392), (95, 432)],
+    "2025.07": [(642, 411), (220, 309), (14, 352), (185, 392), (95, 432)],
 }[VERSION]
 
 
@@ -178,6 +179,7 @@ class Window:
             r"in all ([\d.]+)", self.text())]
 
     def close(self):
+        record(self.text())
         for process in reversed(self.processes):
             process.kill()
             process.wait()
@@ -467,6 +469,23 @@ def test_stretch_and_marks(window, tmp_path):
     w.wait("ms.apply_filter")
     w.shot("applied")
     assert w.save("applied.ply").read_bytes() == marked
+
+
+def test_says_what_cannot_be_done(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.key("Return")
+    w.wait("Nothing was moved, so there is nothing to apply.")
+    w.key("g")
+    w.wait("There is no handle yet: mark one, or drag a point of the surface.")
+    mark_two_regions(w)
+    x, y = MIDDLE
+    w.click(MOTION_TEXT)
+    w.do("type", "--delay", "5", "7: translate 0 0 1")
+    w.click(TAKE_MOTIONS)
+    w.wait("The motions move handle 7, but no vertex has that tag.")
+    assert not any(nodes for _, nodes, *_ in w.traces("full")) # nothing was solved
 
 
 def test_drag_on_the_surface_bends_and_leaving_restores(window, tmp_path):
