@@ -98,7 +98,7 @@ sanitized() {
     taskset -pc "$(taskset -pc $BASHPID | grep -oE '[0-9]+$')" $BASHPID >"$results/core.log"
     LLVM_PROFILE_FILE=$results/%4m.profraw unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None \
         "-DCMAKE_CXX_FLAGS=-O1 -g1" -DFCD_SANITIZE=ON -DFCD_COVERAGE=ON
-    check coverage bash tests/coverage.sh "$build/$name/tests/fcd_unit_tests" "$results"/*.profraw
+    check coverage bash tests/coverage.sh vcg_ext 95 "$build/$name/tests/fcd_unit_tests" "$results"/*.profraw
     tail -n 1 "$results/coverage.log"
 }
 
@@ -127,6 +127,23 @@ pymeshlab() {
         faults "pymeshlab-$1"
         host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_process.py
     fi
+}
+# What is between MeshLab and the method, with sanitizers: the host's Python loads theirs first.
+sanitized_host() {
+    local directory=$build/sanitized-host arguments runtime
+    mapfile -t arguments < <(tail -n +2 "$build/cmake/pymeshlab-2025.7/arguments" | grep -v FCD_OUTPUT_DIR)
+    if ! { cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DFCD_OUTPUT_DIR="$directory" -DFCD_SANITIZE_PLUGINS=ON &&
+        nice ninja -C "$directory" -j 1 filter_fcd; } >"$results/$name.build.log" 2>&1; then
+        grep -m 5 -E 'error|Error' "$results/$name.build.log"
+        fail "building $name, see $results/$name.build.log"
+        return
+    fi
+    echo "built after $SECONDS s"
+    runtime=$(clang -print-file-name="libclang_rt.asan-$(uname -m).so")
+    FCD_PLUGIN=$directory/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw ASAN_OPTIONS=detect_leaks=0 \
+        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py
+    check coverage-host bash tests/coverage.sh layer_fcd 80 "$directory/libfilter_fcd.so" "$results"/*.hostraw
+    tail -n 1 "$results/coverage-host.log"
 }
 # The Python package, from its wheel.
 python_package() {
@@ -235,6 +252,7 @@ start python-package python_package
 start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
 start rooms check rooms python3 tests/rooms.py
 start package check package bash tests/package.sh
+start sanitized-host sanitized_host
 start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
 start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
 start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
