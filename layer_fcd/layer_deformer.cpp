@@ -169,15 +169,17 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     Stopwatch watch;
     progress(0, "Reading the layer");
     const bool isFirst = !RestShape::exists(layer);
-    if (!isFirst && !RestShape(layer).knows(shapeOf(mesh)))
-        throw Error(
-            "The layer '" + layer.label().toStdString() +
-            "' was changed since its last pose, and posing it would undo that. Run 'FCD: Reset Pose' "
-            "(apply_coord_fcd_reset): with 'Keep the present shape' poses begin from the shape that it has now, "
-            "without it from the shape before the first pose.");
+    if (!isFirst)
+        RestShape(layer).checkVertices("A pose would undo that. Run 'FCD: Reset Pose' (apply_coord_fcd_reset) with "
+                                       "'Keep the present shape' (keep_shape): poses then begin from the shape that "
+                                       "the layer has now.");
     rest = isFirst ? nullptr : RestShape(layer).positions();
     readHandles(param.handles);
-    result.prepared = prepare(param.deformation, progress.Slice(0, 0.9));
+    readSurface();
+    if (!isFirst)
+        RestShape(layer).followFaces(surface.View());
+    result.prepared = prepareRead(param.deformation, progress.Slice(0, 0.9));
+    surface = {};
     result.secondsPrepare = found->seconds;
     result.secondsFind = watch.Seconds() - (result.prepared ? found->seconds : 0);
     result.tags = found->tags;
@@ -195,9 +197,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     watch = {};
     RestShape restShape(layer);
     try {
-        const ShapeSum sum = writePose(mesh, restShape, *found, pose);
-        mesh.bbox = sum.box;
-        restShape.add(sum.shape);
+        writePose(mesh, restShape, *found, pose);
     } catch (...) { // no memory
         restShape.restore();
         throw;
