@@ -4,6 +4,8 @@
 
 #include "meshlab_host.h"
 
+#include <vcg_ext/base/parallel.h>
+
 #include <Eigen/Core>
 
 #include <cstddef>
@@ -11,6 +13,16 @@
 
 /// \file
 /// What a layer has.
+
+/// body(i) for each live vertex, by all threads.
+template <class Body>
+void forVertices(const CMeshO &mesh, const Body &body) {
+    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                body(i);
+    });
+}
 
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);

@@ -32,16 +32,6 @@ T *values(const CMeshO &mesh, const char *name) {
     return host::vertexAttribute<T>(mesh, name);
 }
 
-/// body(i) for each live vertex, by all threads.
-template <class Body>
-void forVertices(const CMeshO &mesh, const Body &body) {
-    ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD())
-                body(i);
-    });
-}
-
 /// The sum over ranges of n items: range(first, last) gives that of one.
 template <class Range>
 std::uint64_t sumOf(std::size_t n, const Range &range) {

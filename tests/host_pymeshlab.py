@@ -390,6 +390,20 @@ def deform_logged(ms, capfd, **parameters):
     return result, capfd.readouterr().err
 
 
+def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
+    ms = clean_bone()
+    set_quality(ms, "0")
+    ms.compute_selection_by_condition_per_vertex(condselect="x < 0.25")
+    ms.apply_filter("compute_fcd_tags_from_selection", role=0)
+    tagged = ms.current_mesh().vertex_number()
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
+    vertices = ms.current_mesh().vertex_number()
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter("clear_fcd_tags")
+    assert f"{vertices - tagged} of the {vertices} vertices of 'bone.ply' were made, coloured or given" in capfd.readouterr().err
+
+
 def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):
     ms = clean_bone()
     k = ms.apply_filter(GRAPH, initial_patches=60, patches_layer=False)["patches"]
