@@ -32,15 +32,6 @@ T *values(const CMeshO &mesh, const char *name) {
     return host::vertexAttribute<T>(mesh, name);
 }
 
-/// The sum over ranges of n items: range(first, last) gives that of one.
-template <class Range>
-std::uint64_t sumOf(std::size_t n, const Range &range) {
-    const std::size_t grain = 1 << 16;
-    std::vector<std::uint64_t> sums((n + grain - 1) / grain, 0);
-    ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) { sums[first / grain] = range(first, last); });
-    return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
-}
-
 /// The sum of shapeTerm over the live vertices.
 template <class PositionOf>
 std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
