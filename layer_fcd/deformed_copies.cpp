@@ -7,7 +7,6 @@
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "new_layers.h"
-#include "rest_shape.h"
 
 #include <functional>
 #include <memory>
@@ -22,10 +21,11 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// The source at rest.
+/// The source as it was before it was deformed.
 class Source {
   public:
-    explicit Source(MeshModel &layer) : position(restPositionsOf(layer)), matrix(invertibleMatrixOf(layer)) {
+    Source(MeshModel &layer, const Deformation &deformation)
+        : position(positionsBefore(layer, deformation)), matrix(invertibleMatrixOf(layer)) {
         const CMeshO &mesh = layer.cm;
         std::vector<std::array<Index, 3>> triangle;
         triangle.reserve(std::size_t(mesh.fn));
@@ -83,7 +83,7 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
-        source = std::make_unique<Source>(*param.source);
+        source = std::make_unique<Source>(*param.source, deformation);
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
         displacement = [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
             return carrier->Displacement((*source->places)(x), x, map);

@@ -110,7 +110,7 @@ std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer, co
     if (param.graphLayers) {
         added.push_back(&layers.addGraph("graph", result.rest));
         added.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(*added.back(), layer, prepared, result.pose);
+        keepDeformation(*added.back(), *added.front(), layer, prepared, result.pose);
     }
     added.push_back(&layers.addDeformed("deformed", result.position, result.linear,
                                         param.quality == DeformMeshParam::Stretch    ? result.stretch

@@ -136,16 +136,6 @@ void RestShape::restore() {
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
 }
 
-Eigen::Matrix3Xd restPositionsOf(MeshModel &layer) {
-    Eigen::Matrix3Xd position = positionsOf(layer);
-    if (RestShape::exists(layer)) {
-        const Point3m *rest = RestShape(layer).positions();
-        for (Eigen::Index i = 0; i < position.cols(); ++i)
-            position.col(i) << rest[i][0], rest[i][1], rest[i][2];
-    }
-    return position;
-}
-
 std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
     return XXH3_64bits_withSeed(&position[0], 3 * sizeof(Scalarm), slot);
 }

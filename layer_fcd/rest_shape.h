@@ -7,8 +7,6 @@
 
 #include "meshlab_host.h"
 
-#include <Eigen/Core>
-
 #include <cstdint>
 #include <string>
 
@@ -78,9 +76,6 @@ class RestShape {
 
 /// Whether a vertex attribute is one of a rest shape.
 bool isOfRest(const std::string &attribute);
-
-/// The positions of the vertices of \p layer at rest, 3 x slots.
-Eigen::Matrix3Xd restPositionsOf(MeshModel &layer);
 
 /// A number for faces, each with the slots of its corners in their order.
 std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface);

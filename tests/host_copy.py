@@ -169,6 +169,44 @@ def test_a_source_that_was_changed_and_a_graph_that_was_loaded(tmp_path):
         ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=4)
 
 
+def test_the_layers_of_the_deformation_made_last_are_the_defaults(tmp_path):
+    ms = bent_bone()
+    ms.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()), "points graph")
+    for layer in 4, 3, 0:  # whichever is the current one
+        ms.set_current_mesh(layer)
+        ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(tmp_path / f"{layer}.ply"))
+        assert (tmp_path / f"{layer}.ply").read_bytes() == (tmp_path / "4.ply").read_bytes()
+    ms.set_current_mesh(4)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - ms.mesh(3).vertex_matrix()).max() < 1e-6
+    ms.set_current_mesh(3)  # the result, bent once more: layers 6 to 8
+    set_quality(ms, QUALITY_TAGS)
+    ms.apply_filter(DEFORM, translation=np.array([0, 0.1, 0.0]))
+    ms.set_current_mesh(3)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - ms.mesh(8).vertex_matrix()).max() < 1e-6
+
+
+def test_what_is_deformed_in_a_pose_is_saved_and_applied(tmp_path):
+    other, ms = dict(translation=np.array([0, 0, 0.1])), clean_bone()
+    ms.apply_filter(POSE, **other)
+    posed = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(DEFORM, **BEND)
+    expected = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(tmp_path / "bend.ply"))
+    assert rms(applied(posed, tmp_path / "bend.ply")[0], expected) < 1e-4
+    ms.set_current_mesh(0)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - expected).max() < 1e-6
+    ms.set_current_mesh(0)
+    ms.apply_filter(POSE, pose=0.0)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="give it the pose that it had then"):
+        ms.apply_filter(COPY)
+    ms.apply_filter(POSE, **other)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - expected).max() < 1e-6
+
+
 # --- a saved deformation --------------------------------------------------------------------------------------------------
 
 
