@@ -196,8 +196,10 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
 
     watch = {};
     RestShape restShape(layer);
+    const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
+    bool moved = false;
     try {
-        writePose(mesh, restShape, *found, pose);
+        moved = writePose(mesh, restShape, *found, pose, !ofFaces);
     } catch (...) { // no memory
         restShape.restore();
         throw;
@@ -205,8 +207,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.secondsMap = watch.Seconds();
 
     watch = {};
-    if (param.exactNormals && mesh.fn > 0)
-        computeBoxAndNormals(mesh);
+    if (ofFaces && moved)
+        computeFlaggedNormals(mesh, found->turning);
     else
         computeFaceNormals(mesh, found->moving);
     result.secondsNormals = watch.Seconds();

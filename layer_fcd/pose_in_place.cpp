@@ -2,6 +2,7 @@
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
 #include <vcg_ext/surface/read_surface.h>
 
+#include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
 #include "pose_in_place.h"
@@ -47,7 +48,8 @@ void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, c
     });
 }
 
-bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose) {
+bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose,
+               bool turnNormals) {
     struct Sum {
         vcg::Box3<Scalarm> box;
         bool moved = false;
@@ -65,11 +67,17 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
         Taker &operator=(const Taker &) = delete;
         ~Taker() { add(sum); }
         void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Vector3d &normal) {
+            (*this)(slot, position);
+            mesh.vert[slot].N() = toPoint(normal);
+        }
+        void operator()(std::size_t slot, const Eigen::Vector3d &position) {
             const Point3m p = toPoint(position);
             rest.place(slot, p);
-            mesh.vert[slot].N() = toPoint(normal);
             sum.box.Add(p);
             sum.moved |= p != rest.positions()[slot];
+        }
+        void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Matrix3f &) {
+            (*this)(slot, position);
         }
         CMeshO &mesh;
         RestShape &rest;
@@ -77,7 +85,13 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
         Sum sum;
     };
     const std::function<void(const Sum &)> adding = add;
-    carry(mesh, rest.positions(), rest.normals(), prepared, pose, [&] { return Taker(mesh, rest, adding); });
+    const auto taker = [&] { return Taker(mesh, rest, adding); };
+    if (turnNormals)
+        carry(mesh, rest.positions(), rest.normals(), prepared, pose, taker);
+    else
+        vcg::fcd::Carrier(*prepared.deformer, pose)
+            .Apply([&](std::size_t slot) { return toVector(rest.positions()[slot]); }, taker, false,
+                   vcg::fcd::Progress(), [&](std::size_t slot) { rest.prefetch(slot); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         Sum still;
         for (std::size_t i = first; i < last; ++i)
@@ -89,6 +103,8 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
         add(still);
     });
     mesh.bbox = all.box;
+    if (!all.moved)
+        forVertices(mesh, [&](std::size_t i) { mesh.vert[i].N() = rest.normals()[i]; });
     return all.moved;
 }
 

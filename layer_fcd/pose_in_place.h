@@ -9,8 +9,11 @@
 void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, const Prepared &prepared,
                  const vcg::fcd::Deformer::Pose &pose);
 
-/// Writes a pose into the layer, and its box; what it does not move is at rest then. \return whether anything moved
-bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose);
+/// Writes a pose into the layer, and its box; what it does not move is at rest then, and so are all normals if nothing
+/// moves. \param turnNormals those of what moves; otherwise they are left as they were
+/// \return whether anything moved
+bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose,
+               bool turnNormals);
 
 /// Gives \p layer its rest shape back, to the bit; or, with \p presentShape, makes the shape that it has the rest
 /// shape. \throw vcg::fcd::Error when the layer has no rest shape, or not all of its vertices belong to that

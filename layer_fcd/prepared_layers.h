@@ -15,7 +15,8 @@
 /// A layer that is prepared to be deformed.
 struct Prepared {
     std::unique_ptr<vcg::fcd::Deformer> deformer;
-    std::vector<char> moving; ///< per vertex slot: whether it may move in some pose
+    std::vector<char> moving;  ///< per vertex slot: whether it may move in some pose
+    std::vector<char> turning; ///< and whether the normal of its faces may change
     vcg::fcd::TagCount tags;
     double seconds = 0;      ///< that preparing it took; 0 once it has been used
     bool isOfOthers = false; ///< known: its nodes were given, and are not those of the graph that is made without

@@ -84,14 +84,19 @@ std::uint64_t RestShape::shape() const {
     return shapeSum(mesh, [this](std::size_t i) { return position[i]; });
 }
 
-bool RestShape::isAtHome(std::size_t slot) const {
-    const PosedVertex &known = vertices[slot];
+bool RestShape::isAtHome(std::size_t slot) {
+    PosedVertex &known = vertices[slot];
     const Point3m &p = mesh.vert[slot].cP();
     const std::uint64_t place = placeOf(p);
-    return place == known.now || place == known.before || (known.now != 0 && p == position[slot]);
+    if (place == known.before)
+        return true;
+    if (place != known.now && (known.now == 0 || p != position[slot]))
+        return false;
+    known.before = place;
+    return true;
 }
 
-void RestShape::checkVertices(const std::string &remedy) const {
+void RestShape::checkVertices(const std::string &remedy) {
     const std::uint64_t strangers = sumOf(mesh.vert.size(), [this](std::size_t first, std::size_t last) {
         std::uint64_t count = 0;
         for (std::size_t i = first; i < last; ++i)

@@ -5,6 +5,7 @@
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/surface/surface_arrays.h>
 
+#include "angle_normals.h" // prefetch
 #include "meshlab_host.h"
 
 #include <cstdint>
@@ -43,19 +44,21 @@ class RestShape {
 
     std::uint64_t shape() const; ///< at rest, as shapeOf tells it
 
-    /// \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
-    void checkVertices(const std::string &remedy) const;
+    /// Before a pose. \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
+    void checkVertices(const std::string &remedy);
     /// Turns the normals of vertices whose faces something else has turned over. \param faces those that there are
     void followFaces(const vcg::fcd::SurfaceView &faces);
     /// Gives a vertex a position, and remembers it.
     void place(std::size_t slot, const Point3m &p) {
-        CVertexO &vertex = mesh.vert[slot];
-        PosedVertex &known = vertices[slot];
-        const std::uint64_t next = placeOf(p);
-        if (const std::uint64_t present = placeOf(vertex.cP()); present != known.before)
-            known.before = present;
-        known.now = next;
-        vertex.P() = p;
+        vertices[slot].now = placeOf(p);
+        mesh.vert[slot].P() = p;
+    }
+
+    /// Begins to read what is needed to place a vertex.
+    void prefetch(std::size_t slot) const {
+        ::prefetch(&position[slot]);
+        ::prefetch(&vertices[slot]);
+        ::prefetch(&mesh.vert[slot]);
     }
 
     /// Gives the layer its rest shape back, to the bit; normals of faces are computed.
@@ -65,7 +68,8 @@ class RestShape {
     static std::uint64_t placeOf(const Point3m &position);
 
   private:
-    bool isAtHome(std::size_t slot) const;
+    /// Whether a vertex is where it was put; that place is then the one that it has before a pose.
+    bool isAtHome(std::size_t slot);
 
     MeshModel &layer;
     CMeshO &mesh;

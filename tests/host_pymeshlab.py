@@ -24,7 +24,7 @@ DEFORM_DEFAULTS = {
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"}
-POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": False}
+POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
