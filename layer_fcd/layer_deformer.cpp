@@ -23,7 +23,9 @@ using vcg::fcd::Stopwatch;
 
 LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark)
     : document(document), layer(layer), preparedLayers(preparedLayers),
-      remark(remark ? std::move(remark) : [](const std::string &) {}) {}
+      remark(remark ? std::move(remark) : [](const std::string &) {}) {
+    preparedLayers.dropRemoved();
+}
 
 // --- the steps ---
 

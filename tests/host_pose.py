@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Posing a layer in place inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import gc
 from pathlib import Path
 
 import numpy as np
@@ -316,3 +317,26 @@ def test_many_layers_keep_their_own():
     for k, ms in enumerate(sets):
         ms.apply_filter(POSE, translation=np.array([0, 0, 0.1 * (k + 1)]))
     assert len({ms.current_mesh().vertex_matrix().tobytes() for ms in sets}) == 3
+
+
+def test_deformers_of_what_is_gone_are_dropped():
+    mesh = clean_bone().current_mesh()
+    points, faces, tags = mesh.vertex_matrix() * 1.5, mesh.face_matrix(), mesh.vertex_scalar_array()
+
+    def with_layers(count):
+        ms = pymeshlab.MeshSet()
+        for _ in range(count):
+            ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags))
+        return ms
+
+    def is_prepared_anew(ms):
+        return ms.apply_filter(POSE, **BEND)["prepared"]
+
+    first, second = with_layers(1), with_layers(1)
+    assert is_prepared_anew(first) and not is_prepared_anew(second), "one that is there serves for the same elsewhere"
+    del first
+    gc.collect()
+    third = with_layers(3)
+    assert is_prepared_anew(third)
+    third.delete_current_mesh()
+    assert is_prepared_anew(third) and not is_prepared_anew(second)
