@@ -264,8 +264,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
         saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
     const int samples = field.samples.Size();
     std::ostringstream line;
-    line << samples << " samples; the vertices of the source that move are off by " << field.rms << " (rms), at most "
-         << field.largest << ".";
+    line << samples << " samples; the vertices of the source that move are off by " << field.rms
+         << " (rms), and none of all its vertices by more than " << field.largest << ".";
     logLine(line.str());
     if (field.off + field.stirred > 0)
         logLine(std::to_string(field.off + field.stirred) +
