@@ -118,7 +118,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case ResetPose: resetPose(input(document), resetPoseParam(parameters).keepShape); return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
-    case ClearTags: bringBack(input(document)); return {};
+    case ClearTags: return clearTags(input(document));
     case SaveTags:
         return report(saveTags(document, input(document), saveTagsParam(parameters, document),
                                [this](const std::string &line) { logLine(line); }));
@@ -264,8 +264,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
         saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
     const int samples = field.samples.Size();
     std::ostringstream line;
-    line << samples << " samples; the vertices of the source that move are off by " << field.rms << " (rms), at most "
-         << field.largest << ".";
+    line << samples << " samples; the vertices of the source that move are off by " << field.rms
+         << " (rms), and none of all its vertices by more than " << field.largest << ".";
     logLine(line.str());
     if (field.off + field.stirred > 0)
         logLine(std::to_string(field.off + field.stirred) +
@@ -286,6 +286,17 @@ void FilterFcd::warnUnlessAtRest(bool converged) const {
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {
     logLine(describe(tags) + ".");
     return valuesOf(tags);
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::clearTags(MeshModel &layer) const {
+    const int others = bringBack(layer);
+    if (others > 0)
+        logLine(std::to_string(others) + " of the " + std::to_string(layer.cm.vn) + " vertices of '" +
+                    layer.label().toStdString() +
+                    "' were made, coloured or given another quality by something else since they were tagged: they "
+                    "keep what they have.",
+                GLLogStream::WARNING);
+    return {{"other_vertices", others}};
 }
 
 // What moc makes of the headers: compiled here, it does not include all of MeshLab once more.

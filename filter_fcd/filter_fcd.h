@@ -50,6 +50,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues clearTags(MeshModel &layer) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnUnlessAtRest(bool converged) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <layer_fcd/kept_deformation.h> // before Qt
+
 #include "common_parameters.h"
 
 #include <QRegularExpression>
@@ -118,8 +120,9 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
     addBending(list, param.deformation, true);
     addParameter<RichBool>(
         list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
-        "Computes the normals of the vertices anew from the faces, as MeshLab does. Without it they are turned as the "
-        "surface turns, which is faster and looks the same.");
+        "Computes the normals of what moves from the faces, as MeshLab does. Without it they are turned as the "
+        "surface turns, which is a little faster and some degrees off where it bends. Normals that are not those of "
+        "the faces, and those of clouds, are turned in any case.");
     return list;
 }
 
@@ -153,18 +156,24 @@ PoseParam poseParam(const RichParameterList &given, const MeshDocument &document
 
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document) {
     RichParameterList list;
+    const DeformationLayers last = lastDeformation(document);
+    const auto firstOf = [](const MeshModel *given, const MeshModel *kept, const MeshModel *likely) {
+        return given ? given : kept ? kept : likely;
+    };
     // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
     addParameter<host::RichFileParam>(
         list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"), "Saved deformation (.ply)",
         "A file of 'FCD: Save Deformation'. With it, the three layers below are not read, and need not be there. Such "
         "a file stands in world coordinates. <b>Empty</b> (the default): the layers tell.");
-    host::addLayerParameter(list, Shown::Always, "source_layer", param.source ? param.source : document.mm(), document,
-                            "Source layer", "The layer that 'FCD: Deform Mesh' has deformed, as it was before.");
+    host::addLayerParameter(list, Shown::Always, "source_layer", firstOf(param.source, last.source, document.mm()),
+                            document, "Source layer",
+                            "The layer that 'FCD: Deform Mesh' has deformed, in the shape that it had then. At first "
+                            "that which was deformed last.");
     host::addLayerParameter(list, Shown::Always, "rest_graph",
-                            param.restGraph ? param.restGraph : likelyGraph(document), document, "Graph at rest",
+                            firstOf(param.restGraph, last.restGraph, likelyGraph(document)), document, "Graph at rest",
                             "The layer with the deformation graph of the source.");
     host::addLayerParameter(list, Shown::Always, "deformed_graph",
-                            param.deformedGraph ? param.deformedGraph : likelyDeformedGraph(document), document,
+                            firstOf(param.deformedGraph, last.deformedGraph, likelyDeformedGraph(document)), document,
                             "Deformed graph",
                             "The layer with the same graph, deformed: it holds what was done to the source.");
     addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",

@@ -122,7 +122,9 @@ QString FilterFcd::filterInfo(int id) const {
                "Changes the quality, or an attribute, of the current layer and its colours, nothing else.";
     case ClearTags:
         return "Gives the current layer back the colours and the quality that it had before it was tagged by 'FCD: Tag "
-               "Selection' or 'FCD: Tags from Files'. Where it had none, none is left.";
+               "Selection' or 'FCD: Tags from Files'. Where it had none, none is left. Vertices that something else "
+               "has made "
+               "or coloured since keep what they have; the log says how many.";
     case SaveTags:
         return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
                "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "

@@ -7,10 +7,15 @@
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "new_layers.h"
-#include "rest_shape.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <utility>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include <QFile>
 
@@ -22,10 +27,11 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// The source at rest.
+/// The source as it was before it was deformed.
 class Source {
   public:
-    explicit Source(MeshModel &layer) : position(restPositionsOf(layer)), matrix(invertibleMatrixOf(layer)) {
+    Source(MeshModel &layer, const Deformation &deformation)
+        : position(positionsBefore(layer, deformation)), matrix(invertibleMatrixOf(layer)) {
         const CMeshO &mesh = layer.cm;
         std::vector<std::array<Index, 3>> triangle;
         triangle.reserve(std::size_t(mesh.fn));
@@ -44,8 +50,62 @@ class Source {
     std::unique_ptr<NearestPlace> places;
 };
 
-/// The displacement of a point, and how space turns and stretches there.
-using Displacement = std::function<Eigen::Vector3d(const Eigen::Vector3d &, Eigen::Matrix3f &)>;
+/// The vertices of the source by their places.
+class VerticesAtPlaces {
+  public:
+    VerticesAtPlaces(const MeshModel &source, const Eigen::Matrix3Xd &position) : mesh(source.cm), position(position) {}
+
+    /// The vertex at \p p: that of the same slot, where it is, as in a copy of the source; or else, of several, the one
+    /// whose normal is nearest to \p normal. Less than 0 where there is none. \param slot of the vertex that asks
+    std::ptrdiff_t operator()(std::size_t slot, const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
+        if (isAt(slot, p))
+            return std::ptrdiff_t(slot);
+        std::call_once(sorted, [this] { sort(); });
+        const std::uint64_t place = placeOf(p);
+        std::ptrdiff_t found = -1;
+        double best = 0;
+        for (auto at = std::lower_bound(places.begin(), places.end(), std::make_pair(place, std::uint32_t(0)));
+             at != places.end() && at->first == place; ++at) {
+            const double alike = toVector(mesh.vert[at->second].cN()).dot(normal);
+            if (isAt(at->second, p) && (found < 0 || alike > best)) {
+                found = std::ptrdiff_t(at->second);
+                best = alike;
+            }
+        }
+        return found;
+    }
+
+  private:
+    bool isAt(std::size_t slot, const Eigen::Vector3d &p) const {
+        return slot < mesh.vert.size() && !mesh.vert[slot].IsD() && position.col(Eigen::Index(slot)) == p;
+    }
+    static std::uint64_t placeOf(const Eigen::Vector3d &p) {
+        const Eigen::Vector3d positive = p + Eigen::Vector3d::Zero(); // of -0, too
+        return XXH3_64bits(positive.data(), 3 * sizeof(double));
+    }
+    void sort() const {
+        places.resize(mesh.vert.size());
+        vcg::fcd::ParallelFor(0, places.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                places[i] = {placeOf(position.col(Eigen::Index(i))), std::uint32_t(i)};
+        });
+        std::sort(places.begin(), places.end());
+    }
+
+    const CMeshO &mesh;
+    const Eigen::Matrix3Xd &position;
+    mutable std::once_flag sorted;
+    mutable std::vector<std::pair<std::uint64_t, std::uint32_t>> places; ///< and slots
+};
+
+/// A vertex that is carried, in the coordinates of the source.
+struct Carried {
+    std::size_t slot;
+    Eigen::Vector3d position, normal;
+};
+
+/// The displacement of a vertex, and how space turns and stretches there.
+using Displacement = std::function<Eigen::Vector3d(const Carried &, Eigen::Matrix3f &)>;
 
 /// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
@@ -62,7 +122,9 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
             const Eigen::Vector3d p = position.col(Eigen::Index(i));
             if (mesh.vert[i].IsD() || !p.allFinite())
                 continue;
-            const Eigen::Vector3d way = displacement(isSame ? p : to * p, map);
+            const Eigen::Vector3d normal = toVector(mesh.vert[i].cN());
+            const Eigen::Vector3d way =
+                displacement({i, isSame ? p : to * p, isSame ? normal : to.linear() * normal}, map);
             if (way.isZero(0)) // what is fixed keeps its bits
                 continue;
             position.col(Eigen::Index(i)) = p + back * way;
@@ -78,26 +140,34 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
     progress(0, "Reading the source");
     std::unique_ptr<const Source> source;
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
+    std::unique_ptr<const VerticesAtPlaces> vertices;
     std::unique_ptr<const DeformationField> field;
     Displacement displacement;
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
-        source = std::make_unique<Source>(*param.source);
+        source = std::make_unique<Source>(*param.source, deformation);
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
-        displacement = [&](const Eigen::Vector3d &x, Eigen::Matrix3f &map) {
+        vertices = std::make_unique<VerticesAtPlaces>(*param.source, source->position);
+        displacement = [&](const Carried &vertex, Eigen::Matrix3f &map) {
+            // Where parts touch, the nearest place may be another part's.
+            const Eigen::Vector3d &x = vertex.position;
+            if (const std::ptrdiff_t same = (*vertices)(vertex.slot, x, vertex.normal); same >= 0)
+                return Eigen::Vector3d((*carrier)(std::size_t(same), x, map) - x);
             return carrier->Displacement((*source->places)(x), x, map);
         };
         matrix = source->matrix;
     } else {
         field = std::make_unique<DeformationField>(
             vcg::fcd::ReadDeformationFile(QFile::encodeName(param.file).toStdString()));
-        displacement = [&field](const Eigen::Vector3d &x, Eigen::Matrix3f &map) { return (*field)(x, &map); };
+        displacement = [&field](const Carried &vertex, Eigen::Matrix3f &map) {
+            return (*field)(vertex.position, &map);
+        };
     }
 
     std::vector<std::unique_ptr<NewLayers>> added;
     const MeshModel *last = targets.back();
-    int vertices = 0;
+    int count = 0;
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const MeshModel &target = *targets[t];
         Eigen::Matrix3Xd position = positionsOf(target);
@@ -110,10 +180,10 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
             linear.clear();
         added.push_back(std::make_unique<NewLayers>(document, target, remark));
         last = &added.back()->addDeformed("deformed", position, linear, {});
-        vertices += target.cm.vn;
+        count += target.cm.vn;
     }
     for (const auto &layers : added)
         layers->keep(*last);
     progress(1, "Done");
-    return vertices;
+    return count;
 }

@@ -2,10 +2,12 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "kept_deformation.h"
+#include "layer_contents.h"
 #include "rest_shape.h"
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <string>
 
 using vcg::fcd::Error;
@@ -15,7 +17,7 @@ namespace {
 using Kept = std::shared_ptr<const Deformation>;
 
 // Changes with the layout of Deformation and of all that it holds, where no size below tells.
-const int layout = 1;
+const int layout = 2;
 
 /// What is kept is no plain data, so only a library that was built in the same way may find it: by this name.
 std::string deformationName() {
@@ -33,12 +35,17 @@ std::string deformationName() {
 
 std::string quoted(const MeshModel &layer) { return "'" + layer.label().toStdString() + "'"; }
 
+/// Whether \p layer has, in memory, the shape that was deformed; otherwise it may have it at rest.
+bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
+    return shapeOf(layer.cm) == deformation.shape;
+}
+
 } // namespace
 
-void keepDeformation(MeshModel &graph, const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
-                     const vcg::fcd::Deformer::Pose &pose) {
-    auto deformation =
-        std::make_shared<const Deformation>(Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn});
+void keepDeformation(MeshModel &graph, const MeshModel &restGraph, const MeshModel &source,
+                     const std::shared_ptr<const Prepared> &prepared, const vcg::fcd::Deformer::Pose &pose) {
+    auto deformation = std::make_shared<const Deformation>(
+        Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
     host::madeMeshAttribute<Kept>(graph.cm, deformationName()) = std::move(deformation);
 }
 
@@ -55,12 +62,43 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
     const Deformation &deformation = **kept;
     const CMeshO &mesh = source->cm;
-    const bool isPosed = RestShape::exists(*source);
-    if ((isPosed ? RestShape(*source).shape() : shapeOf(mesh)) != deformation.shape || mesh.fn != deformation.faces)
+    const bool isThere = isAsDeformed(*source, deformation) ||
+                         (RestShape::exists(*source) && RestShape(*source).shape() == deformation.shape);
+    if (!isThere || mesh.fn != deformation.faces)
         throw Error("The layer " + quoted(*source) + " is not what " + quoted(*deformedGraph) +
-                    " was made from, or it was changed since. Choose the layer that was deformed, or deform it again.");
+                    " was made from, or it was changed since. Choose the layer that was deformed, give it the pose "
+                    "that it had then, or deform it again.");
     if (restGraph == source || !HasNodes(*deformation.prepared->deformer, readNodes(*source, restGraph)))
         throw Error("The layer " + quoted(*restGraph) + " is not the graph at rest of " + quoted(*deformedGraph) +
                     ". Choose the graph that was made together with it.");
     return deformation;
+}
+
+Eigen::Matrix3Xd positionsBefore(MeshModel &source, const Deformation &deformation) {
+    Eigen::Matrix3Xd position = positionsOf(source);
+    if (!isAsDeformed(source, deformation)) {
+        const Point3m *rest = RestShape(source).positions();
+        for (Eigen::Index i = 0; i < position.cols(); ++i)
+            position.col(i) << rest[i][0], rest[i][1], rest[i][2];
+    }
+    return position;
+}
+
+DeformationLayers lastDeformation(const MeshDocument &document) {
+    const std::vector<const MeshModel *> layers = host::layers(document);
+    const auto layerOf = [&layers](int id) {
+        const auto found =
+            std::find_if(layers.begin(), layers.end(), [id](const auto *each) { return each->id() == id; });
+        return found == layers.end() ? nullptr : *found;
+    };
+    DeformationLayers last;
+    for (const MeshModel *layer : layers) {
+        const Kept *kept = host::meshAttribute<Kept>(layer->cm, deformationName());
+        if (!kept || !*kept || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
+            continue;
+        const MeshModel *source = layerOf((*kept)->source), *restGraph = layerOf((*kept)->restGraph);
+        if (source && restGraph)
+            last = {source, restGraph, layer};
+    }
+    return last;
 }

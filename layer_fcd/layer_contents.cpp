@@ -6,6 +6,100 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace {
+
+/// The bytes of plain numbers, one after the other.
+class ContentBytes {
+  public:
+    template <class T>
+    void add(const T &value) {
+        static_assert(std::is_arithmetic<T>::value, "no gaps");
+        const std::size_t at = bytes.size();
+        bytes.resize(at + sizeof(T));
+        std::memcpy(&bytes[at], &value, sizeof(T));
+    }
+    template <class Vector>
+    void addEach(const Vector &values, int count) {
+        for (int i = 0; i < count; ++i)
+            add(values[i]);
+    }
+    void addText(const std::string &text) {
+        add(text.size());
+        bytes.insert(bytes.end(), text.begin(), text.end());
+    }
+    template <class TexCoord>
+    void addTexture(const TexCoord &place) {
+        add(place.u());
+        add(place.v());
+        add(place.n());
+    }
+    std::uint64_t hash(std::uint64_t seed) const { return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed); }
+
+  private:
+    std::vector<unsigned char> bytes;
+};
+
+/// A number for elements: add(element, bytes) tells of one that is live.
+template <class Elements, class Add>
+std::uint64_t elementsSum(const Elements &elements, std::uint64_t seed, const Add &add) {
+    return sumOf(elements.size(), [&](std::size_t first, std::size_t last) {
+        ContentBytes bytes;
+        for (std::size_t i = first; i < last; ++i) {
+            bytes.add(elements[i].IsD());
+            if (!elements[i].IsD())
+                add(elements[i], bytes);
+        }
+        return bytes.hash(4 * first + seed);
+    });
+}
+
+} // namespace
+
+std::uint64_t contentsOf(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    const bool isVertexTextured = vcg::tri::HasPerVertexTexCoord(mesh),
+               isWedgeTextured = vcg::tri::HasPerWedgeTexCoord(mesh), hasFaceColor = vcg::tri::HasPerFaceColor(mesh),
+               hasFaceQuality = vcg::tri::HasPerFaceQuality(mesh);
+    const auto addCorners = [&mesh](const auto &element, int count, ContentBytes &bytes) {
+        for (int k = 0; k < count; ++k)
+            bytes.add(vcg::tri::Index(mesh, element.cV(k)));
+    };
+    ContentBytes all;
+    all.add(elementsSum(mesh.vert, 1, [&](const CVertexO &vertex, ContentBytes &bytes) {
+        bytes.addEach(vertex.cP(), 3);
+        bytes.addEach(vertex.cC(), 4);
+        bytes.add(vertex.cQ());
+        if (isVertexTextured)
+            bytes.addTexture(vertex.cT());
+    }));
+    all.add(elementsSum(mesh.face, 2, [&](const CFaceO &face, ContentBytes &bytes) {
+        addCorners(face, 3, bytes);
+        if (hasFaceColor)
+            bytes.addEach(face.cC(), 4);
+        if (hasFaceQuality)
+            bytes.add(face.cQ());
+        for (int k = 0; k < 3 && isWedgeTextured; ++k)
+            bytes.addTexture(face.cWT(k));
+    }));
+    all.add(elementsSum(mesh.edge, 3, [&](const CEdgeO &edge, ContentBytes &bytes) { addCorners(edge, 2, bytes); }));
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            all.add(mesh.Tr.ElementAt(i, j));
+    for (const std::string &texture : mesh.textures)
+        all.addText(texture);
+    for (const auto *attributes : {&mesh.vert_attr, &mesh.face_attr, &mesh.edge_attr}) {
+        all.add(attributes->size());
+        for (const vcg::PointerToAttribute &attribute : *attributes)
+            all.addText(attribute._name);
+    }
+    return all.hash(0);
+}
 
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;

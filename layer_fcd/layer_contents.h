@@ -4,13 +4,37 @@
 
 #include "meshlab_host.h"
 
+#include <vcg_ext/base/parallel.h>
+
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <vector>
 
 /// \file
 /// What a layer has.
+
+/// body(i) for each live vertex, by all threads.
+template <class Body>
+void forVertices(const CMeshO &mesh, const Body &body) {
+    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                body(i);
+    });
+}
+
+/// The sum over ranges of n items, by all threads: range(first, last) gives that of one.
+template <class Range>
+std::uint64_t sumOf(std::size_t n, const Range &range) {
+    const std::size_t grain = 1 << 14;
+    std::vector<std::uint64_t> sums((n + grain - 1) / grain, 0);
+    vcg::fcd::ParallelFor(0, n, grain,
+                          [&](std::size_t first, std::size_t last) { sums[first / grain] = range(first, last); });
+    return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
+}
 
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);
@@ -25,6 +49,11 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 bool hasQuality(const MeshModel &layer);
 /// Whether that may be tags: whole numbers.
 bool mayHaveTags(const MeshModel &layer);
+
+/// A number for all that a person can see or change of \p layer: matrix, elements and their positions, corners,
+/// colours, quality and texture coordinates, names of textures and of attributes. Normals, which a host computes anew,
+/// are left out.
+std::uint64_t contentsOf(const MeshModel &layer);
 
 /// Whether \p layer has normals of its own (hasOwnNormals), or principal directions, which turn with the surface.
 bool hasDirections(const MeshModel &layer);

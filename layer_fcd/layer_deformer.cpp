@@ -23,7 +23,9 @@ using vcg::fcd::Stopwatch;
 
 LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark)
     : document(document), layer(layer), preparedLayers(preparedLayers),
-      remark(remark ? std::move(remark) : [](const std::string &) {}) {}
+      remark(remark ? std::move(remark) : [](const std::string &) {}) {
+    preparedLayers.dropRemoved();
+}
 
 // --- the steps ---
 
@@ -110,7 +112,7 @@ std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer, co
     if (param.graphLayers) {
         added.push_back(&layers.addGraph("graph", result.rest));
         added.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(*added.back(), layer, prepared, result.pose);
+        keepDeformation(*added.back(), *added.front(), layer, prepared, result.pose);
     }
     added.push_back(&layers.addDeformed("deformed", result.position, result.linear,
                                         param.quality == DeformMeshParam::Stretch    ? result.stretch
@@ -169,15 +171,17 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     Stopwatch watch;
     progress(0, "Reading the layer");
     const bool isFirst = !RestShape::exists(layer);
-    if (!isFirst && !RestShape(layer).knows(shapeOf(mesh)))
-        throw Error(
-            "The layer '" + layer.label().toStdString() +
-            "' was changed since its last pose, and posing it would undo that. Run 'FCD: Reset Pose' "
-            "(apply_coord_fcd_reset): with 'Keep the present shape' poses begin from the shape that it has now, "
-            "without it from the shape before the first pose.");
+    if (!isFirst)
+        RestShape(layer).checkVertices("A pose would undo that. Run 'FCD: Reset Pose' (apply_coord_fcd_reset) with "
+                                       "'Keep the present shape' (keep_shape): poses then begin from the shape that "
+                                       "the layer has now.");
     rest = isFirst ? nullptr : RestShape(layer).positions();
     readHandles(param.handles);
-    result.prepared = prepare(param.deformation, progress.Slice(0, 0.9));
+    readSurface();
+    if (!isFirst)
+        RestShape(layer).followFaces(surface.View());
+    result.prepared = prepareRead(param.deformation, progress.Slice(0, 0.9));
+    surface = {};
     result.secondsPrepare = found->seconds;
     result.secondsFind = watch.Seconds() - (result.prepared ? found->seconds : 0);
     result.tags = found->tags;
@@ -194,10 +198,10 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
 
     watch = {};
     RestShape restShape(layer);
+    const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
+    bool moved = false;
     try {
-        const ShapeSum sum = writePose(mesh, restShape, *found, pose);
-        mesh.bbox = sum.box;
-        restShape.add(sum.shape);
+        moved = writePose(mesh, restShape, *found, pose, !ofFaces);
     } catch (...) { // no memory
         restShape.restore();
         throw;
@@ -205,8 +209,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.secondsMap = watch.Seconds();
 
     watch = {};
-    if (param.exactNormals && mesh.fn > 0)
-        computeBoxAndNormals(mesh);
+    if (ofFaces && moved)
+        computeFlaggedNormals(mesh, found->turning);
     else
         computeFaceNormals(mesh, found->moving);
     result.secondsNormals = watch.Seconds();

@@ -70,7 +70,7 @@ struct DeformMeshParam {
 struct PoseParam {
     HandleParam handles;
     vcg::fcd::DeformationParam deformation; ///< without nodes
-    bool exactNormals = false;              ///< computed from the faces instead of turned
+    bool exactNormals = true;               ///< computed from the faces instead of turned, where they are these
 };
 
 /// What "FCD: Reset Pose" is asked for.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/surface/read_surface.h>
 
+#include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
 #include "pose_in_place.h"
 
+#include <functional>
 #include <mutex>
 
 using vcg::fcd::Error;
@@ -37,16 +40,6 @@ void write(CVertexO &vertex, const Eigen::Vector3d &position, const Eigen::Vecto
 
 } // namespace
 
-void ShapeSum::add(std::size_t slot, const Point3m &position) {
-    shape += shapeTerm(slot, position);
-    box.Add(position);
-}
-
-void ShapeSum::add(const ShapeSum &other) {
-    shape += other.shape;
-    box.Add(other.box);
-}
-
 void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, const Prepared &prepared,
                  const vcg::fcd::Deformer::Pose &pose) {
     carry(mesh, position, normal, prepared, pose, [&] {
@@ -55,50 +48,77 @@ void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, c
     });
 }
 
-ShapeSum writePose(CMeshO &mesh, const RestShape &rest, const Prepared &prepared,
-                   const vcg::fcd::Deformer::Pose &pose) {
+bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose,
+               bool turnNormals) {
+    struct Sum {
+        vcg::Box3<Scalarm> box;
+        bool moved = false;
+    } all;
     std::mutex lock;
-    ShapeSum all;
+    const auto add = [&](const Sum &sum) {
+        const std::lock_guard<std::mutex> guard(lock);
+        all.box.Add(sum.box);
+        all.moved |= sum.moved;
+    };
     struct Taker {
-        Taker(CMeshO &mesh, std::mutex &lock, ShapeSum &all) : mesh(mesh), lock(lock), all(all) {}
+        Taker(CMeshO &mesh, RestShape &rest, const std::function<void(const Sum &)> &add)
+            : mesh(mesh), rest(rest), add(add) {}
         Taker(const Taker &) = delete;
         Taker &operator=(const Taker &) = delete;
-        ~Taker() {
-            const std::lock_guard<std::mutex> guard(lock);
-            all.add(sum);
-        }
+        ~Taker() { add(sum); }
         void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Vector3d &normal) {
-            CVertexO &vertex = mesh.vert[slot];
-            write(vertex, position, normal);
-            sum.add(slot, vertex.cP());
+            (*this)(slot, position);
+            mesh.vert[slot].N() = toPoint(normal);
+        }
+        void operator()(std::size_t slot, const Eigen::Vector3d &position) {
+            const Point3m p = toPoint(position);
+            rest.place(slot, p);
+            sum.box.Add(p);
+            sum.moved |= p != rest.positions()[slot];
+        }
+        void operator()(std::size_t slot, const Eigen::Vector3d &position, const Eigen::Matrix3f &) {
+            (*this)(slot, position);
         }
         CMeshO &mesh;
-        std::mutex &lock;
-        ShapeSum &all, sum;
+        RestShape &rest;
+        const std::function<void(const Sum &)> &add;
+        Sum sum;
     };
-    carry(mesh, rest.positions(), rest.normals(), prepared, pose, [&] { return Taker(mesh, lock, all); });
+    const std::function<void(const Sum &)> adding = add;
+    const auto taker = [&] { return Taker(mesh, rest, adding); };
+    if (turnNormals)
+        carry(mesh, rest.positions(), rest.normals(), prepared, pose, taker);
+    else
+        vcg::fcd::Carrier(*prepared.deformer, pose)
+            .Apply([&](std::size_t slot) { return toVector(rest.positions()[slot]); }, taker, false,
+                   vcg::fcd::Progress(), [&](std::size_t slot) { rest.prefetch(slot); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        ShapeSum still;
+        Sum still;
         for (std::size_t i = first; i < last; ++i)
             if (!prepared.moving[i] && !mesh.vert[i].IsD()) {
-                if (mesh.vert[i].cP() != rest.positions()[i]) { // moved by a pose with other tags
-                    mesh.vert[i].P() = rest.positions()[i];
-                    mesh.vert[i].N() = rest.normals()[i];
-                }
-                still.add(i, mesh.vert[i].cP());
+                rest.place(i, rest.positions()[i]); // another pose, with other tags, may have moved it
+                mesh.vert[i].N() = rest.normals()[i];
+                still.box.Add(mesh.vert[i].cP());
             }
-        const std::lock_guard<std::mutex> guard(lock);
-        all.add(still);
+        add(still);
     });
-    return all;
+    mesh.bbox = all.box;
+    if (!all.moved)
+        forVertices(mesh, [&](std::size_t i) { mesh.vert[i].N() = rest.normals()[i]; });
+    return all.moved;
 }
 
 void resetPose(MeshModel &layer, bool presentShape) {
     if (!RestShape::exists(layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");
-    if (presentShape)
+    if (presentShape) {
         RestShape::keep(layer);
-    else
-        RestShape(layer).restore();
+        return;
+    }
+    RestShape rest(layer);
+    rest.checkVertices("The rest shape has no place for these, and going back would tear the surface. Tick 'Keep the "
+                       "present shape' (keep_shape): poses then begin from that. Or open the layer's file again.");
+    rest.followFaces(vcg::tri::ReadSurface(layer.cm).View());
+    rest.restore();
 }

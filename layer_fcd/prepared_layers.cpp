@@ -89,13 +89,11 @@ PreparedLayers::Key PreparedLayers::keyOf(const SurfaceView &surface, const vcg:
     return {hash.low64, hash.high64};
 }
 
-void PreparedLayers::forget(const MeshDocument &document, int layer) {
-    const auto isThere = [&](int id) {
-        const std::vector<const MeshModel *> layers = host::layers(document);
-        return std::any_of(layers.begin(), layers.end(), [&](const MeshModel *each) { return each->id() == id; });
-    };
-    entries.remove_if([&](const Entry &entry) {
-        return entry.document == &document && (entry.layer == layer || !isThere(entry.layer));
+void PreparedLayers::dropRemoved() {
+    entries.remove_if([](const Entry &entry) {
+        const std::vector<const MeshModel *> layers = host::layers(*entry.document);
+        return std::none_of(layers.begin(), layers.end(),
+                            [&](const MeshModel *each) { return each->id() == entry.layer; });
     });
 }
 
@@ -113,14 +111,26 @@ std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument
                                               const SurfaceView &surface, const vcg::fcd::Handles &handles,
                                               const vcg::fcd::DeformerParam &param,
                                               const vcg::fcd::Progress &progress) {
-    forget(document, layer.id());
+    entries.remove_if([&](const Entry &entry) { return entry.document == &document && entry.layer == layer.id(); });
     const vcg::fcd::Stopwatch watch;
     auto prepared = std::make_shared<Prepared>();
     prepared->tags = vcg::fcd::CountHandles(handles, surface.vertexSlots, surface.deleted);
     prepared->deformer = vcg::fcd::PrepareDeformer(surface, handles, param, progress);
     prepared->moving.assign(surface.vertexSlots, 0);
     prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
+    prepared->turning = prepared->moving;
+    for (std::size_t f = 0; f < surface.faces; ++f)
+        if (const std::uint32_t *corner = surface.corner + 3 * f; surface.IsFace(f))
+            if (prepared->moving[corner[0]] || prepared->moving[corner[1]] || prepared->moving[corner[2]])
+                for (int k = 0; k < 3; ++k)
+                    prepared->turning[corner[k]] = 1;
     prepared->seconds = watch.Seconds();
+    if (std::none_of(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.document == &document; })) {
+        QObject::disconnect(&document, nullptr, &context, nullptr);
+        QObject::connect(&document, &QObject::destroyed, &context, [this, gone = &document] {
+            entries.remove_if([gone](const Entry &entry) { return entry.document == gone; });
+        });
+    }
     entries.push_front({key, &document, layer.id(), prepared});
     std::size_t vertices = 0;
     for (auto entry = entries.begin(); entry != entries.end();) {

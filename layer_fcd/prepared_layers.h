@@ -12,10 +12,13 @@
 #include <list>
 #include <memory>
 
+#include <QObject>
+
 /// A layer that is prepared to be deformed.
 struct Prepared {
     std::unique_ptr<vcg::fcd::Deformer> deformer;
-    std::vector<char> moving; ///< per vertex slot: whether it may move in some pose
+    std::vector<char> moving;  ///< per vertex slot: whether it may move in some pose
+    std::vector<char> turning; ///< and whether the normal of its faces may change
     vcg::fcd::TagCount tags;
     double seconds = 0;      ///< that preparing it took; 0 once it has been used
     bool isOfOthers = false; ///< known: its nodes were given, and are not those of the graph that is made without
@@ -38,17 +41,18 @@ class PreparedLayers {
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, const MeshModel &layer,
                                   const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                                   const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
+    /// Drops what was prepared of layers that are gone. Those of a document go with it.
+    void dropRemoved();
     void clear() { entries.clear(); }
 
   private:
     struct Entry {
         Key key;
-        const MeshDocument *document; ///< of the layer, which may be gone
+        const MeshDocument *document; ///< of the layer; it is there as long as the entry is
         int layer;                    ///< its number
         std::shared_ptr<Prepared> prepared;
     };
-    void forget(const MeshDocument &document, int layer);
-
+    QObject context;          // of connections, which end with it
     std::list<Entry> entries; ///< the latest first
 };
 

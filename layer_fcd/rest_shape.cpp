@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/graph.h> // before Qt
+#include <vcg_ext/base/graph.h> // these before Qt
+#include <vcg_ext/surface/read_surface.h>
 
 #include "layer_contents.h"
 #include "layer_normals.h"
+#include "parameters.h"
 #include "rest_shape.h"
 
 #include <vcg/complex/allocate.h>
@@ -20,80 +22,123 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const posesName = "fcd_poses_1";
-static_assert(std::is_trivially_copyable<Poses>::value, "plain data, whoever has made it");
+const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const vertexName = "fcd_posed_1",
+                  *const posedName = "fcd_posed_layer_1";
+static_assert(std::is_trivial<PosedVertex>::value && std::is_trivially_copyable<Posed>::value,
+              "plain data, whoever has made it; zero for new vertices");
 
-Point3m *values(const CMeshO &mesh, const char *name) { return host::vertexAttribute<Point3m>(mesh, name); }
+template <class T>
+T *values(const CMeshO &mesh, const char *name) {
+    return host::vertexAttribute<T>(mesh, name);
+}
 
-Poses *posesOf(const CMeshO &mesh) { return host::meshAttribute<Poses>(mesh, posesName); }
+/// The sum of shapeTerm over the live vertices.
+template <class PositionOf>
+std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
+    return sumOf(mesh.vert.size(), [&](std::size_t first, std::size_t last) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                sum += shapeTerm(i, positionOf(i));
+        return sum;
+    });
+}
 
 } // namespace
 
-bool isOfRest(const std::string &attribute) { return attribute == positionName || attribute == normalName; }
+bool isOfRest(const std::string &attribute) {
+    return attribute == positionName || attribute == normalName || attribute == vertexName;
+}
 
 bool RestShape::exists(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
-    return values(mesh, positionName) && values(mesh, normalName) && posesOf(mesh);
+    return values<Point3m>(mesh, positionName) && values<Point3m>(mesh, normalName) &&
+           values<PosedVertex>(mesh, vertexName) && host::meshAttribute<Posed>(mesh, posedName);
 }
 
 void RestShape::keep(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
     Point3m *position = host::madeVertexAttribute<Point3m>(mesh, positionName),
             *normal = host::madeVertexAttribute<Point3m>(mesh, normalName);
-    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            position[i] = mesh.vert[i].cP();
-            normal[i] = mesh.vert[i].cN();
-        }
+    auto *vertices = host::madeVertexAttribute<PosedVertex>(mesh, vertexName);
+    forVertices(mesh, [&](std::size_t i) {
+        position[i] = mesh.vert[i].cP();
+        normal[i] = mesh.vert[i].cN();
+        const std::uint64_t place = placeOf(position[i]);
+        vertices[i] = {place, place};
     });
-    host::madeMeshAttribute<Poses>(mesh, posesName) = {shapeOf(mesh), mesh.vn, 0, {}};
+    host::madeMeshAttribute<Posed>(mesh, posedName) = {facesOf(vcg::tri::ReadSurface(mesh).View()),
+                                                       ::hasOwnNormals(layer)};
 }
 
 RestShape::RestShape(MeshModel &layer)
-    : layer(layer), position(values(layer.cm, positionName)), normal(values(layer.cm, normalName)),
-      poses(posesOf(layer.cm)) {}
+    : layer(layer), mesh(layer.cm), position(values<Point3m>(mesh, positionName)),
+      normal(values<Point3m>(mesh, normalName)), vertices(values<PosedVertex>(mesh, vertexName)),
+      posed(host::meshAttribute<Posed>(mesh, posedName)) {}
 
-bool RestShape::knows(std::uint64_t shape) {
-    std::uint64_t *const begin = poses->latest, *const end = begin + poses->count,
-                         *found = std::find(begin, end, shape);
-    if (found != end)
-        std::rotate(begin, found, found + 1);
-    return found != end || shape == poses->rest;
+std::uint64_t RestShape::placeOf(const Point3m &position) {
+    return std::max(XXH3_64bits(&position[0], 3 * sizeof(Scalarm)), XXH64_hash_t(1));
 }
 
-void RestShape::add(std::uint64_t shape) {
-    if (knows(shape))
-        return;
-    poses->count = std::min(poses->count + 1, Poses::most);
-    std::copy_backward(poses->latest, poses->latest + poses->count - 1, poses->latest + poses->count);
-    poses->latest[0] = shape;
+std::uint64_t RestShape::shape() const {
+    return shapeSum(mesh, [this](std::size_t i) { return position[i]; });
 }
 
-void RestShape::restore() const {
-    CMeshO &mesh = layer.cm;
-    if (mesh.vn > poses->vertices)
-        throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
-                              "' got new vertices since its first pose, and the rest shape has no place for them. Keep "
-                              "the present shape, or delete them.");
-    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+bool RestShape::isAtHome(std::size_t slot) {
+    PosedVertex &known = vertices[slot];
+    const Point3m &p = mesh.vert[slot].cP();
+    const std::uint64_t place = placeOf(p);
+    if (place == known.before)
+        return true;
+    if (place != known.now && (known.now == 0 || p != position[slot]))
+        return false;
+    known.before = place;
+    return true;
+}
+
+void RestShape::checkVertices(const std::string &remedy) {
+    const std::uint64_t strangers = sumOf(mesh.vert.size(), [this](std::size_t first, std::size_t last) {
+        std::uint64_t count = 0;
         for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD()) {
-                mesh.vert[i].P() = position[i];
-                mesh.vert[i].N() = normal[i];
-            }
+            count += !mesh.vert[i].IsD() && !isAtHome(i);
+        return count;
+    });
+    if (strangers > 0)
+        throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
+                              "' was changed since its last pose: " + std::to_string(strangers) + " of its " +
+                              std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
+}
+
+void RestShape::followFaces(const vcg::fcd::SurfaceView &faces) {
+    const std::uint64_t present = facesOf(faces);
+    if (present == posed->faces)
+        return;
+    posed->faces = present;
+    posed->ownNormals = ::hasOwnNormals(layer);
+    if (posed->ownNormals || mesh.fn == 0)
+        return;
+    std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
+    for (std::size_t f = 0; f < faces.faces; ++f)
+        if (faces.IsFace(f)) {
+            const std::uint32_t *corner = faces.corner + 3 * f;
+            const auto at = [&](int k) { return toVector(position[corner[k]]); };
+            const Eigen::Vector3d p = at(0), n = (at(1) - p).cross(at(2) - p);
+            for (int k = 0; k < 3; ++k)
+                sum[corner[k]] += n;
+        }
+    forVertices(mesh, [&](std::size_t i) {
+        if (toVector(normal[i]).dot(sum[i]) < 0)
+            normal[i] = -normal[i];
+    });
+}
+
+void RestShape::restore() {
+    forVertices(mesh, [this](std::size_t i) {
+        place(i, position[i]);
+        mesh.vert[i].N() = normal[i];
     });
     computeFaceNormals(mesh, {});
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
-}
-
-Eigen::Matrix3Xd restPositionsOf(MeshModel &layer) {
-    Eigen::Matrix3Xd position = positionsOf(layer);
-    if (RestShape::exists(layer)) {
-        const Point3m *rest = RestShape(layer).positions();
-        for (Eigen::Index i = 0; i < position.cols(); ++i)
-            position.col(i) << rest[i][0], rest[i][1], rest[i][2];
-    }
-    return position;
 }
 
 std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
@@ -101,14 +146,11 @@ std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
 }
 
 std::uint64_t shapeOf(const CMeshO &mesh) {
-    const std::size_t grain = 1 << 16;
-    std::vector<std::uint64_t> sums((mesh.vert.size() + grain - 1) / grain, 0);
-    ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
-        std::uint64_t sum = 0;
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD())
-                sum += shapeTerm(i, mesh.vert[i].cP());
-        sums[first / grain] = sum;
+    return shapeSum(mesh, [&mesh](std::size_t i) { return mesh.vert[i].cP(); });
+}
+
+std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface) {
+    return sumOf(surface.faces, [&](std::size_t first, std::size_t last) {
+        return XXH3_64bits_withSeed(surface.corner + 3 * first, 3 * (last - first) * sizeof *surface.corner, first);
     });
-    return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
 }

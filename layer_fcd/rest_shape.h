@@ -2,26 +2,32 @@
 #ifndef FCD_REST_SHAPE_H
 #define FCD_REST_SHAPE_H
 
-#include "meshlab_host.h"
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/surface/surface_arrays.h>
 
-#include <Eigen/Core>
+#include "angle_normals.h" // prefetch
+#include "meshlab_host.h"
 
 #include <cstdint>
 #include <string>
 
-/// The shapes of a layer, as numbers: plain data, which a layer keeps. Who changes it changes the number in its name.
-struct Poses {
-    // A preview begins each time with the shape that the layer had before, which is then the latest; a few are enough.
-    static constexpr int most = 16;
+/// What the state of a layer knows of a vertex: plain data, zero for a vertex that something else makes. Who changes it
+/// changes the number in its name.
+struct PosedVertex {
+    std::uint64_t now;    ///< the position that the last pose gave it, as placeOf tells it
+    std::uint64_t before; ///< that which it had then: a preview begins with it each time
+};
 
-    std::uint64_t rest = 0;
-    int vertices = 0;                ///< at rest
-    int count = 0;                   ///< of the latest
-    std::uint64_t latest[most] = {}; ///< poses, the latest first
+/// What it knows of the layer: plain data as well.
+struct Posed {
+    std::uint64_t faces = 0; ///< as facesOf tells them
+    bool ownNormals = false; ///< as hasOwnNormals tells it
 };
 
 /// The rest shape of a layer that is posed in place: positions and normals of its vertices, which the layer keeps as
-/// attributes, and the shapes that posing gave it, by which it is known whether something else changed it.
+/// attributes, and where the last pose left each of them. Attributes go with their vertices wherever these are moved
+/// in memory, so that each is known by itself: it belongs to the rest shape as long as it is, to the bit, at a place
+/// that it was given.
 class RestShape {
   public:
     static bool exists(const MeshModel &layer);
@@ -33,28 +39,50 @@ class RestShape {
 
     const Point3m *positions() const { return position; } ///< per vertex slot
     const Point3m *normals() const { return normal; }     ///< per vertex slot
+    /// Whether the normals are others than the faces'.
+    bool hasOwnNormals() const { return posed->ownNormals; }
 
-    std::uint64_t shape() const { return poses->rest; } ///< at rest
-    /// Whether \p shape is one of the latest poses, or that at rest. A pose is then the latest.
-    bool knows(std::uint64_t shape);
-    /// Remembers a pose, as the latest.
-    void add(std::uint64_t shape);
+    std::uint64_t shape() const; ///< at rest, as shapeOf tells it
+
+    /// Before a pose. \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
+    void checkVertices(const std::string &remedy);
+    /// Turns the normals of vertices whose faces something else has turned over. \param faces those that there are
+    void followFaces(const vcg::fcd::SurfaceView &faces);
+    /// Gives a vertex a position, and remembers it.
+    void place(std::size_t slot, const Point3m &p) {
+        vertices[slot].now = placeOf(p);
+        mesh.vert[slot].P() = p;
+    }
+
+    /// Begins to read what is needed to place a vertex.
+    void prefetch(std::size_t slot) const {
+        ::prefetch(&position[slot]);
+        ::prefetch(&vertices[slot]);
+        ::prefetch(&mesh.vert[slot]);
+    }
 
     /// Gives the layer its rest shape back, to the bit; normals of faces are computed.
-    /// \throw vcg::fcd::Error when it has more vertices than it had
-    void restore() const;
+    void restore();
+
+    /// A number for a position; not 0.
+    static std::uint64_t placeOf(const Point3m &position);
 
   private:
+    /// Whether a vertex is where it was put; that place is then the one that it has before a pose.
+    bool isAtHome(std::size_t slot);
+
     MeshModel &layer;
-    const Point3m *position, *normal;
-    Poses *poses;
+    CMeshO &mesh;
+    Point3m *position, *normal;
+    PosedVertex *vertices;
+    Posed *posed;
 };
 
 /// Whether a vertex attribute is one of a rest shape.
 bool isOfRest(const std::string &attribute);
 
-/// The positions of the vertices of \p layer at rest, 3 x slots.
-Eigen::Matrix3Xd restPositionsOf(MeshModel &layer);
+/// A number for faces, each with the slots of its corners in their order.
+std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface);
 
 /// A number for the positions of all vertices: the sum of the terms of each of them.
 std::uint64_t shapeOf(const CMeshO &mesh);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "rest_shape.h"
+#include <vcg_ext/base/graph.h> // before Qt
+
+#include "layer_contents.h"
 #include "results.h"
 
 #include <cstdint>
@@ -10,13 +12,13 @@
 
 namespace {
 
-const char *const resultName = "fcd_result_1";
+const char *const resultName = "fcd_result_2";
 
 /// What a result is made from, and how it was then. Who changes it changes the number in its name.
 struct Result {
     int source = 0;
-    std::uint64_t shape = 0;
-    std::uint64_t label = 0; ///< as numberOf tells it
+    std::uint64_t contents = 0; ///< as contentsOf tells them
+    std::uint64_t label = 0;    ///< as numberOf tells it
 };
 static_assert(std::is_trivially_copyable<Result>::value, "plain data, whoever has made it");
 
@@ -31,7 +33,7 @@ const Result *resultOf(const MeshModel &layer) { return host::meshAttribute<Resu
 
 void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
     for (MeshModel *result : results) {
-        host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), shapeOf(result->cm),
+        host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), contentsOf(*result),
                                                                    numberOf(result->label())};
         host::setVisible(*result, result == results.back());
     }
@@ -41,7 +43,7 @@ void showResult(MeshDocument &document, MeshModel &source, const std::vector<Mes
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
     const Result *result = resultOf(layer);
-    if (!result || result->shape != shapeOf(layer.cm))
+    if (!result || result->contents != contentsOf(layer))
         return layer;
     for (const MeshModel *other : host::layers(document))
         if (other->id() == result->source && other->cm.vn > 0)
@@ -54,7 +56,7 @@ std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel 
     for (const MeshModel *layer : host::layers(document)) {
         const Result *result = resultOf(*layer);
         if (result && result->source == source.id() && numberOf(layer->label()) == result->label &&
-            shapeOf(layer->cm) == result->shape)
+            contentsOf(*layer) == result->contents)
             results.push_back(const_cast<MeshModel *>(layer));
     }
     return results;

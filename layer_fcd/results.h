@@ -13,10 +13,12 @@
 /// were, so that another try replaces them.
 void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
-/// The layer that \p layer was made from, if it was and that is still there, or else \p layer itself.
+/// The layer that \p layer was made from, if it is as it was made then and that is still there, or else \p layer
+/// itself.
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
 
-/// What was made from \p source before and is as it was made: not moved, not renamed.
+/// What was made from \p source before and is, to the bit, as it was made: nothing moved, painted, tagged, deleted or
+/// renamed.
 std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "kept_deformation.h"
 #include "layer_matrix.h"
-#include "rest_shape.h"
 #include "save_files.h"
 #include "saved_deformation.h"
 
@@ -34,7 +33,7 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const 
     progress(0, "Reading the source");
     const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
-    Eigen::Matrix3Xd rest = restPositionsOf(*param.source), deformed = rest;
+    Eigen::Matrix3Xd rest = positionsBefore(*param.source, deformation), deformed = rest;
     std::vector<Eigen::Matrix3f> linear;
     vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
         .Apply(deformed, &linear, progress.Slice(0, 0.1));

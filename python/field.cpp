@@ -37,6 +37,9 @@ class Field {
     }
     std::size_t samples() const { return std::size_t(field.samples.Size()); }
 
+    /// NaN where it is not known.
+    double largestDifference() const { return field.samples.largestDifference; }
+
     NewRows positions() const {
         double *data;
         NewRows rows = newRows(samples(), data);
@@ -94,6 +97,7 @@ NB_MODULE(_field, module) {
         .def(nb::init<const nb::bytes &, const std::string &>(), nb::arg("content"), nb::arg("name"))
         .def("content", &Field::content)
         .def_prop_ro("samples", &Field::samples)
+        .def_prop_ro("largest_difference", &Field::largestDifference)
         .def("positions", &Field::positions)
         .def("apply", &Field::apply, nb::arg("xyz"), nb::arg("normals").none(), nb::arg("threads"));
 }

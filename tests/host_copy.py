@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One deformation for many layers inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import re
+import zlib
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -108,6 +111,39 @@ def test_parts_that_are_close_stay_apart():
     assert (moved[len(between):, 2] - between[:, 2]).max() > 0.4
 
 
+def touching_sheets():
+    """A fixed sheet and, across it, another one that bends, whose vertices lie in the faces of the first, and its tags."""
+    x, y = np.meshgrid(np.arange(21.0), np.arange(21.0))
+    flat = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
+    i = np.arange(20 * 21).reshape(20, 21)[:, :20].ravel()
+    faces = np.concatenate([np.stack([i, i + 1, i + 21], 1), np.stack([i + 1, i + 22, i + 21], 1)])
+    across = flat[:, [0, 2, 1]] + [0, 10, -10]  # its middle row is one of the first sheet's, too
+    tags = np.concatenate([np.zeros(len(flat)), np.where(across[:, 0] < 3, 0, np.where(across[:, 0] > 17, 2, 1))])
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(np.concatenate([flat, across]), np.concatenate([faces, faces + len(flat)]), v_scalar_array=tags), "sheets")
+    return ms, tags
+
+
+@pytest.mark.parametrize("shift, least", [(0, 1.0), (0.5, 1.0)])
+def test_a_layer_that_touches_itself_is_copied_as_it_was_deformed(shift, least):
+    ms, tags = touching_sheets()
+    if shift:  # to the middle of faces
+        ms.apply_filter("compute_coord_by_function", x="x", y=f"vi < 441 ? y : y + {shift}", z="z")
+    rest = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 8.0]))
+    expected = ms.current_mesh().vertex_matrix()
+    assert np.linalg.norm(expected - rest, axis=1)[tags == 1].max() > least
+    # The layer itself, and its vertices in another order, where normals tell those at one place apart.
+    order = np.random.default_rng(1).permutation(len(rest))
+    ms.add_mesh(pymeshlab.Mesh(rest[order], np.argsort(order)[ms.mesh(0).face_matrix()]), "shuffled")
+    for layer, same in (0, np.arange(len(rest))), (4, order):
+        ms.set_current_mesh(layer)
+        ms.apply_filter(COPY)
+        points = ms.current_mesh().vertex_matrix()
+        assert np.abs(points - expected[same]).max() < 1e-9
+        assert same_points(points[tags[same] == 0], rest[same][tags[same] == 0])
+
+
 def test_all_visible_layers():
     ms = bent_bone()
     for name in ("one", "other"):
@@ -167,6 +203,44 @@ def test_a_source_that_was_changed_and_a_graph_that_was_loaded(tmp_path):
     ms.set_current_mesh(0)
     with pytest.raises(pymeshlab.PyMeshLabException, match="lose it. Deform the source again"):
         ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=4)
+
+
+def test_the_layers_of_the_deformation_made_last_are_the_defaults(tmp_path):
+    ms = bent_bone()
+    ms.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()), "points graph")
+    for layer in 4, 3, 0:  # whichever is the current one
+        ms.set_current_mesh(layer)
+        ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(tmp_path / f"{layer}.ply"))
+        assert (tmp_path / f"{layer}.ply").read_bytes() == (tmp_path / "4.ply").read_bytes()
+    ms.set_current_mesh(4)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - ms.mesh(3).vertex_matrix()).max() < 1e-6
+    ms.set_current_mesh(3)  # the result, bent once more: layers 6 to 8
+    set_quality(ms, QUALITY_TAGS)
+    ms.apply_filter(DEFORM, translation=np.array([0, 0.1, 0.0]))
+    ms.set_current_mesh(3)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - ms.mesh(8).vertex_matrix()).max() < 1e-6
+
+
+def test_what_is_deformed_in_a_pose_is_saved_and_applied(tmp_path):
+    other, ms = dict(translation=np.array([0, 0, 0.1])), clean_bone()
+    ms.apply_filter(POSE, **other)
+    posed = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(DEFORM, **BEND)
+    expected = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(tmp_path / "bend.ply"))
+    assert rms(applied(posed, tmp_path / "bend.ply")[0], expected) < 1e-4
+    ms.set_current_mesh(0)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - expected).max() < 1e-6
+    ms.set_current_mesh(0)
+    ms.apply_filter(POSE, pose=0.0)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="give it the pose that it had then"):
+        ms.apply_filter(COPY)
+    ms.apply_filter(POSE, **other)
+    ms.apply_filter(COPY)
+    assert np.abs(ms.current_mesh().vertex_matrix() - expected).max() < 1e-6
 
 
 # --- a saved deformation --------------------------------------------------------------------------------------------------
@@ -274,6 +348,32 @@ def test_the_file_is_ply_and_all_visible_layers_take_it(tmp_path):
         other.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix()), name)
     assert other.apply_filter(COPY, deformation_file=str(tmp_path / "bend.ply"), all_visible=True)["layers"] == 2
     assert same_points(other.mesh(2).vertex_matrix(), other.mesh(3).vertex_matrix())
+
+
+def test_the_checksum_is_that_of_other_programs_and_tells_what_was_changed(tmp_path):
+    ms = bent_bone()
+    largest = saved(ms, tmp_path / "bend.ply")["largest_difference"]
+    whole = (tmp_path / "bend.ply").read_bytes()
+    line, = re.findall(rb"comment CRC-32 without this line [0-9a-f]{8}\n", whole)
+    assert int(line[-9:], 16) == zlib.crc32(whole.replace(line, b""))
+    assert float(re.findall(rb"comment largest difference (.*)\n", whole)[0]) == largest
+    old = re.sub(rb"comment largest.*\ncomment CRC.*\n", b"", whole).replace(b"version 2", b"version 1")
+    (tmp_path / "old.ply").write_bytes(old)
+    rest = ms.mesh(0).vertex_matrix()
+    assert same_points(applied(rest, tmp_path / "old.ply")[0], applied(rest, tmp_path / "bend.ply")[0])
+    (tmp_path / "flip.ply").write_bytes(whole[:-100] + bytes([whole[-100] ^ 1]) + whole[-99:])
+    with pytest.raises(pymeshlab.PyMeshLabException, match="was changed since it was written: its checksum does not fit"):
+        ms.apply_filter(COPY, deformation_file=str(tmp_path / "flip.ply"))
+
+
+def test_the_largest_difference_is_that_of_all_vertices(tmp_path):
+    ms, _ = touching_sheets()
+    rest = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 8.0]))
+    result = saved(ms, tmp_path / "bend.ply")
+    points, _ = applied(rest, tmp_path / "bend.ply")
+    error = np.linalg.norm(points - ms.mesh(3).vertex_matrix(), axis=1).max()
+    assert error > 0.1 and abs(result["largest_difference"] - error) < 1e-6 * error
 
 
 def test_saving_twice_gives_the_same_file_and_an_error_leaves_it(tmp_path):

@@ -24,7 +24,7 @@ DEFORM_DEFAULTS = {
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"}
-POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": False}
+POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
@@ -388,6 +388,20 @@ def deform_logged(ms, capfd, **parameters):
     capfd.readouterr()
     result = ms.apply_filter(DEFORM, **parameters)
     return result, capfd.readouterr().err
+
+
+def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
+    ms = clean_bone()
+    set_quality(ms, "0")
+    ms.compute_selection_by_condition_per_vertex(condselect="x < 0.25")
+    ms.apply_filter("compute_fcd_tags_from_selection", role=0)
+    tagged = ms.current_mesh().vertex_number()
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
+    vertices = ms.current_mesh().vertex_number()
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter("clear_fcd_tags")
+    assert f"{vertices - tagged} of the {vertices} vertices of 'bone.ply' were made, coloured or given" in capfd.readouterr().err
 
 
 def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):

@@ -91,6 +91,41 @@ def test_colours_that_were_given_after_tagging_are_meant():
     assert same_points(look(ms)[0], color)
 
 
+def test_vertices_that_something_else_has_made_keep_what_they_have():
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    color, quality = look(ms)
+    known = {tuple(p): (tuple(c), q) for p, c, q in zip(ms.current_mesh().vertex_matrix(), color, quality)}
+    tag_ends(ms)
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="are whole numbers"):
+        tag_ends(ms)
+    points, (tag_color, tags) = ms.current_mesh().vertex_matrix(), look(ms)
+    result = ms.apply_filter(CLEAR)
+    new = np.array([tuple(p) not in known for p in points])
+    assert result == {"other_vertices": new.sum()} and 1000 < new.sum() < len(points)
+    for p, c, q, is_new, before in zip(points, *look(ms), new, zip(tag_color, tags)):
+        expected = (tuple(before[0]), before[1]) if is_new else known[tuple(p)]
+        assert (tuple(c), q) == expected
+
+
+def test_what_is_painted_after_tagging_stays_and_all_else_comes_back():
+    ms = coloured()
+    set_quality(ms, "0")
+    color = look(ms)[0]
+    tag_ends(ms)
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.4 && x < 0.5")
+    ms.compute_color_by_function_per_vertex(x="10", y="20", z="30", onselected=True)
+    painted = ms.current_mesh().vertex_selection_array()
+    expected = np.where(painted[:, None], look(ms)[0], color)
+    tags = look(ms)[1]
+    ms.apply_filter(DEFORM, graph_layers=False, **BEND)
+    assert same_points(look(ms)[0], expected) and same_points(look(ms)[1], tags)
+    ms.set_current_mesh(0)
+    assert ms.apply_filter(CLEAR) == {"other_vertices": painted.sum()}
+    assert same_points(look(ms)[0], expected) and not look(ms)[1].any()
+
+
 def test_where_there_is_no_colour_none_is_left(tmp_path):
     def properties():
         ms.save_current_mesh(str(tmp_path / "mesh.ply"), binary=False)

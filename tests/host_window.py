@@ -360,6 +360,23 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
     assert np.linalg.norm(result.vertex_matrix() - points, axis=1)[tags == 2].min() > 1
 
 
+def test_a_result_that_was_worked_on_is_kept_and_deformed_itself(open_mesh):
+    points, faces, colors = cylinder()
+    window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
+    window.tag_ends(0.5, 11.5)
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.enter(dialog, *MOVE_X, "2")
+    window.apply(dialog)
+    window.wait_for_log("'mesh deformed' is shown")
+    window.finish(dialog)
+    window.tag_ends(0.5, 11.5)  # the same tags: nothing but its colours changes
+    dialog = window.dialog("FCD: Deform Mesh")
+    window.apply(dialog)
+    window.wait_for_log("'mesh deformed 2' is shown, 'mesh deformed' and the graphs are hidden")
+    window.finish(dialog)
+    assert not [line for line in window.lines() if "are replaced" in line]
+
+
 def test_the_whole_way_from_a_preview_to_a_project_that_is_opened_again(open_mesh, tmp_path):
     points, faces, colors = cylinder()
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))

@@ -2,7 +2,11 @@
 """Saved deformations, without MeshLab."""
 from __future__ import annotations
 
+import contextlib
+import math
 import os
+import shutil
+import uuid
 from typing import overload
 
 import numpy as np
@@ -18,6 +22,26 @@ def _rows(name: str, values: ArrayLike) -> Points:
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ValueError(f"{name} must be n x 3, one row per point; it is {' x '.join(map(str, rows.shape)) or 'a number'}")
     return rows
+
+
+def _write(path: str, content: bytes) -> None:
+    if os.path.exists(path) and not os.path.isfile(path):  # a pipe, a device
+        with open(path, "wb") as file:
+            file.write(content)
+        return
+    aside = f"{path}.{os.getpid()}.{uuid.uuid4().hex}.part"
+    try:
+        with open(aside, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if os.path.exists(path):
+            shutil.copymode(path, aside)
+        os.replace(aside, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(aside)
+        raise
 
 
 class Deformation:
@@ -41,9 +65,8 @@ class Deformation:
             return cls(file.read(), os.fspath(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """To a file, as it was loaded."""
-        with open(path, "wb") as file:
-            file.write(self._field.content())
+        """To a file. What is there is replaced at once, when all is on the disk, and otherwise stays."""
+        _write(os.path.realpath(os.fsdecode(path)), self._field.content())
 
     @overload
     def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1) -> Points: ...
@@ -64,6 +87,13 @@ class Deformation:
     def samples(self) -> Points:
         """Where it was sampled, at rest, k x 3: the thinned surface. Far from it, no answer makes sense."""
         return self._field.positions()
+
+    @property
+    def largest_difference(self) -> float | None:
+        """By how much a vertex of the surface that was deformed is off at most, in world units: what this approximates by.
+        None where the file, of an earlier version, does not tell."""
+        largest = self._field.largest_difference
+        return None if math.isnan(largest) else largest
 
     def __reduce__(self):
         return Deformation, (self._field.content(),)

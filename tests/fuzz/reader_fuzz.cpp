@@ -82,7 +82,8 @@ static void Motions(const std::string &text) {
 static void SavedDeformation(const std::string &text) {
     FieldSamples samples = ReadDeformationText(text, "input");
     REQUIRE(samples.Size() >= 1 && samples.displacement.cols() == samples.Size());
-    REQUIRE(DeformationText(samples) == text);
+    if (text.find("version 1\n") > 100) // that is read, and written as the next one
+        REQUIRE(DeformationText(samples) == text);
     const DeformationField field(std::move(samples));
     for (double x : {0.0, 1.0, -1e10}) {
         Eigen::Matrix3f linear;

@@ -162,6 +162,49 @@ def test_odd_input(bend):
         bend(odd, threads=-1)
 
 
+def test_what_it_is_off_by_is_known(tmp_path, bend):
+    vertices, faces, tags, lift = bar()
+    off = np.linalg.norm(bend(vertices) - pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}), axis=1).max()
+    assert abs(bend.largest_difference - off) < 1e-6
+    content = bend.__reduce__()[1][0]
+    old = re.sub(rb"comment largest.*\ncomment CRC.*\n", b"", content).replace(b"version 2", b"version 1")
+    before = pymeshlab_fcd.Deformation(old)
+    assert before.largest_difference is None and same(before(vertices), bend(vertices))
+    assert pickle.loads(pickle.dumps(bend)).largest_difference == bend.largest_difference
+
+
+def test_a_bit_that_was_changed_is_an_error(bend):
+    content, random = bend.__reduce__()[1][0], np.random.default_rng(0)
+    for _ in range(300):
+        changed = bytearray(content)
+        changed[random.integers(len(changed))] ^= 1 << random.integers(8)
+        with pytest.raises(ValueError):
+            pymeshlab_fcd.Deformation(bytes(changed))
+
+
+def test_a_file_is_replaced_as_a_whole_or_stays(tmp_path, bend):
+    path, link = tmp_path / "bend.ply", tmp_path / "link.ply"
+    path.write_bytes(b"old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    limit = """
+import resource, signal, sys, pymeshlab_fcd
+bend = pymeshlab_fcd.Deformation.load(sys.argv[1])
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    bend.save(sys.argv[2])
+except OSError:
+    print("as a full disk")
+"""
+    bend.save(tmp_path / "new.ply")
+    done = subprocess.run([sys.executable, "-c", limit, tmp_path / "new.ply", link], capture_output=True, text=True, check=True)
+    assert "as a full disk" in done.stdout and path.read_bytes() == b"old"
+    bend.save(link)
+    assert link.is_symlink() and path.read_bytes() == (tmp_path / "new.ply").read_bytes() and path.stat().st_mode & 0o777 == 0o640
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["bend.ply", "link.ply", "new.ply"]
+
+
 def test_files_that_hold_no_deformation(tmp_path, bend):
     with pytest.raises(FileNotFoundError):
         pymeshlab_fcd.Deformation.load(tmp_path / "none.ply")

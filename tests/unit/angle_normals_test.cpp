@@ -119,3 +119,23 @@ TEST(AngleNormals, LeaveAMeshWithoutFacesAlone) {
     CountedMesh empty;
     computeAngleNormals(empty, 4);
 }
+
+TEST(AngleNormals, AnglesOfCotangents) {
+    for (double angle = 1e-4; angle < 3.1415; angle += 1e-3)
+        EXPECT_NEAR(angleOfCotangent(float(1 / std::tan(angle))), angle, 5e-7);
+    EXPECT_EQ(angleOfCotangent(0), angleOfCotangent(-0.f));
+}
+
+TEST(AngleNormals, OfFlaggedVerticesAreThoseOfAll) {
+    const Bumps before(false);
+    Bumps all(false), some(false);
+    computeAngleNormals(all, 1);
+    std::vector<char> flags(some.vert.size(), 0);
+    for (std::size_t i = 0; i < flags.size(); ++i)
+        flags[i] = i % 7 == 0 || i > flags.size() / 2;
+    computeFlaggedNormals(some, flags);
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+        const vcg::Point3d &expected = flags[i] ? all.vert[i].N() : before.vert[i].cN();
+        EXPECT_LT((some.vert[i].N() - expected).Norm(), 1e-5) << i;
+    }
+}

@@ -37,6 +37,12 @@ static std::string Replaced(std::string text, const std::string &from, const std
     return text.replace(at, from.size(), to);
 }
 
+/// A file as the first version was, which had no largest difference and no checksum.
+static std::string OfVersion1(std::string text) {
+    const std::size_t from = text.find("comment largest"), to = text.find("element vertex");
+    return Replaced(text.erase(from, to - from), "version 2", "version 1");
+}
+
 #define EXPECT_SAYS(message, words) EXPECT_NE((message).find(words), std::string::npos) << (message)
 
 TEST(DeformationFile, ReadsWhatItWritesToTheBit) {
@@ -52,11 +58,47 @@ TEST(DeformationFile, ReadsWhatItWritesToTheBit) {
     }
 }
 
+TEST(DeformationFile, KeepsTheLargestDifference) {
+    FieldSamples samples = RandomSamples(5, 7);
+    EXPECT_TRUE(std::isnan(ReadDeformationText(DeformationText(samples), "text").largestDifference));
+    for (double largest : {0.0, 1e-300, 0.1, 12345.678901234567}) {
+        samples.largestDifference = largest;
+        EXPECT_EQ(ReadDeformationText(DeformationText(samples), "text").largestDifference, largest);
+    }
+}
+
+TEST(DeformationFile, OfVersion1IsRead) {
+    const FieldSamples samples = RandomSamples(5, 7);
+    const FieldSamples read = ReadDeformationText(OfVersion1(DeformationText(samples)), "text");
+    EXPECT_TRUE(SameBits(read.position, samples.position));
+    EXPECT_EQ(read.triangle, samples.triangle);
+    EXPECT_TRUE(std::isnan(read.largestDifference));
+}
+
+TEST(DeformationFile, RefusesEveryBitThatIsChanged) {
+    FieldSamples samples = RandomSamples(4, 3);
+    samples.largestDifference = 0.25;
+    const std::string text = DeformationText(samples);
+    for (std::size_t bit = 0; bit < 8 * text.size(); ++bit) {
+        std::string other = text;
+        other[bit / 8] = char(other[bit / 8] ^ (1 << bit % 8));
+        Refusal(other);
+    }
+    std::string other = text;
+    other[other.size() - 100] = char(other[other.size() - 100] ^ 1);
+    EXPECT_SAYS(Refusal(other), "was changed since it was written: its checksum does not fit. Copy or save it again");
+    EXPECT_SAYS(Refusal(Replaced(text, "difference 0.25", "difference 0.250")), "its largest difference is '0.250'");
+}
+
 TEST(DeformationFile, IsPly) {
-    const std::string text = DeformationText(RandomSamples(2, 1));
-    EXPECT_EQ(text.find("ply\nformat binary_little_endian 1.0\ncomment FCD deformation, version 1\nelement vertex 2\n"
-                        "property double x\nproperty double y\nproperty double z\nproperty double ux\n"),
+    FieldSamples samples = RandomSamples(2, 1);
+    samples.largestDifference = 0.125;
+    const std::string text = DeformationText(samples);
+    EXPECT_EQ(text.find("ply\nformat binary_little_endian 1.0\ncomment FCD deformation, version 2\ncomment largest "
+                        "difference 0.125\ncomment CRC-32 without this line "),
               0u);
+    EXPECT_SAYS(text,
+                "\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\nproperty double ux\n");
     const std::size_t data = text.find("property list uchar int vertex_indices\nend_header\n") + 50;
     EXPECT_EQ(text.size(), data + 2 * 84 + 13);
     double x;
@@ -71,24 +113,24 @@ TEST(DeformationFile, RefusesWhatIsNoDeformation) {
     const std::string text = DeformationText(RandomSamples(4, 2));
     for (const std::string &other :
          {std::string(), std::string("ply"), std::string("solid\n"), text.substr(0, 40),
-          Replaced(text, "little", "big"), Replaced(text, "FCD", "MeshLab"), Replaced(text, "version 1", "version one"),
-          Replaced(text, "version 1", "version 1 "), Replaced(text, "ply\n", "ply\r\n")})
+          Replaced(text, "little", "big"), Replaced(text, "FCD", "MeshLab"), Replaced(text, "version 2", "version two"),
+          Replaced(text, "version 2", "version 2 "), Replaced(text, "ply\n", "ply\r\n")})
         EXPECT_SAYS(Refusal(other), "is no saved deformation. Give a file that 'FCD: Save Deformation'");
-    EXPECT_SAYS(Refusal(Replaced(text, "version 1", "version 2")),
-                "of version 2; only version 1 is known here. Update");
+    for (const char *other : {"version 0", "version 3"})
+        EXPECT_SAYS(Refusal(Replaced(text, "version 2", other)), "; only versions 1 to 2 are known here. Update");
 }
 
 TEST(DeformationFile, RefusesAnotherHeader) {
     const std::string text = DeformationText(RandomSamples(4, 2));
     EXPECT_SAYS(Refusal(Replaced(text, "double uy", "float uy")),
-                "line 9: expected 'property double uy', found 'property float uy'");
+                "line 11: expected 'property double uy', found 'property float uy'");
     EXPECT_SAYS(Refusal(Replaced(text, "vertex 4", "vertex four")),
-                "line 4: expected 'element vertex *', found 'element vertex four'");
-    EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face -2")), "line 20");
-    EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face 02")), "line 20");
-    EXPECT_SAYS(Refusal(Replaced(text, "property float uzz\n", "")), "line 19: expected 'property float uzz'");
-    EXPECT_SAYS(Refusal(text.substr(0, text.find("end_header") + 10)), "line 22: expected 'end_header'");
-    EXPECT_SAYS(Refusal(text.substr(0, text.find("uzz"))), "line 19");
+                "line 6: expected 'element vertex *', found 'element vertex four'");
+    EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face -2")), "line 22");
+    EXPECT_SAYS(Refusal(Replaced(text, "face 2", "face 02")), "line 22");
+    EXPECT_SAYS(Refusal(Replaced(text, "property float uzz\n", "")), "line 21: expected 'property float uzz'");
+    EXPECT_SAYS(Refusal(text.substr(0, text.find("end_header") + 10)), "line 24: expected 'end_header'");
+    EXPECT_SAYS(Refusal(text.substr(0, text.find("uzz"))), "line 21");
 }
 
 TEST(DeformationFile, RefusesSizesThatDoNotFitBeforeItReserves) {
@@ -120,7 +162,7 @@ TEST(DeformationFile, RefusesNumbersThatMakeNoSense) {
         samples.triangle[1][2] = bad;
         EXPECT_SAYS(Refusal(DeformationText(samples)), "has a face that is no triangle of its vertices, face 1:");
     }
-    std::string text = DeformationText(RandomSamples(4, 2));
+    std::string text = OfVersion1(DeformationText(RandomSamples(4, 2)));
     text[text.size() - 26] = 4;
     EXPECT_SAYS(Refusal(text), "face 0:");
 }

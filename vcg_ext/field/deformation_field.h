@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace vcg {
@@ -18,6 +19,8 @@ struct FieldSamples {
     std::vector<Eigen::Matrix3f> gradient;      ///< n, of the displacement: 0 where nothing turns or stretches
     std::vector<std::array<Index, 3>> triangle; ///< corners in [0, n), equal ones for an edge or a point;
                                                 ///< empty: a cloud
+    /// Most that a vertex of what was sampled is off; NaN where that is not known.
+    double largestDifference = std::numeric_limits<double>::quiet_NaN();
     Index Size() const { return Index(position.cols()); }
 };
 

@@ -105,7 +105,7 @@ class FieldSampler {
         error.resize(slotCount, 0);
         ParallelFor(progress, "Comparing", slotCount, 1 << 12, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
-                if (counts[i] && (!nearby || isNear[i])) {
+                if (surface.nodeOf[i] >= 0 && (!nearby || isNear[i])) {
                     const Eigen::Vector3d p = rest.col(Eigen::Index(i)), way = field(p);
                     error[i] = float((p + way - deformed.col(Eigen::Index(i))).norm());
                     if (Rests(i) && p + way != p)
@@ -120,6 +120,7 @@ class FieldSampler {
         std::vector<Index> worst(octants * std::size_t(patches.Size()), -1);
         std::vector<Index> added;
         for (std::size_t i = 0; i < slotCount; ++i) {
+            result.largest = std::max(result.largest, double(error[i]));
             if (!counts[i])
                 continue;
             const Index node = surface.nodeOf[i];
@@ -132,7 +133,6 @@ class FieldSampler {
             }
             ++moving;
             sum += double(error[i]) * error[i];
-            result.largest = std::max(result.largest, double(error[i]));
             if (error[i] > tolerance) {
                 ++result.off;
                 const auto patch = std::size_t(patches.patchOf[std::size_t(node)]);
@@ -272,6 +272,7 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
         from = to;
     }
     progress(1, "Comparing");
+    result.samples.largestDifference = result.largest;
     return result;
 }
 

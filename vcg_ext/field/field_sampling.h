@@ -22,7 +22,7 @@ struct FieldParam {
 struct SampledField {
     FieldSamples samples;
     double rms = 0;     ///< of the distances at the vertices that move, units of the positions
-    double largest = 0; ///< of these distances
+    double largest = 0; ///< of the distances at all vertices, also those that rest; samples know it, too
     Index off = 0;      ///< vertices where it is more than the tolerance: more samples did not help, or were too many
     Index stirred = 0;  ///< vertices that rest, and would not with these samples
     int rounds = 0;
