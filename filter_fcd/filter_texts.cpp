@@ -84,7 +84,8 @@ QString FilterFcd::filterInfo(int id) const {
                reference;
     case ResetPose:
         return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
-               "exactly; or keeps the shape that it has and lets later poses begin from that.";
+               "exactly; or keeps the shape that it has and lets later poses begin from that. Where something else has "
+               "moved vertices since, or made new ones, the first is refused, and nothing is changed.";
     case CopyDeformation:
         return QString(
                    "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "
