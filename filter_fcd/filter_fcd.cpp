@@ -249,13 +249,15 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
         if (targets.empty())
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
     }
-    const int vertices = copyDeformation(
+    const DeformedCopies made = copyDeformation(
         document, param, targets, [this](const std::string &line) { logLine(line); }, Progress(callback));
     const int layers = int(targets.size());
-    logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(vertices) +
+    logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
             "'.");
-    return {{"layers", layers}, {"vertices", vertices}};
+    for (const std::string &warning : made.warnings)
+        logLine(warning, GLLogStream::WARNING);
+    return {{"layers", layers}, {"vertices", made.vertices}};
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,

@@ -84,7 +84,8 @@ QString FilterFcd::filterInfo(int id) const {
                reference;
     case ResetPose:
         return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
-               "exactly; or keeps the shape that it has and lets later poses begin from that.";
+               "exactly; or keeps the shape that it has and lets later poses begin from that. Where something else has "
+               "moved vertices since, or made new ones, the first is refused, and nothing is changed.";
     case CopyDeformation:
         return QString(
                    "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "
@@ -103,7 +104,8 @@ QString FilterFcd::filterInfo(int id) const {
                    "The file holds the deformation at some thousand vertices of the source, and the triangles "
                    "between them, in world coordinates. Vertices are added until at none of the source's the file "
                    "differs from the deformation by more than 0.01 percent of the diagonal of what moves (or there "
-                   "are 50000; the log says so), and all that was fixed stays, to the bit. It is a binary PLY file: "
+                   "are 50000), and all that was fixed stays, to the bit; log and file say how far any is off. It is a "
+                   "binary PLY file: "
                    "any program for meshes shows the "
                    "thinned surface.<br>"
                    "The layers are not changed.") +

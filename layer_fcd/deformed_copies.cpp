@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <sstream>
 #include <utility>
 
 #define XXH_INLINE_ALL
@@ -107,6 +108,32 @@ struct Carried {
 /// The displacement of a vertex, and how space turns and stretches there.
 using Displacement = std::function<Eigen::Vector3d(const Carried &, Eigen::Matrix3f &)>;
 
+/// The box of finite positions, in the world.
+Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3d &matrix, const CMeshO *mesh) {
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+        if ((!mesh || !mesh->vert[std::size_t(i)].IsD()) && position.col(i).allFinite())
+            box.extend(matrix * Eigen::Vector3d(position.col(i)));
+    return box;
+}
+
+/// What is to be said of a layer that is not where the source is, or of another size; both in the world.
+std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source) {
+    if (here.isEmpty() || source.isEmpty())
+        return {};
+    const double size = here.diagonal().norm(), sourceSize = source.diagonal().norm(),
+                 gap = here.exteriorDistance(source);
+    const bool isFar = gap > sourceSize, isLandmarks = target.cm.vn < 100; // a few points may lie close together
+    if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks))
+        return {};
+    std::ostringstream text;
+    text << "The layer '" << target.label().toStdString() << "' is " << size << " across and the source " << sourceSize;
+    if (isFar)
+        text << ", and they are " << gap << " apart";
+    text << ": far from the source, what it does means nothing. Bring the layer to the same place and units first.";
+    return text.str();
+}
+
 /// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
            const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
@@ -135,8 +162,8 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
 
 } // namespace
 
-int copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
-                    const Remark &remark, const Progress &progress) {
+DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
+                               const Remark &remark, const Progress &progress) {
     progress(0, "Reading the source");
     std::unique_ptr<const Source> source;
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
@@ -167,11 +194,17 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
 
     std::vector<std::unique_ptr<NewLayers>> added;
     const MeshModel *last = targets.back();
-    int count = 0;
+    DeformedCopies made;
+    const Eigen::AlignedBox3d sourceBox =
+        source ? boxOf(source->position, matrix, &param.source->cm) : boxOf(field->samples.position, matrix, nullptr);
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const MeshModel &target = *targets[t];
         Eigen::Matrix3Xd position = positionsOf(target);
         std::vector<Eigen::Matrix3f> linear;
+        if (std::string text =
+                describeSpace(target, boxOf(position, invertibleMatrixOf(target), &target.cm), sourceBox);
+            !text.empty())
+            made.warnings.push_back(std::move(text));
         carry(target, matrix, displacement,
               progress.Slice(0.2 + 0.8 * double(t) / double(targets.size()),
                              0.2 + 0.8 * double(t + 1) / double(targets.size())),
@@ -180,10 +213,10 @@ int copyDeformation(MeshDocument &document, const CopyParam &param, const std::v
             linear.clear();
         added.push_back(std::make_unique<NewLayers>(document, target, remark));
         last = &added.back()->addDeformed("deformed", position, linear, {});
-        count += target.cm.vn;
+        made.vertices += target.cm.vn;
     }
     for (const auto &layers : added)
         layers->keep(*last);
     progress(1, "Done");
-    return count;
+    return made;
 }

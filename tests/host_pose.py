@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Posing a layer in place inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
 import gc
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -340,3 +341,128 @@ def test_deformers_of_what_is_gone_are_dropped():
     assert is_prepared_anew(third)
     third.delete_current_mesh()
     assert is_prepared_anew(third) and not is_prepared_anew(second)
+
+
+# --- the table of docs/layers.md: what becomes of a layer that was tagged, posed and then changed ----------------------------
+
+
+def duplicate(ms):
+    ms.apply_filter("generate_copy_of_current_mesh" if "generate_copy_of_current_mesh" in pymeshlab.filter_list() else "duplicate_current_layer")
+
+
+def save_and_load(ms):
+    path = str(Path(tempfile.mkdtemp()) / "layer.ply")
+    ms.save_current_mesh(path)
+    ms.load_new_mesh(path)
+
+
+def merge(ms):
+    ms.apply_filter("generate_by_merging_visible_meshes", deletelayer=False)
+
+
+def freeze(ms):
+    ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=1.0, freeze=True)
+
+
+CHANGES = {
+    "none": lambda ms: None,
+    "moved": lambda ms: ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1),
+    "deleted": lambda ms: without(ms, "vi > 1400"),
+    "reordered": lambda ms: without(ms, "vi < 5"),
+    "added": lambda ms: ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1),
+    "remeshed": lambda ms: ms.apply_filter("meshing_isotropic_explicit_remeshing", targetlen=percent(3), iterations=3),
+    "turned faces": lambda ms: ms.apply_filter("meshing_invert_face_orientation"),
+    "new colours": lambda ms: ms.compute_color_by_function_per_vertex(x="10", y="255 * x", z="51"),
+    "new tags": lambda ms: set_quality(ms, "vi < 300 ? 0 : (vi > 1200 ? 2 : 1)"),
+    "frozen matrix": freeze,
+    "duplicated": duplicate,
+    "merged": merge,
+    "saved and loaded again": save_and_load,
+}
+
+
+def tagged_and_posed():
+    """The bone with colours of its own, its quality 1, tagged and posed: (set, what it was at rest by its place there)."""
+    ms = clean_bone()
+    ms.compute_color_by_function_per_vertex(x="255 * x", y="100", z="50")
+    set_quality(ms, "1")
+    mesh = ms.current_mesh()
+    rest, color = mesh.vertex_matrix(), mesh.vertex_color_matrix()
+    for condition, role in (("x < 0.25", 0), ("x > 0.75", 2)):
+        ms.compute_selection_by_condition_per_vertex(condselect=condition)
+        ms.apply_filter("compute_fcd_tags_from_selection", role=role)
+    ms.apply_filter("set_selection_none")
+    ms.apply_filter(POSE, **BEND)
+    return ms, {tuple(p): tuple(c) for p, c in zip(rest, color)}
+
+
+def outcome(ms, name, **parameters):
+    """What a filter does, or says."""
+    before = snapshot(ms.current_mesh())
+    try:
+        return ms.apply_filter(name, **parameters)
+    except pymeshlab.PyMeshLabException as error:
+        assert_unchanged(before, ms.current_mesh())
+        return next(word for word in ("was changed since its last pose", "has not been posed in place", "nothing to bring back",
+                                      "are whole numbers") if word in str(error))
+
+
+def reset_of(change):
+    ms, rest = tagged_and_posed()
+    CHANGES[change](ms)
+    said = outcome(ms, RESET)
+    points = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    return said if isinstance(said, str) else "at rest" if points <= set(rest) else "scrambled"
+
+
+def clear_of(change):
+    ms, rest = tagged_and_posed()
+    CHANGES[change](ms)
+    said = outcome(ms, "clear_fcd_tags")
+    if isinstance(said, str):
+        return said
+    mesh = ms.current_mesh()
+    own = {*rest.values()}
+    back = np.array([tuple(c) in own for c in mesh.vertex_color_matrix()]) & (mesh.vertex_scalar_array() == 1)
+    assert said["other_vertices"] <= mesh.vertex_number()
+    return "all" if back.all() and said["other_vertices"] == 0 else "those tagged" if back.any() else "quality" if (
+        mesh.vertex_scalar_array() == 1).all() else "none"
+
+
+def deform_of(change):
+    ms, _ = tagged_and_posed()
+    CHANGES[change](ms)
+    shape = ms.current_mesh().vertex_matrix()
+    said = outcome(ms, DEFORM, graph_layers=False, **LIFT)
+    if isinstance(said, str):
+        return said
+    moved = np.linalg.norm(ms.current_mesh().vertex_matrix() - shape, axis=1)
+    return "the present shape" if (moved == 0).any() and moved.max() <= 1.5 * np.linalg.norm(LIFT["translation"]) else "another shape"
+
+
+def pose_of(change):
+    ms, rest = tagged_and_posed()
+    CHANGES[change](ms)
+    shape = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    said = outcome(ms, POSE, pose=0.0, **LIFT)
+    if isinstance(said, str):
+        return said
+    points = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    return "the rest shape" if points <= set(rest) else "the present shape" if points == shape else "scrambled"
+
+
+PHRASES = {"at rest": "the rest shape", "all": "all are back", "those tagged": "back where tagged", "quality": "the quality is back"}
+REFUSALS = {"was changed since its last pose", "has not been posed in place", "nothing to bring back", "are whole numbers"}
+
+
+def table():
+    page = (Path(__file__).resolve().parents[1] / "docs" / "layers.md").read_text(encoding="utf-8")
+    rows = page[page.index("| changed | *Reset Pose*"):].split("\n\n")[0].splitlines()[2:]
+    return {row[0]: row[1:] for row in ([cell.strip() for cell in line.strip("|").split("|")] for line in rows)}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_what_becomes_of_a_layer_that_was_changed(change):
+    assert list(table()) == list(CHANGES)
+    for cell, found in zip(table()[change], (reset_of(change), clear_of(change), deform_of(change), pose_of(change))):
+        assert cell.startswith("refuses" if found in REFUSALS else PHRASES.get(found, found)), (cell, found)

@@ -404,6 +404,25 @@ def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
     assert f"{vertices - tagged} of the {vertices} vertices of 'bone.ply' were made, coloured or given" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize("factor, shift, points, said", [
+    (1, 0, 1000, None), (1, 1, 1000, None), (1, 1000, 1000, "apart: far from the source"), (1000, 0, 1000, "across and the source"),
+    (0.001, 0, 1000, "across and the source"), (0.001, 0, 20, None)])
+@pytest.mark.parametrize("is_file", [False, True])
+def test_a_layer_that_is_elsewhere_or_in_other_units_is_logged(tmp_path, capfd, factor, shift, points, said, is_file):
+    ms = clean_bone()
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
+    file = {}
+    if is_file:
+        file["deformation_file"] = str(tmp_path / "bend.ply")
+        ms.apply_filter("save_fcd_deformation", **file)
+    ms.add_mesh(pymeshlab.Mesh(ms.mesh(0).vertex_matrix()[:points] * factor + [shift, 0, 0]), "other")
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter(COPY, **file)
+    log = capfd.readouterr().err
+    assert (said in log and "The layer 'other' is " in log) if said else "same place and units" not in log, log
+
+
 def test_the_log_says_how_many_nodes_of_a_graph_layer_lie_on_the_surface(capfd):
     ms = clean_bone()
     k = ms.apply_filter(GRAPH, initial_patches=60, patches_layer=False)["patches"]
