@@ -111,6 +111,58 @@ TEST(SurfaceGraph, DuplicateFacesAddNothing) {
     EXPECT_EQ(VertexEdges(Checked(shape)), once);
 }
 
+TEST(SurfaceGraph, FacesAtTheSameNodesAreOne) {
+    Shape unoriented = Sphere(20, 30);
+    for (std::size_t f = 0; f < unoriented.face.size(); f += 3)
+        std::swap(unoriented.face[f][0], unoriented.face[f][2]);
+    Shape touching = Join(Sphere(5, 8), Triangle()); // a flap on a closed fan
+    touching.position.back() = touching.position[0];
+    Shape crossed = Join(Grid(9, 9), Fan(40));
+    for (int i = 0; i < 80; i += 9)
+        crossed.edge.push_back({i, i + 1});
+    crossed.face.push_back({0, 0, 1});
+    std::mt19937 random(1);
+    for (const Shape &shape : {Triangle(), Quad(), Fan3(), Grid(100, 90), Sphere(20, 30), unoriented, touching, crossed,
+                               Join(Grid(70, 70), Sphere(30, 40))}) {
+        const SurfaceGraph once = Checked(shape);
+        EXPECT_EQ(once.report.repeatedFaces, 0);
+        const int n = int(shape.face.size()), proper = n - int(once.report.degenerateFaces);
+        for (int chosen : {1, 4, n})
+            for (bool unwelded : {false, true}) {
+                Shape repeated = shape;
+                int count = 0;
+                for (int i = 0; i < n; i += n / std::min(n, chosen))
+                    for (int times = 1 + int(random() % 2); i < proper && times > 0; --times, ++count) {
+                        std::array<int, 3> face = shape.face[i];
+                        std::shuffle(face.begin(), face.end(), random);
+                        for (int j = 0; j < 3 && unwelded; ++j) {
+                            repeated.position.push_back(shape.position[face[j]]);
+                            face[j] = repeated.Size() - 1;
+                        }
+                        repeated.face.push_back(face);
+                    }
+                const SurfaceGraph s = Checked(repeated);
+                EXPECT_EQ(s.report.repeatedFaces, count);
+                EXPECT_EQ(s.report.nonManifoldEdges, once.report.nonManifoldEdges);
+                EXPECT_EQ(s.graph.adjacency.item, once.graph.adjacency.item);
+                EXPECT_EQ(s.nodeArea, once.nodeArea);
+                EXPECT_EQ(s.area, once.area);
+                EXPECT_EQ(s.averageEdge, once.averageEdge);
+            }
+    }
+}
+
+TEST(SurfaceGraph, BordersOfFacesThatAreRepeatedAreJoinedAHairApart) {
+    Shape shape = Join(Grid(5, 4), Moved(Grid(5, 4), Eigen::Affine3d(Eigen::Translation3d(4, 2e-7, 0))));
+    const SurfaceGraph once = BuildSurfaceGraph(Read(MeshD(shape)));
+    EXPECT_GT(once.report.seams, 0);
+    const std::vector<std::array<int, 3>> copy = shape.face;
+    shape.face.insert(shape.face.end(), copy.begin(), copy.end());
+    const SurfaceGraph twice = BuildSurfaceGraph(Read(MeshD(shape)));
+    EXPECT_EQ(twice.report.seams, once.report.seams);
+    ExpectSameBits(twice, once);
+}
+
 TEST(SurfaceGraph, DegenerateFacesAreCounted) {
     Shape shape = Grid(3, 3);
     shape.face.push_back({0, 0, 1});

@@ -174,6 +174,7 @@ class SurfaceReader {
         }
         s.nodeArea = std::move(connected.area);
         s.report.nonManifoldEdges = connected.nonManifoldEdges;
+        s.report.repeatedFaces = connected.repeatedFaces;
         const std::size_t items = s.graph.adjacency.item.size();
         s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
         if (s.report.pointCloud)
