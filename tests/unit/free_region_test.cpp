@@ -80,6 +80,29 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
     EXPECT_EQ(region.flag, expected);
 }
 
+TEST(FreeRegion, OfACloudHasTheNearestPlacesHoweverManyPointsAreThere) {
+    const Shape once = Points(Jittered(Grid(20, 20), 0.2));
+    const auto tagsOf = [](const Shape &shape) {
+        return TagsOf(shape, [](const Eigen::Vector3d &p) { return p[0] < 8 ? 0 : p[0] < 12 ? 1 : 2; });
+    };
+    const Region region = FreeRegion(Read(MeshD(once)), tagsOf(once), {});
+    for (double jitter : {0.0, 1e-6})
+        for (int times : {2, 30}) {
+            std::mt19937 random(1);
+            Shape many;
+            for (int i = 0; i < times * once.Size(); ++i)
+                many.position.push_back(once.position[i / times] + (i % times ? jitter : 0) * RandomVector(random));
+            const Region more = FreeRegion(Read(MeshD(many)), tagsOf(many), {});
+            int parts = 0, missed = 0; // few, where a cell of the grid of places ends among points a hair apart
+            for (int i = 0; i < many.Size(); ++i)
+                if (region.flag[i / times] == Region::part) {
+                    ++parts;
+                    missed += more.flag[i] != Region::part;
+                }
+            EXPECT_LE(missed, jitter > 0 ? parts / 20 : 0) << times << " times, jitter " << jitter;
+        }
+}
+
 TEST(CandidatesBeside, AreThoseInACellOfAPart) {
     const float hair = 1e-5f;
     for (unsigned seed = 0; seed < 8; ++seed) {

@@ -18,6 +18,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -138,6 +140,7 @@ class GraphDeformer {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         const double still = 10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+        const double rounding = Rounding(rest, state);
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.position.size() + 4 * unknown.rotation.size();
@@ -160,7 +163,8 @@ class GraphDeformer {
             Pack(state, here);
             Pack(stepped, after);
             anderson.Mix(here, after);
-            pose.converged = moved == 0 || moved <= (1 - anderson.Contraction()) * still;
+            pose.converged =
+                moved <= (1 - anderson.Contraction()) * still || IsRounding(state, stepped, moved, rounding);
             Unpack(after, mixed);
             mixed.energy = energy.Of(mixed, given);
             if (mixed.energy < state.energy) {
@@ -185,6 +189,32 @@ class GraphDeformer {
         laplacian.Solve(work.solved);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
             y.position.col(unknown.position[u]) = work.solved.col(laplacian.ColumnOf(u));
+    }
+
+    /// What a step is off by. A rotation is fitted to 1e-14, 64 times what doubles round by (FitQuaternion), which
+    /// shows at the size of the positions and adds up along a chain of all nodes.
+    double Rounding(const Eigen::Matrix3Xd &rest, const State &x) const {
+        const double size = std::max(rest.cwiseAbs().maxCoeff(), x.position.cwiseAbs().maxCoeff());
+        return 64 * std::numeric_limits<double>::epsilon() * double(unknown.rotation.size()) * size;
+    }
+
+    /// Whether a step is nothing but that; then how much it shrank tells nothing. A system of few nodes is there before
+    /// Anderson's window is full. \param moved as of LargestMove
+    bool IsRounding(const State &x, const State &y, double moved, double rounding) const {
+        if (moved <= rounding)
+            return true;
+        // A rotation that its edges leave open is held by 1e-6 of them (stay of GraphEnergy), and turns by so much more
+        // without moving anything.
+        if (moved > 1e6 * rounding)
+            return false;
+        double shown = 0;
+        for (Index i : unknown.position)
+            shown = std::max(shown, (y.position.col(i) - x.position.col(i)).squaredNorm());
+        for (Index i : unknown.rotation)
+            for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e)
+                shown =
+                    std::max(shown, ((y.rotation[i] - x.rotation[i]) * graph.edge.col(e).cast<double>()).squaredNorm());
+        return std::sqrt(shown) <= rounding;
     }
 
     /// How far a node moved at most; where its position is given, by how much it turned, times the length of an edge.

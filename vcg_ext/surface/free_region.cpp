@@ -2,13 +2,17 @@
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/morton.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
+#include <vcg_ext/surface/surface_graph.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -46,29 +50,76 @@ class RegionFinder {
                 throw detail::NotFinite(i);
     }
 
-    /// Reaches the free points of a cloud and the nearest ones of each.
+    /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
+    /// looked at to find them. Points at one place, or a hair from it, are one.
     void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
-        std::vector<std::size_t> slotOf;
-        std::vector<Eigen::Vector3d> point;
+        std::vector<std::uint32_t> slotOf;
+        Eigen::AlignedBox3d box, ofFree;
         for (std::size_t i = 0; i < slots; ++i)
             if (Is(i, live)) {
-                slotOf.push_back(i);
-                point.emplace_back(metric * mesh.At(i));
+                slotOf.push_back(std::uint32_t(i));
+                box.extend(metric * mesh.At(i));
+                if (Is(i, free))
+                    ofFree.extend(metric * mesh.At(i));
             }
-        if (point.size() < 2)
+        if (slotOf.size() < 2 || ofFree.isEmpty())
             return;
-        const PointTree<double> tree(point);
-        ParallelFor(progress, "Finding neighbours", point.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-            std::vector<PointTree<double>::Found> found;
+        // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
+        const double cell = std::max(8 * defaultWeldDistance * ofFree.diagonal().norm(), 1e-300);
+        // In Morton order, so that queries that follow each other visit the same memory.
+        const std::size_t n = slotOf.size();
+        const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
+        std::unique_ptr<std::uint64_t[]> order = LargeArray<std::uint64_t>(n);
+        ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t k = first; k < last; ++k) {
-                if (!Is(slotOf[k], free))
-                    continue;
-                Reach(slotOf[k]); // among more points at its place it need not be found
-                tree.Nearest(point[k], detail::cloudNeighbours + 1, found);
-                for (const auto &each : found)
-                    Reach(slotOf[std::size_t(each.point)]);
+                const Eigen::Vector3d p = (metric * mesh.At(slotOf[k]) - (box.min() * 0.5 + box.max() * 0.5));
+                const Eigen::Vector3f x = p.cwiseProduct(scale).cast<float>();
+                order[k] = std::uint64_t(detail::MortonCode(x[0], x[1], x[2])) << 32 | slotOf[k];
             }
         });
+        detail::RadixSortUpper30(order, n, progress.Slice(0, 0.1), "Finding neighbours");
+        std::vector<std::size_t> begin; // of each place's points in what follows
+        std::vector<Eigen::Vector3d> point;
+        std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // of one code
+        for (std::size_t i = 0, next; i < n; i = next) {
+            same.clear();
+            for (next = i; next < n && order[next] >> 32 == order[i] >> 32; ++next) {
+                const Eigen::Vector3d p = metric * mesh.At(std::uint32_t(order[next]));
+                const Eigen::Vector3d at = ((p - ofFree.min()) / cell).array().floor();
+                same.push_back({{at[0], at[1], at[2]}, std::uint32_t(order[next])});
+            }
+            std::sort(same.begin(), same.end());
+            for (std::size_t j = 0; j < same.size(); ++j) {
+                slotOf[i + j] = same[j].second;
+                if (j == 0 || same[j].first != same[j - 1].first) {
+                    begin.push_back(i + j);
+                    point.emplace_back(metric * mesh.At(same[j].second));
+                }
+            }
+        }
+        begin.push_back(n);
+        order.reset();
+        const auto reachPlace = [&](std::size_t place) {
+            for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
+                Reach(slotOf[k]);
+        };
+        if (point.size() < 2) {
+            reachPlace(0);
+            return;
+        }
+        const PointTree<double> tree(point);
+        const auto at = [&](std::size_t place) { return point[place]; };
+        ParallelFor(progress.Slice(0.1, 1), "Finding neighbours", point.size(), 1 << 12,
+                    [&](std::size_t first, std::size_t last) {
+                        for (std::size_t place = first; place < last; ++place) {
+                            const auto isFree = [&](std::uint32_t slot) { return Is(slot, free) != 0; };
+                            if (std::none_of(&slotOf[begin[place]], &slotOf[begin[place + 1] - 1] + 1, isFree))
+                                continue;
+                            reachPlace(place);
+                            for (Index other : detail::CloudNeighbourhood<double>(tree, point.size(), place, at).around)
+                                reachPlace(std::size_t(other));
+                        }
+                    });
     }
 
     /// Reaches the vertices of faces and edge elements that have a free one.

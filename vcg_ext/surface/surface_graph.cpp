@@ -164,8 +164,9 @@ class SurfaceReader {
             mesh, region ? &region->faces : nullptr, s.nodeOf, [&](Index u) { return s.IsHeld(u); },
             progress.Slice(0.4, 0.5));
         s.report.degenerateFaces = list.degenerateFaces;
+        std::vector<float> cloudArea;
         if (s.report.pointCloud)
-            list = NearestNeighbourPairs(x, progress.Slice(0.4, 0.5));
+            list = PairPoints(cloudArea);
         TriangleGraph connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.5, 0.9));
         s.graph.adjacency = std::move(connected.adjacency);
         if (hasSeams && JoinSeams(connected.open, list)) {
@@ -174,10 +175,11 @@ class SurfaceReader {
         }
         s.nodeArea = std::move(connected.area);
         s.report.nonManifoldEdges = connected.nonManifoldEdges;
+        s.report.repeatedFaces = connected.repeatedFaces;
         const std::size_t items = s.graph.adjacency.item.size();
         s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
         if (s.report.pointCloud)
-            CloudAreas(s.graph, s.tag, progress.threads, s.nodeArea);
+            CloudAreas(s.graph, s.tag, cloudArea, progress.threads, s.nodeArea);
         for (Index u = 0; u < s.graph.Size(); ++u) {
             s.area += s.nodeArea[u];
             s.report.isolated += s.graph.adjacency[u].size() == 0;
@@ -215,16 +217,65 @@ class SurfaceReader {
         s.report.gaps = seams.gaps;
         if (seams.joined == 0 && std::find(near.begin(), near.end(), 1) == near.end())
             return false;
-        Eigen::Matrix3Xf &x = s.graph.position;
-        const Index n = s.graph.Size();
-        if (seams.into.empty()) {
-            seams.into.resize(n);
-            std::iota(seams.into.begin(), seams.into.end(), 0);
+        JoinNodes(std::move(seams.into), near);
+        for (Index *c = list.corner.get(); c < list.corner.get() + 3 * list.count; c += 3) {
+            for (int j = 0; j < 3; ++j)
+                c[j] = newIndex[c[j]];
+            if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
+                c[1] = c[2] = c[0];
         }
-        std::vector<Index> newIndex(n, -1);
+        return true;
+    }
+
+    /// Joins points of a cloud that are a hair apart, then all with their neighbours.
+    /// \param area as of CloudPairs
+    TriangleList PairPoints(std::vector<float> &area) {
+        bool clumps = false;
+        for (;;) { // of many points a hair apart, some more come to light once the first ones are joined
+            CloudPairs pairs = PairNeighbours(s.graph.position, float(weldDistance), clumps, progress.Slice(0.4, 0.5));
+            if (!clumps &&
+                100 * pairs.inClumps > std::size_t(s.graph.position.cols())) { // by chance, one in a thousand
+                clumps = true;
+                continue;
+            }
+            if (pairs.same.empty())
+                pairs.same = ClumpsOf(s.graph.position, pairs.list, progress);
+            if (pairs.same.empty()) {
+                area = std::move(pairs.area);
+                return std::move(pairs.list);
+            }
+            std::vector<Index> into(std::size_t(s.graph.position.cols()));
+            std::iota(into.begin(), into.end(), 0);
+            const auto root = [&](Index u) {
+                while (into[u] != u)
+                    u = into[u] = into[into[u]];
+                return u;
+            };
+            for (const auto &each : pairs.same) {
+                const Index a = root(each.first), b = root(each.second);
+                into[std::max(a, b)] = std::min(a, b);
+            }
+            for (Index u = 0; u < Index(into.size()); ++u) {
+                into[u] = root(u);
+                s.report.welded += into[u] != u;
+            }
+            JoinNodes(std::move(into), {});
+        }
+    }
+
+    /// Makes nodes one. \param into as of Seams \param leftOut flags of nodes, or empty, that go unless another is
+    /// joined with them. Sets newIndex.
+    void JoinNodes(std::vector<Index> into, const std::vector<char> &leftOut) {
+        Eigen::Matrix3Xf &x = s.graph.position;
+        const Index n = Index(x.cols());
+        if (into.empty()) {
+            into.resize(n);
+            std::iota(into.begin(), into.end(), 0);
+        }
+        newIndex.assign(n, -1);
         for (Index u = 0; u < n; ++u)
-            if (near.empty() || !near[u])
-                newIndex[seams.into[u]] = 0;
+            if (leftOut.empty() || !leftOut[u])
+                newIndex[into[u]] = 0;
         Index kept = 0;
         for (Index u = 0; u < n; ++u)
             if (newIndex[u] >= 0) {
@@ -232,7 +283,7 @@ class SurfaceReader {
                 x.col(kept++) = Eigen::Vector3f(x.col(u));
             }
         for (Index u = 0; u < n; ++u)
-            newIndex[u] = newIndex[seams.into[u]];
+            newIndex[u] = newIndex[into[u]];
         Eigen::Matrix3Xf left = x.leftCols(kept);
         x.swap(left);
         for (Index &node : s.nodeOf)
@@ -245,13 +296,6 @@ class SurfaceReader {
                     joined[newIndex[u]] = TagOfBoth(joined[newIndex[u]], s.tag[u]);
             s.tag = std::move(joined);
         }
-        for (Index *c = list.corner.get(); c < list.corner.get() + 3 * list.count; c += 3) {
-            for (int j = 0; j < 3; ++j)
-                c[j] = newIndex[c[j]];
-            if (s.IsHeld(c[0]) && s.IsHeld(c[1]) && s.IsHeld(c[2]))
-                c[1] = c[2] = c[0];
-        }
-        return true;
     }
 
     const SurfaceView &mesh;
@@ -264,6 +308,7 @@ class SurfaceReader {
     std::size_t candidates = 0;
     std::vector<std::size_t> begin;    // of each chunk's vertices in the list of all of them
     std::vector<unsigned char> beside; // flags of slots; empty for none
+    std::vector<Index> newIndex;       // of each node before the last JoinNodes, -1 for none
     SurfaceGraph s;
 };
 

@@ -25,11 +25,12 @@ struct SurfaceReport {
     Index welded = 0;           ///< vertices that share the position of another one and hence its node
     Index isolated = 0;         ///< nodes without a neighbour
     Index components = 0;       ///< connected components, isolated nodes included
-    Index nonManifoldEdges = 0; ///< edges of more than two faces
+    Index nonManifoldEdges = 0; ///< edges of more than two faces, those at the same nodes counted once
+    Index repeatedFaces = 0;    ///< faces at the same three nodes as another one; they count once
     Index degenerateFaces = 0;  ///< faces with a repeated position
     Index seams = 0;            ///< nodes on open borders that are joined with one of another, a hair apart
     Index gaps = 0;             ///< nodes on open borders nearer to another than a tenth of their edges, not joined
-    bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points
+    bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points on all sides
 };
 
 /// The connectivity of a mesh, or of its free part and the held vertices beside that: a node per position, in Morton
@@ -52,10 +53,11 @@ struct SurfaceGraph {
 };
 
 /// Reads the connectivity of a mesh, or of a region of it. Neighbours are the vertices that share a face or an edge
-/// element; in a mesh that has neither, the 12 nearest points. Vertices at the same position (float precision of the
+/// element; in a mesh that has neither, the 12 nearest points, or, where these lie on a line, those around that are
+/// nearest to the line on both sides, too; points a hair apart are one there. Vertices at the same position (float precision of the
 /// frame) share a node, and so do those on open borders a hair apart, so that seams hold together; it is held where one
-/// of them is. Deleted elements are skipped; the mesh is only read. What is not in the region changes no bit of the
-/// result.
+/// of them is. Faces at the same three nodes are one. Deleted elements are skipped; the mesh is only read. What is not
+/// in the region changes no bit of the result.
 ///
 /// \param region nullptr for all of the mesh \param tag one per vertex slot, read where there is a region
 /// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3]

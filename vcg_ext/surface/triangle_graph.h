@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -79,6 +80,7 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
 struct TriangleGraph {
     Csr adjacency;
     Index nonManifoldEdges = 0;
+    Index repeatedFaces = 0; ///< triangles that have the same corners as one before them, which count for nothing
     double edgeLengths = 0;  ///< sum over all edges
     std::vector<float> area; ///< of each node: a third of its triangles
     std::vector<char> open;  ///< of each node: whether one of its edges has a single face
@@ -179,16 +181,66 @@ inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size
 /// The neighbours of a block's nodes, one node after the other, and what was measured of them.
 struct ConnectedBlock {
     std::vector<Index> item;
-    Index nonManifoldEdges = 0;
+    Index nonManifoldEdges = 0, repeatedFaces = 0;
     double edgeLengths = 0;
 };
 
+/// The triangles of a block without those that have the same corners, in any order, as one before them; degenerate ones
+/// stay. \return empty where there is none such
+inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlocks::Block &in) {
+    struct Key {
+        std::array<Index, 3> corner; // ascending
+        std::uint32_t number;
+        bool operator<(const Key &o) const { return corner != o.corner ? corner < o.corner : number < o.number; }
+    };
+    std::vector<Key> keys;
+    for (const TriangleBlocks::Triangle *t = in.begin; t < in.end; ++t) {
+        Key key{{t->corner[0], t->corner[1], t->corner[2]}, std::uint32_t(t - in.begin)};
+        std::sort(key.corner.begin(), key.corner.end());
+        if (key.corner[0] != key.corner[1] && key.corner[1] != key.corner[2])
+            keys.push_back(key);
+    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<char> isRepeated(std::size_t(in.end - in.begin), 0);
+    bool isAny = false;
+    for (std::size_t i = 1; i < keys.size(); ++i)
+        if (keys[i].corner == keys[i - 1].corner)
+            isAny = isRepeated[keys[i].number] = true;
+    std::vector<TriangleBlocks::Triangle> distinct;
+    for (std::size_t t = 0; isAny && t < isRepeated.size(); ++t)
+        if (!isRepeated[t])
+            distinct.push_back(in.begin[t]);
+    return distinct;
+}
+
+/// Whether two of the triangles around a node have the same corners.
+/// \param entry two of each triangle: its other corners; the same ones are that of an edge
+inline bool HasRepeated(const TriangleBlocks::Entry *entry, std::uint32_t triangles) {
+    constexpr std::uint32_t few = 12; // pairs that are compared faster than sorted
+    const auto pair = [&](std::uint32_t i) { return std::minmax(entry[2 * i], entry[2 * i + 1]); };
+    if (triangles <= few) {
+        for (std::uint32_t i = 1; i < triangles; ++i)
+            for (std::uint32_t j = 0; j < i; ++j)
+                if (pair(i) == pair(j) && entry[2 * i] != entry[2 * i + 1])
+                    return true;
+        return false;
+    }
+    std::vector<std::pair<TriangleBlocks::Entry, TriangleBlocks::Entry>> pairs;
+    for (std::uint32_t i = 0; i < triangles; ++i)
+        if (entry[2 * i] != entry[2 * i + 1])
+            pairs.push_back(pair(i));
+    std::sort(pairs.begin(), pairs.end());
+    return std::adjacent_find(pairs.begin(), pairs.end()) != pairs.end();
+}
+
 /// Joins the corners of a block's triangles. Around a node whose triangles form a closed, evenly oriented fan, the
 /// corners that come next are every neighbour once; a checksum of next minus previous corners tells the other nodes,
-/// for which both are taken. \param graph gets area and open of the block's nodes, and how many neighbours node u has
-/// in adjacency.begin[u + 1]
+/// for which both are taken. Where triangles have the same corners, that shows in a closed fan as a neighbour that
+/// comes next twice, or as a fan of two; around the other nodes they are compared. \param graph gets area and open of
+/// the block's nodes, and how many neighbours node u has in adjacency.begin[u + 1] \param isDistinct no two have the
+/// same corners
 inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const TriangleBlocks::Block &in,
-                                   TriangleGraph &graph) {
+                                   TriangleGraph &graph, bool isDistinct = false) {
     using Entry = TriangleBlocks::Entry;
     const auto scramble = [](Entry e) {
         std::uint64_t v = (e + 1) * 0x9E3779B97F4A7C15u;
@@ -214,6 +266,9 @@ inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const Trian
         if (node[u].checksum)
             entry[node[u].end++] = previous;
     });
+    bool mayRepeat = false;
+    for (const Node &n : node)
+        mayRepeat = mayRepeat || (n.checksum ? HasRepeated(entry.data() + n.begin, n.corners) : n.corners == 2);
     ConnectedBlock block;
     block.item.reserve(entries);
     for (Index u = in.first; u < in.last; ++u) {
@@ -227,6 +282,7 @@ inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const Trian
             for (; i < n.end && Index(entry[i] >> 1) == v; ++i)
                 faces += entry[i] & 1;
             block.nonManifoldEdges += u < v && (n.checksum ? faces > 2 : faces > 1);
+            mayRepeat |= !n.checksum && faces > 1;
             graph.open[u] |= n.checksum && faces == 1;
             block.item.push_back(v);
             if (u < v)
@@ -234,6 +290,18 @@ inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const Trian
         }
         graph.adjacency.begin[u + 1] = std::uint32_t(block.item.size() - size);
     }
+    if (mayRepeat && !isDistinct)
+        if (const std::vector<TriangleBlocks::Triangle> distinct = DistinctTriangles(in); !distinct.empty()) {
+            std::fill(graph.open.begin() + in.first, graph.open.begin() + in.last, 0);
+            const auto begunHere = [&](const TriangleBlocks::Triangle *first, const TriangleBlocks::Triangle *last) {
+                return std::count_if(first, last,
+                                     [&](const auto &t) { return in.Has(*std::min_element(t.corner, t.corner + 3)); });
+            };
+            const TriangleBlocks::Triangle *first = distinct.data(), *last = first + distinct.size();
+            block = ConnectBlock(position, {in.first, in.last, first, last}, graph, true);
+            block.repeatedFaces = Index(begunHere(in.begin, in.end) - begunHere(first, last));
+            return block;
+        }
     for (const TriangleBlocks::Triangle *t = in.begin; t < in.end; ++t) {
         const Eigen::Vector3f x = position.col(t->corner[0]);
         const Eigen::Vector3f e = position.col(t->corner[1]) - x, f = position.col(t->corner[2]) - x;
@@ -268,6 +336,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
     for (std::size_t b = 0; b < blocks; ++b) {
         itemBegin[b + 1] = itemBegin[b] + done[b].item.size();
         graph.nonManifoldEdges += done[b].nonManifoldEdges;
+        graph.repeatedFaces += done[b].repeatedFaces;
         graph.edgeLengths += done[b].edgeLengths;
     }
     if (itemBegin[blocks] > std::uint32_t(-1))
