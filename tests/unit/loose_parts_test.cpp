@@ -255,6 +255,24 @@ TEST(LooseParts, LongOnesFollowPartByPart) {
     EXPECT_LE(uneven[1], 2 * uneven[0]) << "farther from the axis of the bend, but no steps";
 }
 
+TEST(LooseParts, FollowAnUnweldedSurfaceAsAWeldedOne) {
+    const Shape body = Tube(13, 12), sleeve = [] { // much finer, and wider
+        Shape s = Tube(60, 40, 4);
+        for (Vector3d &p : s.position)
+            p = Vector3d(1.4 * p[0], 1.4 * p[1], p[2] + 1);
+        return s;
+    }();
+    const auto deformed = [&](const Shape &first) {
+        Case c{Join(first, sleeve), {}};
+        for (int i = 0; i < c.shape.Size(); ++i)
+            c.handles.tag.push_back(i < first.Size() ? TubeTag(c.shape.position[i]) : 1);
+        c.handles.motion[2] = Motion(bend.matrix());
+        return Matrix3Xd(DeformCentroidal(MeshD(c.shape), c.handles, {}).position.rightCols(sleeve.Size()));
+    };
+    const Matrix3Xd welded = deformed(body), unwelded = deformed(Unwelded(body));
+    EXPECT_LE((welded - unwelded).colwise().norm().maxCoeff(), 1e-4);
+}
+
 TEST(LooseParts, FollowASingleHeldVertexOrNothing) {
     const Case c{Join(Triangle(), Shape{{{9, 9, 9}}, {}, {}}), {{1, 1, 1, 2}, {{2, Motion(bend.matrix())}}, {}}};
     const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, {}).position;

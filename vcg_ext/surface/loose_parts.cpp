@@ -5,9 +5,11 @@
 #include <vcg_ext/surface/loose_parts.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 namespace vcg {
@@ -27,9 +29,15 @@ class Places {
         for (std::size_t i = 0; i < slotTag.size(); ++i)
             if (slotTag[i] != noVertex && isPlace(i))
                 (slotTag[i] == 1 ? bent : held).push_back(i);
+        // Vertices at one position are one place: several of them, as in unwelded meshes, would be all that is nearest.
+        std::set<std::array<double, 3>> seen;
         for (const std::vector<std::size_t> *from : {&bent, &held})
-            for (std::size_t i = 0; i < std::min(most, from->size()); ++i)
-                slot.push_back((*from)[from->size() * i / std::min(most, from->size())]);
+            for (std::size_t i = 0; i < std::min(most, from->size()); ++i) {
+                const std::size_t each = (*from)[from->size() * i / std::min(most, from->size())];
+                const auto p = position.col(Eigen::Index(each));
+                if (seen.insert({p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}).second) // no negative zero
+                    slot.push_back(each);
+            }
         std::vector<Eigen::Vector3d> point;
         point.reserve(slot.size());
         for (std::size_t i : slot)
