@@ -29,15 +29,6 @@ std::unique_ptr<vcg::KdTree<Scalar>> MakeTree(const std::vector<Eigen::Matrix<Sc
         vcg::ConstDataWrapper<vcg::Point3<Scalar>>(copy.data(), int(copy.size())));
 }
 
-/// Filled with the points nearest to p. Its memory is used again by the thread.
-template <class Scalar>
-typename vcg::KdTree<Scalar>::PriorityQueue &Queue(vcg::KdTree<Scalar> &tree, const Eigen::Matrix<Scalar, 3, 1> &p,
-                                                   std::size_t count) {
-    thread_local typename vcg::KdTree<Scalar>::PriorityQueue queue;
-    tree.doQueryK(ToVcg<Scalar>(p), int(count), queue);
-    return queue;
-}
-
 } // namespace
 
 template <class Scalar>
@@ -58,7 +49,8 @@ Index PointTree<Scalar>::Nearest(const Point &p, Scalar *distance) const {
 
 template <class Scalar>
 void PointTree<Scalar>::Nearest(const Point &p, std::size_t count, std::vector<Found> &found) const {
-    auto &queue = Queue<Scalar>(*tree, p, std::min(count, size));
+    typename vcg::KdTree<Scalar>::PriorityQueue queue; // of its own: one that is used again frees twice without memory
+    tree->doQueryK(ToVcg<Scalar>(p), int(std::min(count, size)), queue);
     found.clear();
     for (int i = 0; i < queue.getNofElements(); ++i)
         found.push_back({Index(queue.getIndex(i)), queue.getWeight(i)});
@@ -66,7 +58,9 @@ void PointTree<Scalar>::Nearest(const Point &p, std::size_t count, std::vector<F
 
 template <class Scalar>
 Scalar PointTree<Scalar>::DistanceOf(const Point &p, std::size_t count) const {
-    return std::sqrt(Queue<Scalar>(*tree, p, std::min(count, size)).getTopWeight());
+    typename vcg::KdTree<Scalar>::PriorityQueue queue;
+    tree->doQueryK(ToVcg<Scalar>(p), int(std::min(count, size)), queue);
+    return std::sqrt(queue.getTopWeight());
 }
 
 template <class Scalar>

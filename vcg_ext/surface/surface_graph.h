@@ -54,10 +54,10 @@ struct SurfaceGraph {
 
 /// Reads the connectivity of a mesh, or of a region of it. Neighbours are the vertices that share a face or an edge
 /// element; in a mesh that has neither, the 12 nearest points, or, where these lie on a line, those around that are
-/// nearest to the line on both sides, too; points a hair apart are one there. Vertices at the same position (float precision of the
-/// frame) share a node, and so do those on open borders a hair apart, so that seams hold together; it is held where one
-/// of them is. Faces at the same three nodes are one. Deleted elements are skipped; the mesh is only read. What is not
-/// in the region changes no bit of the result.
+/// nearest to the line on both sides, too; points a hair apart are one there. Vertices at the same position (float
+/// precision of the frame) share a node, and so do those on open borders a hair apart, so that seams hold together; it
+/// is held where one of them is. Faces at the same three nodes are one. Deleted elements are skipped; the mesh is only
+/// read. What is not in the region changes no bit of the result.
 ///
 /// \param region nullptr for all of the mesh \param tag one per vertex slot, read where there is a region
 /// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3]
