@@ -3,6 +3,7 @@
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
 #include "../../layer_fcd/picked_points.h"
+#include <vcg_ext/base/words.h>
 #include <vcg_ext/field/deformation_file.h>
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/motion_text.h>
