@@ -87,12 +87,12 @@ std::uint64_t RestShape::shape() const {
 bool RestShape::isAtHome(std::size_t slot) {
     PosedVertex &known = vertices[slot];
     const Point3m &p = mesh.vert[slot].cP();
-    const std::uint64_t place = placeOf(p);
-    if (place == known.before)
+    const std::uint64_t here = placeOf(p);
+    if (here == known.before)
         return true;
-    if (place != known.now && (known.now == 0 || p != position[slot]))
+    if (here != known.now && (known.now == 0 || p != position[slot]))
         return false;
-    known.before = place;
+    known.before = here;
     return true;
 }
 

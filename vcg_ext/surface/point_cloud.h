@@ -158,7 +158,7 @@ class CloudNeighbourhood {
                 if (a <= 0)
                     cut.push_back(p);
                 if ((a < 0 && b > 0) || (a > 0 && b < 0))
-                    cut.push_back(p + (q - p) * (a / (a - b)));
+                    cut.emplace_back(p + (q - p) * (a / (a - b)));
             }
             if (cut.size() > 2)
                 cell.swap(cut);
@@ -218,7 +218,7 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
             const double reach = std::max(double(hair), clumps ? found.here : 0);
             for (Index j : found.around)
                 if ((at(std::size_t(j)) - at(i)).cast<double>().norm() <= reach)
-                    same[first / grain].push_back(std::minmax(Index(i), Index(j)));
+                    same[first / grain].emplace_back(std::minmax(Index(i), j));
         }
     });
     pairs.inClumps = std::accumulate(inClumps.begin(), inClumps.end(), std::size_t(0));

@@ -124,20 +124,20 @@ inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlo
 
 /// Whether two of the triangles around a node have the same corners.
 /// \param entry two of each triangle: its other corners; the same ones are that of an edge
-inline bool HasRepeated(const TriangleBlocks::Entry *entry, std::uint32_t triangles) {
-    constexpr std::uint32_t few = 12; // pairs that are compared faster than sorted
-    const auto pair = [&](std::uint32_t i) { return std::minmax(entry[2 * i], entry[2 * i + 1]); };
+inline bool HasRepeated(const TriangleBlocks::Entry *entry, std::size_t triangles) {
+    constexpr std::size_t few = 12; // pairs that are compared faster than sorted
+    const auto pair = [&](std::size_t i) { return std::minmax(entry[2 * i], entry[2 * i + 1]); };
     if (triangles <= few) {
-        for (std::uint32_t i = 1; i < triangles; ++i)
-            for (std::uint32_t j = 0; j < i; ++j)
+        for (std::size_t i = 1; i < triangles; ++i)
+            for (std::size_t j = 0; j < i; ++j)
                 if (pair(i) == pair(j) && entry[2 * i] != entry[2 * i + 1])
                     return true;
         return false;
     }
     std::vector<std::pair<TriangleBlocks::Entry, TriangleBlocks::Entry>> pairs;
-    for (std::uint32_t i = 0; i < triangles; ++i)
+    for (std::size_t i = 0; i < triangles; ++i)
         if (entry[2 * i] != entry[2 * i + 1])
-            pairs.push_back(pair(i));
+            pairs.emplace_back(pair(i));
     std::sort(pairs.begin(), pairs.end());
     return std::adjacent_find(pairs.begin(), pairs.end()) != pairs.end();
 }
