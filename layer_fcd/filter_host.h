@@ -5,6 +5,7 @@
 /// \file
 /// What a plugin with filters is to the host, for any host; see meshlab_host.h.
 
+#include "interrupt.h"
 #include "meshlab_host.h"
 
 #ifdef FCD_MESHLAB_2020
@@ -176,7 +177,8 @@ class HostFilterPlugin : public QObject,
         if (document.filterHistory)
             nameLayersInScript(*document.filterHistory, document, action->text());
         ReturnedValues values;
-        errorMessage = errorOf([&] { values = run(ID(action), list, document, callback); });
+        const Interruptible interruptible(callback);
+        errorMessage = errorOf([&] { values = run(ID(action), list, document, interruptible.callback()); });
         if (host::inWindow()) {
             if (!errorMessage.isEmpty())
                 errorMessage = forWindow(errorMessage, parameters(ID(action), document));
@@ -208,7 +210,8 @@ class HostFilterPlugin : public QObject,
     ReturnedValues applyFilter(const QAction *action, const RichParameterList &list, MeshDocument &document,
                                unsigned int &, vcg::CallBackPos *callback) override {
         ReturnedValues values;
-        const QString error = errorOf([&] { values = run(ID(action), list, document, callback); });
+        const Interruptible interruptible(callback);
+        const QString error = errorOf([&] { values = run(ID(action), list, document, interruptible.callback()); });
         if (!error.isEmpty())
             throw MLException(host::inWindow() ? forWindow(error, parameters(ID(action), document)) : error);
         return values;

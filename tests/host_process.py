@@ -2,8 +2,10 @@
 """The plugin inside processes of pymeshlab that are started for one test each: what a process has once (memory, its
 environment, its plugins). FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pymeshlab
@@ -211,3 +213,42 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024, "MB
 
 def test_cancel_and_little_memory_leave_the_document_as_it_was():
     check_faults(PLUGIN, Path(pymeshlab.__file__).parent / "lib")
+
+
+@pytest.mark.parametrize("name", ["GRAPH", "DEFORM", "'apply_coord_fcd_deformation'"])
+def test_ctrl_c_ends_a_filter_which_changes_nothing(name):
+    code = f"""
+import signal
+ms = sheet(1500)
+points = ms.current_mesh().vertex_matrix()
+parameters = {{}} if {name} == GRAPH else MOTION
+print("begins", flush=True)
+try:
+    ms.apply_filter({name}, **parameters)
+    print("went through")
+except pymeshlab.PyMeshLabException as e:
+    try:
+        print(e)  # Python looks at its own note of the signal about here
+    except KeyboardInterrupt:
+        print(e)
+except KeyboardInterrupt:
+    print("late")
+try:
+    for i in range(100000):
+        pass
+except KeyboardInterrupt:
+    pass
+print(ms.mesh_number(), (ms.current_mesh().vertex_matrix() == points).all())
+ms.apply_filter({name}, **dict(parameters, initial_patches=50))
+print(ms.mesh_number(), (ms.current_mesh().vertex_matrix() == points).all())
+print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)
+"""
+    child = subprocess.Popen([sys.executable, "-c", PRELUDE + f"pymeshlab.load_plugin({str(PLUGIN)!r})\n" + code], text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert child.stdout.readline() == "begins\n"
+    time.sleep(0.2)  # it takes a second or more, most of it in what is prepared
+    child.send_signal(signal.SIGINT)
+    out, errors = child.communicate(timeout=300)
+    assert child.returncode == 0, out + errors[-3000:]
+    lines = out.splitlines()
+    assert "Cancelled." in out and lines[-3] == "1 True" and lines[-2] != "1 True" and lines[-1] == "True", out

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "interrupt.h"
+
+#ifdef _WIN32
+
+// A C library of its own holds Python's handler there, and the console's own thread calls it.
+static vcg::CallBackPos *wanted;
+Interruptible::Interruptible(vcg::CallBackPos *callback) { wanted = callback; }
+Interruptible::~Interruptible() = default;
+vcg::CallBackPos *Interruptible::callback() const { return wanted; }
+
+#else
+
+#include <atomic>
+#include <csignal>
+
+namespace {
+
+vcg::CallBackPos *wanted;
+struct sigaction before;
+bool isSet;
+std::atomic<bool> hasCome;
+static_assert(std::atomic<bool>::is_always_lock_free, "a handler of signals may use it");
+
+void note(int signal, siginfo_t *info, void *context) {
+    hasCome = true;
+    if ((before.sa_flags & SA_SIGINFO) != 0)
+        before.sa_sigaction(signal, info, context);
+    else
+        before.sa_handler(signal);
+}
+
+bool goOn(const int percent, const char *stage) { return (!wanted || wanted(percent, stage)) && !hasCome; }
+
+} // namespace
+
+Interruptible::Interruptible(vcg::CallBackPos *callback) {
+    wanted = callback;
+    hasCome = false;
+    isSet = sigaction(SIGINT, nullptr, &before) == 0 &&
+            ((before.sa_flags & SA_SIGINFO) != 0 || (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN));
+    if (!isSet)
+        return;
+    struct sigaction noting = before;
+    noting.sa_flags |= SA_SIGINFO;
+    noting.sa_sigaction = note;
+    isSet = sigaction(SIGINT, &noting, nullptr) == 0;
+}
+
+Interruptible::~Interruptible() {
+    if (isSet)
+        sigaction(SIGINT, &before, nullptr);
+}
+
+vcg::CallBackPos *Interruptible::callback() const { return isSet ? goOn : wanted; }
+
+#endif
