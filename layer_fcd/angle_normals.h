@@ -39,13 +39,13 @@ inline float angleOfCotangent(float cotangent) {
 
 /// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
 /// \p flags (one per slot), and of these vertices; all others keep theirs. The same bits with any number of threads.
+/// Needs no other memory than \p isClear, one 0 per slot.
 template <class MeshType>
-void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags) {
+void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, std::vector<char> &isClear) {
     using Scalar = typename MeshType::ScalarType;
     using Face = typename MeshType::FaceType;
     using Point = typename MeshType::CoordType;
     constexpr std::size_t grain = 1024;
-    std::vector<char> isClear(mesh.vert.size(), 0);
     std::atomic<std::size_t> added{0}; // faces
     vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
         float angle[3][grain];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // before Qt
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/surface/read_surface.h>
 
 #include "layer_contents.h"
 #include "layer_normals.h"
@@ -137,4 +138,26 @@ bool mayHaveTags(const MeshModel &layer) {
 
 bool hasDirections(const MeshModel &layer) {
     return layer.hasDataMask(MeshModel::MM_VERTCURVDIR) || hasOwnNormals(layer);
+}
+
+static std::uint64_t cornersTerm(const std::uint32_t *corner, std::size_t first, std::size_t last) {
+    return XXH3_64bits_withSeed(corner, 3 * (last - first) * sizeof *corner, first);
+}
+
+std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface) {
+    return sumOf(surface.faces, [&](std::size_t first, std::size_t last) {
+        return cornersTerm(surface.corner + 3 * first, first, last);
+    });
+}
+
+std::uint64_t facesOf(const CMeshO &mesh) {
+    return sumOf(mesh.face.size(), [&](std::size_t first, std::size_t last) {
+        thread_local std::vector<std::uint32_t> corner;
+        corner.resize(3 * (last - first));
+        for (std::size_t f = first; f < last; ++f) {
+            prefetch(&mesh.face[std::min(f + 16, last - 1)]);
+            vcg::tri::ReadSlots(mesh, mesh.face[f], 3, &corner[3 * (f - first)]);
+        }
+        return cornersTerm(corner.data(), first, last);
+    });
 }

@@ -2,6 +2,9 @@
 #ifndef FCD_LAYER_CONTENTS_H
 #define FCD_LAYER_CONTENTS_H
 
+// Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/surface/surface_arrays.h>
+
 #include "meshlab_host.h"
 
 #include <vcg_ext/base/parallel.h>
@@ -38,6 +41,10 @@ std::uint64_t sumOf(std::size_t n, const Range &range) {
 
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);
+
+/// A number for faces, each with the slots of its corners in their order.
+std::uint64_t facesOf(const CMeshO &mesh);
+std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface);
 
 /// How many bytes a file may have that holds at most \p each for a vertex of \p layer, and comments.
 std::size_t mostBytes(const MeshModel &layer, std::size_t each);

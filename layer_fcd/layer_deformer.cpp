@@ -13,6 +13,7 @@
 #include "tag_sources.h"
 
 #include <algorithm>
+#include <new>
 
 using vcg::fcd::DeformationParam;
 using vcg::fcd::Deformer;
@@ -29,7 +30,7 @@ LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedL
 
 // --- the steps ---
 
-/// Once for each deformation: all that follows works on arrays.
+/// Once for each deformation that works on arrays.
 void LayerDeformer::readSurface() {
     if (rest)
         surface = vcg::tri::ReadSurface(layer.cm, {}, [this](std::size_t slot) { return rest[slot]; });
@@ -46,19 +47,26 @@ void LayerDeformer::takeTags(std::vector<int> tag) {
 }
 
 bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress) {
-    readSurface();
-    const bool isNew = prepareRead(param, progress);
-    surface = {};
-    return isNew;
+    return prepare(facesOf(layer.cm), param, progress);
 }
 
-bool LayerDeformer::prepareRead(const DeformerParam &param, const Progress &progress) {
-    const PreparedLayers::Key key = PreparedLayers::keyOf(surface.View(), handles, param);
+bool LayerDeformer::prepare(std::uint64_t faces, const DeformerParam &param, const Progress &progress) {
+    const PreparedLayers::Key key = PreparedLayers::keyOf(layer.cm, rest, faces, handles, param);
     found = preparedLayers.find(key);
     if (found)
         return false;
+    readSurface();
     found = preparedLayers.add(key, document, layer, surface.View(), handles, param, progress);
+    surface = {};
     return true;
+}
+
+/// The same where the surface has been read.
+void LayerDeformer::prepareRead(const DeformerParam &param, const Progress &progress) {
+    const PreparedLayers::Key key = PreparedLayers::keyOf(surface.View(), handles, param);
+    found = preparedLayers.find(key);
+    if (!found)
+        found = preparedLayers.add(key, document, layer, surface.View(), handles, param, progress);
 }
 
 /// Prepares it with the vertices of a layer as nodes, or, where these are the nodes of the graph that is made without
@@ -177,11 +185,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
                                        "the layer has now.");
     rest = isFirst ? nullptr : RestShape(layer).positions();
     readHandles(param.handles);
-    readSurface();
-    if (!isFirst)
-        RestShape(layer).followFaces(surface.View());
-    result.prepared = prepareRead(param.deformation, progress.Slice(0, 0.9));
-    surface = {};
+    const std::uint64_t faces = isFirst ? facesOf(mesh) : RestShape(layer).followFaces();
+    result.prepared = prepare(faces, param.deformation, progress.Slice(0, 0.9));
     result.secondsPrepare = found->seconds;
     result.secondsFind = watch.Seconds() - (result.prepared ? found->seconds : 0);
     result.tags = found->tags;
@@ -189,31 +194,32 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     watch = {};
     readMotions(param.handles);
     const Deformer::Pose pose = solve(param.deformation, progress.Slice(0.9, 1));
-    if (isFirst)
-        RestShape::keep(layer);
     result.nodes = int(found->deformer->graph.Size());
     result.iterations = pose.iterations;
     result.converged = pose.graph.converged;
     result.secondsSolve = watch.Seconds();
 
     watch = {};
-    RestShape restShape(layer);
-    const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
-    bool moved = false;
-    try {
-        moved = writePose(mesh, restShape, *found, pose, !ofFaces);
-    } catch (...) { // no memory
-        restShape.restore();
+    try { // to have all the memory that it takes, before the first vertex is moved
+        if (isFirst)
+            RestShape::keep(layer);
+        RestShape restShape(layer);
+        const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
+        std::vector<char> isClear(ofFaces ? mesh.vert.size() : 0, 0);
+        const bool moved = writePose(mesh, restShape, *found, pose, !ofFaces);
+        result.secondsMap = watch.Seconds();
+
+        watch = {};
+        if (ofFaces && moved)
+            computeFlaggedNormals(mesh, found->turning, isClear);
+        else
+            computeFaceNormals(mesh, found->moving);
+        result.secondsNormals = watch.Seconds();
+    } catch (const std::bad_alloc &) {
+        if (isFirst)
+            RestShape::drop(layer);
         throw;
     }
-    result.secondsMap = watch.Seconds();
-
-    watch = {};
-    if (ofFaces && moved)
-        computeFlaggedNormals(mesh, found->turning);
-    else
-        computeFaceNormals(mesh, found->moving);
-    result.secondsNormals = watch.Seconds();
     progress(1, "Done");
     return result;
 }

@@ -73,7 +73,8 @@ class LayerDeformer {
                                        const vcg::fcd::DeformationParam &param) const;
 
   private:
-    bool prepareRead(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
+    bool prepare(std::uint64_t faces, const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
+    void prepareRead(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
     bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
                             const vcg::fcd::Progress &progress, vcg::fcd::Index &nodes);
     void readSurface();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/surface/read_surface.h>
 
 #include "layer_contents.h"
 #include "layer_normals.h"
@@ -9,6 +8,7 @@
 
 #include <functional>
 #include <mutex>
+#include <new>
 
 using vcg::fcd::Error;
 using vcg::fcd::ParallelFor;
@@ -25,12 +25,18 @@ void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &ve
 
 /// Hands the positions and normals of what moves to takers: one a range of vertices, which \p make makes.
 template <class Make>
-void carry(const CMeshO &mesh, const Point3m *position, const Point3m *normal, const Prepared &prepared,
-           const vcg::fcd::Deformer::Pose &pose, const Make &make) {
-    vcg::fcd::Carrier(*prepared.deformer, pose)
-        .ApplyWithNormals([&](std::size_t slot) { return toVector(position[slot]); },
-                          [&](std::size_t slot) { return toVector(normal[slot]); }, make, vcg::fcd::Progress(),
-                          [&](std::size_t slot) { prefetch(position[slot], normal[slot], mesh.vert[slot]); });
+void carry(const CMeshO &mesh, const Point3m *position, const Point3m *normal, const vcg::fcd::Carrier &carrier,
+           const Make &make) {
+    carrier.ApplyWithNormals([&](std::size_t slot) { return toVector(position[slot]); },
+                             [&](std::size_t slot) { return toVector(normal[slot]); }, make, vcg::fcd::Progress(),
+                             [&](std::size_t slot) { prefetch(position[slot], normal[slot], mesh.vert[slot]); });
+}
+
+/// Makes sure that there is room for what threads need while they write: a layer half of which is posed helps nobody.
+/// \throw std::bad_alloc
+void checkRoom() {
+    const std::size_t enough = std::size_t(1) << 22; // candidates of a patch are some hundreds, of 100 bytes each
+    ::operator delete(::operator new(enough));
 }
 
 void write(CVertexO &vertex, const Eigen::Vector3d &position, const Eigen::Vector3d &normal) {
@@ -42,7 +48,9 @@ void write(CVertexO &vertex, const Eigen::Vector3d &position, const Eigen::Vecto
 
 void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, const Prepared &prepared,
                  const vcg::fcd::Deformer::Pose &pose) {
-    carry(mesh, position, normal, prepared, pose, [&] {
+    const vcg::fcd::Carrier carrier(*prepared.deformer, pose);
+    checkRoom();
+    carry(mesh, position, normal, carrier, [&] {
         return
             [&](std::size_t slot, const Eigen::Vector3d &p, const Eigen::Vector3d &n) { write(mesh.vert[slot], p, n); };
     });
@@ -86,12 +94,13 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
     };
     const std::function<void(const Sum &)> adding = add;
     const auto taker = [&] { return Taker(mesh, rest, adding); };
+    const vcg::fcd::Carrier carrier(*prepared.deformer, pose);
+    checkRoom();
     if (turnNormals)
-        carry(mesh, rest.positions(), rest.normals(), prepared, pose, taker);
+        carry(mesh, rest.positions(), rest.normals(), carrier, taker);
     else
-        vcg::fcd::Carrier(*prepared.deformer, pose)
-            .Apply([&](std::size_t slot) { return toVector(rest.positions()[slot]); }, taker, false,
-                   vcg::fcd::Progress(), [&](std::size_t slot) { rest.prefetch(slot); });
+        carrier.Apply([&](std::size_t slot) { return toVector(rest.positions()[slot]); }, taker, false,
+                      vcg::fcd::Progress(), [&](std::size_t slot) { rest.prefetch(slot); });
     ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         Sum still;
         for (std::size_t i = first; i < last; ++i)
@@ -119,6 +128,6 @@ void resetPose(MeshModel &layer, bool presentShape) {
     RestShape rest(layer);
     rest.checkVertices("The rest shape has no place for these, and going back would tear the surface. Tick 'Keep the "
                        "present shape' (keep_shape): poses then begin from that. Or open the layer's file again.");
-    rest.followFaces(vcg::tri::ReadSurface(layer.cm).View());
+    rest.followFaces();
     rest.restore();
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/read_surface.h> // before Qt
+
+#include "layer_contents.h"
 #include "prepared_layers.h"
 
 #include <algorithm>
@@ -32,16 +35,17 @@ class Bytes {
     std::vector<unsigned char> bytes;
 };
 
-/// Adds the hashes of consecutive ranges of n items: range(first, last, to) gives the bytes of one, in \p to or
-/// elsewhere.
-template <class Range>
-void addHashes(Bytes &bytes, std::size_t n, const Range &range) {
+/// Adds the hashes of consecutive ranges of n items, of \p each numbers of type T: range(first, last, to) gives those
+/// of one, in \p to or elsewhere.
+template <class T, class Range>
+void addHashes(Bytes &bytes, std::size_t n, std::size_t each, const Range &range) {
     const std::size_t grain = 1 << 14;
     std::vector<XXH128_hash_t> hashes((n + grain - 1) / grain);
     ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) {
-        thread_local std::vector<int> buffer(grain);
-        const auto [data, size] = range(first, last, buffer.data());
-        hashes[first / grain] = XXH3_128bits(data, size);
+        thread_local std::vector<T> buffer;
+        buffer.resize(each * grain);
+        const T *data = range(first, last, buffer.data());
+        hashes[first / grain] = XXH3_128bits(data, each * (last - first) * sizeof(T));
     });
     bytes.add(n);
     for (const XXH128_hash_t &hash : hashes) {
@@ -50,24 +54,55 @@ void addHashes(Bytes &bytes, std::size_t n, const Range &range) {
     }
 }
 
-} // namespace
+/// The ranges of a surface in arrays.
+struct ArrayRanges {
+    const SurfaceView &surface;
+    std::uint64_t faces = facesOf(surface);
+    std::size_t vertexSlots = surface.vertexSlots, edges = surface.edges;
 
-PreparedLayers::Key PreparedLayers::keyOf(const SurfaceView &surface, const vcg::fcd::Handles &handles,
-                                          const vcg::fcd::DeformerParam &param) {
-    Bytes bytes;
-    const auto addArray = [&](const auto *array, std::size_t each, std::size_t n) {
-        addHashes(bytes, n, [&](std::size_t first, std::size_t last, int *) {
-            return std::pair<const void *, std::size_t>(array + each * first, each * (last - first) * sizeof *array);
-        });
-    };
-    addArray(surface.position, 3, surface.vertexSlots);
-    addHashes(bytes, surface.vertexSlots, [&](std::size_t first, std::size_t last, int *tag) {
+    bool isDeleted(std::size_t i) const { return surface.IsDeleted(i); }
+    const double *positions(std::size_t first, std::size_t, double *) const { return surface.position + 3 * first; }
+    const std::uint32_t *ends(std::size_t first, std::size_t, std::uint32_t *) const { return surface.end + 2 * first; }
+};
+
+/// The same of a mesh.
+struct MeshRanges {
+    const CMeshO &mesh;
+    const Point3m *rest;
+    std::uint64_t faces;
+    std::size_t vertexSlots = mesh.vert.size(), edges = mesh.edge.size();
+    bool isCompact = std::size_t(mesh.vn) == mesh.vert.size();
+
+    bool isDeleted(std::size_t i) const { return !isCompact && mesh.vert[i].IsD(); }
+    const double *positions(std::size_t first, std::size_t last, double *to) const {
         for (std::size_t i = first; i < last; ++i)
-            tag[i - first] = surface.IsDeleted(i) ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
-        return std::pair<const void *, std::size_t>(tag, (last - first) * sizeof *tag);
+            for (int d = 0; d < 3; ++d)
+                to[3 * (i - first) + d] = rest ? rest[i][d] : mesh.vert[i].cP()[d];
+        return to;
+    }
+    const std::uint32_t *ends(std::size_t first, std::size_t last, std::uint32_t *to) const {
+        for (std::size_t e = first; e < last; ++e)
+            vcg::tri::ReadSlots(mesh, mesh.edge[e], 2, to + 2 * (e - first));
+        return to;
+    }
+};
+
+template <class Ranges>
+PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &handles,
+                                const vcg::fcd::DeformerParam &param) {
+    Bytes bytes;
+    addHashes<double>(bytes, surface.vertexSlots, 3, [&](std::size_t first, std::size_t last, double *to) {
+        return surface.positions(first, last, to);
     });
-    addArray(surface.corner, 3, surface.faces);
-    addArray(surface.end, 2, surface.edges);
+    addHashes<int>(bytes, surface.vertexSlots, 1, [&](std::size_t first, std::size_t last, int *tag) {
+        for (std::size_t i = first; i < last; ++i)
+            tag[i - first] = surface.isDeleted(i) ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
+        return tag;
+    });
+    bytes.add(surface.faces);
+    addHashes<std::uint32_t>(bytes, surface.edges, 2, [&](std::size_t first, std::size_t last, std::uint32_t *to) {
+        return surface.ends(first, last, to);
+    });
     for (const vcg::fcd::PointHandle &point : handles.point)
         bytes.add(point.vertex);
     for (int i = 0; i < 9; ++i)
@@ -87,6 +122,18 @@ PreparedLayers::Key PreparedLayers::keyOf(const SurfaceView &surface, const vcg:
     bytes.add(param.weldDistance);
     const XXH128_hash_t hash = bytes.hash();
     return {hash.low64, hash.high64};
+}
+
+} // namespace
+
+PreparedLayers::Key PreparedLayers::keyOf(const SurfaceView &surface, const vcg::fcd::Handles &handles,
+                                          const vcg::fcd::DeformerParam &param) {
+    return keyOfRanges(ArrayRanges{surface}, handles, param);
+}
+
+PreparedLayers::Key PreparedLayers::keyOf(const CMeshO &mesh, const Point3m *rest, std::uint64_t faces,
+                                          const vcg::fcd::Handles &handles, const vcg::fcd::DeformerParam &param) {
+    return keyOfRanges(MeshRanges{mesh, rest, faces}, handles, param);
 }
 
 void PreparedLayers::dropRemoved() {

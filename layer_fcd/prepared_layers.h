@@ -34,6 +34,11 @@ class PreparedLayers {
     static Key keyOf(const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                      const vcg::fcd::DeformerParam &param);
 
+    /// The same number from a layer's mesh, of which nothing is copied.
+    /// \param rest positions per vertex slot, null where the vertices' own count \param faces facesOf the mesh
+    static Key keyOf(const CMeshO &mesh, const Point3m *rest, std::uint64_t faces, const vcg::fcd::Handles &handles,
+                     const vcg::fcd::DeformerParam &param);
+
     /// What is prepared, null where nothing is.
     std::shared_ptr<Prepared> find(const Key &key);
     /// Prepares \p surface, which is that of \p layer; what else was prepared of the layer goes.

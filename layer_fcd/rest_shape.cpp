@@ -67,8 +67,14 @@ void RestShape::keep(MeshModel &layer) {
         const std::uint64_t place = placeOf(position[i]);
         vertices[i] = {place, place};
     });
-    host::madeMeshAttribute<Posed>(mesh, posedName) = {facesOf(vcg::tri::ReadSurface(mesh).View()),
-                                                       ::hasOwnNormals(layer)};
+    host::madeMeshAttribute<Posed>(mesh, posedName) = {facesOf(mesh), ::hasOwnNormals(layer)};
+}
+
+void RestShape::drop(MeshModel &layer) {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    for (const char *name : {positionName, normalName, vertexName})
+        Allocator::DeletePerVertexAttribute(layer.cm, name);
+    Allocator::DeletePerMeshAttribute(layer.cm, posedName);
 }
 
 RestShape::RestShape(MeshModel &layer)
@@ -109,27 +115,29 @@ void RestShape::checkVertices(const std::string &remedy) {
                               std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
 }
 
-void RestShape::followFaces(const vcg::fcd::SurfaceView &faces) {
-    const std::uint64_t present = facesOf(faces);
+std::uint64_t RestShape::followFaces() {
+    const std::uint64_t present = facesOf(mesh);
     if (present == posed->faces)
-        return;
+        return present;
     posed->faces = present;
     posed->ownNormals = ::hasOwnNormals(layer);
     if (posed->ownNormals || mesh.fn == 0)
-        return;
+        return present;
     std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
-    for (std::size_t f = 0; f < faces.faces; ++f)
-        if (faces.IsFace(f)) {
-            const std::uint32_t *corner = faces.corner + 3 * f;
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD()) {
+            std::uint32_t corner[3];
+            vcg::tri::ReadSlots(mesh, face, 3, corner);
             const auto at = [&](int k) { return toVector(position[corner[k]]); };
             const Eigen::Vector3d p = at(0), n = (at(1) - p).cross(at(2) - p);
-            for (int k = 0; k < 3; ++k)
-                sum[corner[k]] += n;
+            for (std::uint32_t slot : corner)
+                sum[slot] += n;
         }
     forVertices(mesh, [&](std::size_t i) {
         if (toVector(normal[i]).dot(sum[i]) < 0)
             normal[i] = -normal[i];
     });
+    return present;
 }
 
 void RestShape::restore() {
@@ -147,10 +155,4 @@ std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
 
 std::uint64_t shapeOf(const CMeshO &mesh) {
     return shapeSum(mesh, [&mesh](std::size_t i) { return mesh.vert[i].cP(); });
-}
-
-std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface) {
-    return sumOf(surface.faces, [&](std::size_t first, std::size_t last) {
-        return XXH3_64bits_withSeed(surface.corner + 3 * first, 3 * (last - first) * sizeof *surface.corner, first);
-    });
 }

@@ -20,7 +20,7 @@ struct PosedVertex {
 
 /// What it knows of the layer: plain data as well.
 struct Posed {
-    std::uint64_t faces = 0; ///< as facesOf tells them
+    std::uint64_t faces = 0; ///< facesOf the mesh
     bool ownNormals = false; ///< as hasOwnNormals tells it
 };
 
@@ -33,6 +33,8 @@ class RestShape {
     static bool exists(const MeshModel &layer);
     /// Makes the present shape of \p layer its rest shape.
     static void keep(MeshModel &layer);
+    /// Forgets what keep began.
+    static void drop(MeshModel &layer);
 
     /// \pre the layer has a rest shape
     explicit RestShape(MeshModel &layer);
@@ -46,8 +48,8 @@ class RestShape {
 
     /// Before a pose. \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
     void checkVertices(const std::string &remedy);
-    /// Turns the normals of vertices whose faces something else has turned over. \param faces those that there are
-    void followFaces(const vcg::fcd::SurfaceView &faces);
+    /// Turns the normals of vertices whose faces something else has turned over. \return facesOf the mesh
+    std::uint64_t followFaces();
     /// Gives a vertex a position, and remembers it.
     void place(std::size_t slot, const Point3m &p) {
         vertices[slot].now = placeOf(p);
@@ -80,9 +82,6 @@ class RestShape {
 
 /// Whether a vertex attribute is one of a rest shape.
 bool isOfRest(const std::string &attribute);
-
-/// A number for faces, each with the slots of its corners in their order.
-std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface);
 
 /// A number for the positions of all vertices: the sum of the terms of each of them.
 std::uint64_t shapeOf(const CMeshO &mesh);

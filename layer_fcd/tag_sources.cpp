@@ -57,7 +57,10 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
 
 std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
-    const bool tagged = hasQuality(layer);
+    std::vector<int> tag = tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
+    bool tagged = false;
+    for (std::size_t i = 0; i < tag.size() && !tagged; ++i)
+        tagged = tag[i] != 0 && !mesh.vert[i].IsD();
     if (!tagged && freeIfNone)
         return std::vector<int>(mesh.vert.size(), 1);
     if (!tagged)
@@ -67,7 +70,7 @@ std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
                     "), for example with 'FCD: Tag Selection' (compute_fcd_tags_from_selection) or 'Per Vertex Quality "
                     "Function' (compute_scalar_by_function_per_vertex), or select the "
                     "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
-    return tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
+    return tag;
 }
 
 std::vector<int> tagsFromSelection(const MeshModel &layer, bool freeIfNone) {

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -95,11 +96,18 @@ static bool follows(const CMeshO &deformed, const CMeshO &rest) {
     return true;
 }
 
+static float angle; // degrees, of the handle
+static void bend(RichParameterList &parameters) {
+    if (parameters.hasParameter("rotation_angle"))
+        parameters.setValue("rotation_angle", FloatValue(angle));
+}
+
 #ifdef FCD_MESHLAB_2020
 using Plugin = MeshFilterInterface;
 static std::string apply(Plugin &plugin, QAction *action, MeshDocument &document) {
     RichParameterList parameters;
     plugin.initParameterSet(action, document, parameters);
+    bend(parameters);
     return plugin.applyFilter(action, document, parameters, callback) ? "" : plugin.errorMsg().toStdString();
 }
 #else
@@ -108,7 +116,9 @@ using Plugin = FilterPlugin;
 static std::string apply(Plugin &plugin, QAction *action, MeshDocument &document) {
     unsigned mask = 0;
     try {
-        plugin.applyFilter(action, plugin.initParameterList(action, document), document, mask, callback);
+        RichParameterList parameters = plugin.initParameterList(action, document);
+        bend(parameters);
+        plugin.applyFilter(action, parameters, document, mask, callback);
         return "";
     } catch (const MLException &e) {
         return e.what();
@@ -151,18 +161,16 @@ static void cancel(Plugin &plugin, QAction *action) {
     std::cout << action->text().toStdString() << " was cancelled " << stopAt - 1 << " times\n";
 }
 
-static void runOutOfMemory(Plugin &plugin, QAction *action) {
-    MeshDocument document;
-    fill(document, 300);
+/// Lets the filter run with a little more memory each time, until it is done.
+/// \param step kB \return the last message
+static std::string squeeze(Plugin &plugin, QAction *action, MeshDocument &document, rlim_t step, int &times) {
     const State before(document);
-    const MeshModel *sheet = document.mm();
     stopAt = 0;
     rlimit limit;
     getrlimit(RLIMIT_AS, &limit);
     const rlimit unlimited = limit;
-    int times = 0;
     std::string message;
-    for (rlim_t spare = 1024; spare < 1024 * 1024; spare += 128) { // kB
+    for (rlim_t spare = step; spare < 1024 * 1024; spare += step) { // kB
         rlim_t pages = 0;
         std::ifstream("/proc/self/statm") >> pages;
         limit.rlim_cur = pages * rlim_t(sysconf(_SC_PAGESIZE)) + (spare << 10);
@@ -176,11 +184,39 @@ static void runOutOfMemory(Plugin &plugin, QAction *action) {
         if (error.find("Out of memory") == std::string::npos || !(State(document) == before))
             fail(action, "with " + std::to_string(spare) + " kB: '" + error + "', or the document has changed");
     }
+    return message;
+}
+
+static void runOutOfMemory(Plugin &plugin, QAction *action) {
+    MeshDocument document;
+    fill(document, 300);
+    const MeshModel *sheet = document.mm();
+    int times = 0;
+    const std::string message = squeeze(plugin, action, document, 512, times);
     checkResult(action, document, sheet);
     std::cout << action->text().toStdString() << " ran out of memory " << times << " times: " << message << "\n";
 }
 
+/// A layer is posed twice: from rest, and from a pose, which is not lost where the next one finds no memory.
+static void poseInVain(Plugin &plugin, QAction *action) {
+    MeshDocument document;
+    fill(document, 300);
+    int first = 0, second = 0;
+    angle = 20;
+    squeeze(plugin, action, document, 512, first);
+    const State posed(document);
+    angle = -30;
+    const std::string message = squeeze(plugin, action, document, 128, second);
+    if (State(document) == posed)
+        fail(action, "no pose");
+    angle = 0;
+    std::cout << action->text().toStdString() << " ran out of memory " << first << " and " << second
+              << " times: " << message << "\n";
+}
+
 int main(int argc, char **argv) {
+    mallopt(M_MMAP_THRESHOLD, 1 << 17); // what is freed goes back, and is not there for the next try
+    mallopt(M_TRIM_THRESHOLD, 1 << 17);
     QCoreApplication application(argc, argv);
     Plugin *plugin = loadPlugin<Plugin>(argc > 1 ? argv[1] : "");
     if (!plugin)
@@ -189,6 +225,8 @@ int main(int argc, char **argv) {
         if (action->text() == "FCD: Build Deformation Graph" || action->text() == "FCD: Deform Mesh") {
             cancel(*plugin, action); // the other filters take no time, and do not report progress
             runOutOfMemory(*plugin, action);
+        } else if (action->text() == "FCD: Pose in Place") {
+            poseInVain(*plugin, action);
         }
     return failures != 0;
 }

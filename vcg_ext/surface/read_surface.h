@@ -5,6 +5,7 @@
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
+#include <cstdint>
 #include <vector>
 
 /// \file
@@ -16,6 +17,13 @@ namespace tri {
 template <class VertexType>
 Eigen::Vector3d PositionOf(const VertexType &v) {
     return Eigen::Vector3d(v.cP()[0], v.cP()[1], v.cP()[2]);
+}
+
+/// Slots of the corners of a face, or of the ends of an edge element; none where it is deleted.
+template <class MeshType, class Element>
+void ReadSlots(const MeshType &m, const Element &element, int corners, std::uint32_t *to) {
+    for (int k = 0; k < corners; ++k)
+        to[k] = element.IsD() ? fcd::SurfaceView::none : std::uint32_t(element.cV(k) - &m.vert[0]);
 }
 
 /// Reads positions, faces and edge elements of a mesh, and which of them are deleted.
@@ -39,17 +47,13 @@ fcd::SurfaceArrays ReadSurface(const MeshType &m, const fcd::Progress &progress 
                                 to[d] = rest(i)[d];
                     }
                 });
-    const auto read = [&](const auto &element, int corners, std::uint32_t *to) {
-        for (int k = 0; k < corners; ++k)
-            to[k] = element.IsD() ? fcd::SurfaceView::none : std::uint32_t(element.cV(k) - &m.vert[0]);
-    };
     ParallelFor(progress.Slice(0.5, 1), fcd::readingStage, m.face.size(), grain,
                 [&](std::size_t first, std::size_t last) {
                     for (std::size_t f = first; f < last; ++f)
-                        read(m.face[f], 3, arrays.Corner(f));
+                        ReadSlots(m, m.face[f], 3, arrays.Corner(f));
                 });
     for (std::size_t e = 0; e < m.edge.size(); ++e)
-        read(m.edge[e], 2, arrays.End(e));
+        ReadSlots(m, m.edge[e], 2, arrays.End(e));
     arrays.isCloud = m.fn == 0 && m.en == 0;
     return arrays;
 }
