@@ -7,7 +7,9 @@
 static vcg::CallBackPos *wanted;
 Interruptible::Interruptible(vcg::CallBackPos *callback) { wanted = callback; }
 Interruptible::~Interruptible() = default;
-vcg::CallBackPos *Interruptible::callback() const { return wanted; }
+vcg::CallBackPos *Interruptible::callback() const {
+    return wanted;
+} // NOLINT(readability-convert-member-functions-to-static)
 
 #else
 
@@ -18,7 +20,6 @@ namespace {
 
 vcg::CallBackPos *wanted;
 struct sigaction before;
-bool isSet;
 std::atomic<bool> hasCome;
 static_assert(std::atomic<bool>::is_always_lock_free, "a handler of signals may use it");
 

@@ -16,6 +16,9 @@ class Interruptible {
 
     /// What the host wants to be called, if anything, but false once a signal has come, too.
     vcg::CallBackPos *callback() const;
+
+  private:
+    bool isSet = false; ///< a handler that notes the signal
 };
 
 #endif
