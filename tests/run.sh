@@ -42,8 +42,9 @@ start() {
     (
         SECONDS=0
         "$@" >"$results/$name.out" 2>&1 9>&-
+        times >"$results/$name.times"
         flock 9
-        echo "== $name: $SECONDS s"
+        echo "== $name: $SECONDS s, of cores $(awk -F '[ms ]' '{ for (i = 1; i < NF; i += 3) sum += 60 * $i + $(i + 1) } END { printf "%d", sum }' "$results/$name.times") s"
         cat "$results/$name.out"
     ) 9>"$results/lock" &
 }
@@ -129,22 +130,41 @@ pymeshlab() {
         host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_process.py
     fi
 }
-# What is between MeshLab and the method, with sanitizers: the host's Python loads theirs first.
-sanitized_host() {
-    local directory=$build/sanitized-host arguments runtime
-    mapfile -t arguments < <(tail -n +2 "$build/cmake/pymeshlab-2025.7/arguments" | grep -v FCD_OUTPUT_DIR)
-    if ! { cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DFCD_OUTPUT_DIR="$directory" -DFCD_SANITIZE_PLUGINS=ON &&
-        nice ninja -C "$directory" -j 1 filter_fcd; } >"$results/$name.build.log" 2>&1; then
+# sanitized_plugins HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/NAME. Their runtime has to be
+# loaded first.
+runtime=
+sanitized_plugins() {
+    local directory=$build/$name host=$1 arguments
+    shift
+    mapfile -t arguments < <(tail -n +2 "$build/cmake/$host/arguments" | grep -v -e FCD_OUTPUT_DIR -e CMAKE_CXX_COMPILER=)
+    if ! { cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DCMAKE_CXX_COMPILER=clang++ -DFCD_OUTPUT_DIR="$directory/plugins" \
+        -DFCD_SANITIZE_PLUGINS=ON && nice ninja -C "$directory" -j 1 "$@"; } >"$results/$name.build.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.build.log"
         fail "building $name, see $results/$name.build.log"
-        return
+        return 1
     fi
     echo "built after $SECONDS s"
     runtime=$(clang -print-file-name="libclang_rt.asan-$(uname -m).so")
-    FCD_PLUGIN=$directory/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw ASAN_OPTIONS=detect_leaks=0 \
+    export ASAN_OPTIONS=detect_leaks=0
+}
+sanitized_host() {
+    sanitized_plugins pymeshlab-2025.7 filter_fcd || return
+    FCD_PLUGIN=$build/$name/plugins/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw \
         host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py
-    check coverage-host bash tests/coverage.sh layer_fcd 80 "$directory/libfilter_fcd.so" "$results"/*.hostraw
+    check coverage-host bash tests/coverage.sh layer_fcd 80 "$build/$name/plugins/libfilter_fcd.so" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
+}
+# The tool in a window of its own, for tests that use all of it.
+sanitized_window() {
+    local directory=$build/$name system
+    sanitized_plugins meshlab-2020.09 filter_fcd edit_fcd || return
+    system=$(readlink -f "$build/meshlab-2020.09/plugins/libedit_align.so")
+    system=${system%/plugins/*}
+    ln -sf "$system"/plugins/*.so "$directory/plugins/"
+    cp "$build/meshlab-2020.09/meshlab.bin" "$directory/"
+    sed "s|^LD_LIBRARY_PATH|LD_PRELOAD=$runtime &|" "$build/meshlab-2020.09/meshlab" >"$directory/meshlab"
+    chmod +x "$directory/meshlab"
+    FCD_MESHLAB=$directory/meshlab with_meshlabserver tests/host_edit.py -k "monkey or leaves_nothing or tags_of_the_filter"
 }
 # The Python package, from its wheel.
 python_package() {
@@ -246,6 +266,7 @@ name=setup
 atonce=$(($(nproc) + 2)) # the first two wait most of the time, for a window and for a scripted mouse
 start window-2020.09 window
 start bend-2020.09 with_meshlabserver tests/host_edit.py
+start sanitized-window sanitized_window
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
