@@ -272,8 +272,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
     if (field.off + field.stirred > 0)
         logLine(std::to_string(field.off + field.stirred) +
                     " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
-                    "differently there, or there are more of them than a small file can tell apart. Where that "
-                    "matters, deform with the layers.",
+                    "differently there, or a million samples are not enough. Where that matters, deform with the "
+                    "layers.",
                 GLLogStream::WARNING);
     return {{"samples", samples}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
 }

@@ -104,8 +104,8 @@ QString FilterFcd::filterInfo(int id) const {
                    "The file holds the deformation at some thousand vertices of the source, and the triangles "
                    "between them, in world coordinates. Vertices are added until at none of the source's the file "
                    "differs from the deformation by more than 0.01 percent of the diagonal of what moves (or there "
-                   "are 50000), and all that was fixed stays, to the bit; log and file say how far any is off. It is a "
-                   "binary PLY file: "
+                   "are a million), and all that was fixed stays, to the bit; log and file say how far any is off. It "
+                   "is a binary PLY file: "
                    "any program for meshes shows the "
                    "thinned surface.<br>"
                    "The layers are not changed.") +

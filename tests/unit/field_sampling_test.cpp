@@ -145,6 +145,22 @@ TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
         EXPECT_THROW(c.Sample({}, Progress([](int, const char *) { return false; }).Slice(at, 1)), Cancelled);
 }
 
+TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
+    // A surface of which each vertex goes its own way: nothing but all of them tells that.
+    const MeshD mesh(Grid(260, 260));
+    const Matrix3Xd rest = PositionsOf(mesh);
+    Matrix3Xd deformed = rest;
+    std::uint32_t random = 1;
+    for (Eigen::Index i = 0; i < rest.cols(); ++i)
+        deformed(2, i) += 1 + double((random = random * 1664525 + 1013904223) >> 8) * 0x1p-24;
+    const std::vector<Eigen::Matrix3f> linear(std::size_t(rest.cols()), Eigen::Matrix3f::Identity());
+    const SampledField sampled = SampleField(Read(mesh), rest, deformed, linear);
+    EXPECT_EQ(sampled.off, 0);
+    EXPECT_LE(sampled.largest, 1e-4 * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
+    EXPECT_GT(sampled.samples.Size(), 60000);
+    EXPECT_LT(sampled.rounds, 20);
+}
+
 TEST(FieldSampling, KeepsToANumberOfSamples) {
     const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
     FieldParam param = Few(100, 50, 1e-5);

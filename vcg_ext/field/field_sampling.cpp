@@ -146,6 +146,12 @@ class FieldSampler {
         }
         result.rms = moving ? std::sqrt(sum / double(moving)) : 0;
         worst.erase(std::remove(worst.begin(), worst.end(), -1), worst.end());
+        if (16 * std::size_t(result.off) < std::size_t(patches.Size())) { // few: all of them, in fewer rounds
+            worst.clear();
+            for (std::size_t i = 0; i < slotCount; ++i)
+                if (counts[i] && !Rests(i) && error[i] > tolerance && !isSeed[std::size_t(surface.nodeOf[i])])
+                    worst.push_back(Index(i));
+        }
         const Index room = most - patches.Size();
         const std::size_t wanted = room > most / 50 ? std::size_t(room) / 2 : 0; // what is off most first, bit by bit
         if (worst.size() > wanted) {
@@ -267,7 +273,8 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
         const DeformationField field(sampler.Sample(round.Slice(0, 0.4)));
         const bool more = sampler.Refine(field, nearby, result, round.Slice(0.4, 1));
         done = !more && !nearby; // when all have been compared
-        nearby = more;
+        // Few that are left are seen to with what comes to light elsewhere.
+        nearby = more && 1000 * std::size_t(result.off) > std::size_t(field.samples.Size());
         result.samples = field.samples;
         from = to;
     }
