@@ -109,9 +109,9 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
     if (all)
         addParameter<RichInt>(
             list, Shown::Advanced, "pose_steps", deformation.steps, "Pose in steps",
-            "The pose is reached over so many steps, each bent from the one before. <b>Raise it</b> (10, say) where a "
-            "strong compression or twist makes the shape jump from one pose to the next: it then stays with the shape "
-            "that grows out of the mesh as it is.");
+            "The pose is reached over at least so many steps, each bent from the one before; over more where a handle "
+            "turns by more than 60 degrees a step against what else is held, so that a turn of 190 degrees or of twice "
+            "round is what it says. <b>Raise it</b> (to 10, say) where the log says that the shape jumps on its way.");
 }
 
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all) {

@@ -29,6 +29,11 @@ MeshModel &input(MeshDocument &document) {
     return *layer;
 }
 
+/// "3 steps, ", where there are several.
+std::string inSteps(const vcg::fcd::PoseWay &way) {
+    return way.steps > 1 ? std::to_string(way.steps) + " steps, " : std::string();
+}
+
 } // namespace
 
 FilterFcd::FilterFcd() {
@@ -172,9 +177,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const int nodes = int(result.rest.position.cols());
     logLine(describe(result.surface));
     std::ostringstream line;
-    line << describe(result.tags) << "; " << nodes << " nodes, " << result.iterations << " iterations; "
-         << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, " << result.secondsMap
-         << " s for the mesh.";
+    line << describe(result.tags) << "; " << nodes << " nodes, " << inSteps(result.pose.way) << result.iterations
+         << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, "
+         << result.secondsMap << " s for the mesh.";
     logLine(line.str());
     if (result.looseParts > 0)
         logLine(std::to_string(result.looseParts) + (result.looseParts == 1 ? " part is" : " parts are") +
@@ -191,9 +196,10 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " Their patches are grown anew.");
     for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
-    warnUnlessAtRest(result.converged);
+    warnOf(result.pose.way, result.converged);
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.tags));
+    values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
                    {"folded_triangles", result.check.flipped},
                    {"strained_edges", result.check.strained},
@@ -215,13 +221,14 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
                                   logLine(line);
                               }).pose(param, Progress(callback));
     std::ostringstream line;
-    line << describe(result.tags) << "; " << result.nodes << " nodes, " << result.iterations << " iterations; "
-         << (result.prepared ? "prepared in " : "already prepared, found in ")
+    line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
+         << " iterations; " << (result.prepared ? "prepared in " : "already prepared, found in ")
          << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
          << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
     logLine(line.str());
-    warnUnlessAtRest(result.converged);
+    warnOf(result.way, result.converged);
     ReturnedValues values = valuesOf(result.tags);
+    values.merge(valuesOf(result.way));
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},
                    {"converged", result.converged},
@@ -278,7 +285,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
     return {{"samples", samples}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
 }
 
-void FilterFcd::warnUnlessAtRest(bool converged) const {
+void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged) const {
+    for (const std::string &remark : describe(way))
+        logLine(remark, GLLogStream::WARNING);
     if (!converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",

@@ -40,6 +40,25 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
             {"outside_vertices", tags.outside}};
 }
 
+std::vector<std::string> describe(const vcg::fcd::PoseWay &way) {
+    std::vector<std::string> remarks;
+    if (way.jumps)
+        remarks.push_back(
+            "On its way the shape jumps to another one instead of growing into it: it is twisted or pressed "
+            "by more than it carries. Move the handles less" +
+            std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."));
+    if (way.unstable)
+        remarks.emplace_back(
+            "The shape is pressed or twisted by more than it carries: left to itself it would give way "
+            "sideways, to a side that nothing tells. It is kept as it grows out of the mesh as it is. "
+            "To let it bow, mark a handle in its middle, too, and pull that aside.");
+    return remarks;
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
+    return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};
+}
+
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
     std::vector<std::string> warnings;
     const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {

@@ -20,6 +20,10 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface
 std::string describe(const vcg::fcd::TagCount &tags);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
 
+/// A sentence for each thing on the way to a pose that is worth knowing.
+std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
+
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);
 

@@ -81,9 +81,9 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
         list, Shown::Always, "rotation_angle", Scalarm(handles.rotationAngle), "Rotation angle (degrees)",
         "How far the handles turn, in degrees, counterclockwise when the axis points at you. Applied "
         "before the translation. Any angle; the pose follows it: 270 degrees at pose 50 are 135 (with a matrix below "
-        "that rotates, too, the handles take the shortest way). The surface between only sees where the handles "
-        "arrive: turned by 360 degrees, they end, at pose 100, as if they had not turned; to twist it by more than "
-        "180 degrees, use several handles.");
+        "that rotates, too, the handles take the shortest way). A turn is what it "
+        "says: the surface between is twisted by 190 degrees one way, not by 170 the other, and by 360 once round. (A "
+        "matrix alone cannot say so, and takes the shortest way.)");
     addParameter<RichEnum>(
         list, Shown::Always, "rotation_center", int(handles.rotationCenter),
         QStringList() << "Barycentre of the handle"

@@ -104,7 +104,11 @@ Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progres
 }
 
 Deformer::Pose LayerDeformer::solveFrom(const Deformer::Pose *last, const DeformationParam &param) const {
-    return found->deformer->Solve(found->deformer->MotionsOf(handles, param.pose), param, last);
+    const Deformer &deformer = *found->deformer;
+    vcg::fcd::HeldMotions motions = deformer.MotionsOf(handles, param.pose);
+    if (deformer.StepsTo(motions, last ? &last->given : nullptr) > 1)
+        return solve(param);
+    return deformer.Solve(std::move(motions), param, last);
 }
 
 // --- FCD: Deform Mesh ---
@@ -197,6 +201,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.nodes = int(found->deformer->graph.Size());
     result.iterations = pose.iterations;
     result.converged = pose.graph.converged;
+    result.way = pose.way;
     result.secondsSolve = watch.Seconds();
 
     watch = {};

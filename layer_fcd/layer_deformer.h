@@ -23,6 +23,7 @@ struct DeformedLayers {
 struct PoseResult {
     int nodes = 0, iterations = 0;
     bool converged = false;
+    vcg::fcd::PoseWay way;
     vcg::fcd::TagCount tags;
     bool prepared = false; ///< anew
     double secondsFind = 0, secondsPrepare = 0, secondsSolve = 0, secondsMap = 0, secondsNormals = 0;
@@ -68,7 +69,7 @@ class LayerDeformer {
     /// The pose from rest to the end.
     vcg::fcd::Deformer::Pose solve(const vcg::fcd::DeformationParam &param,
                                    const vcg::fcd::Progress &progress = {}) const;
-    /// The pose after some steps from another one, or from rest.
+    /// The pose after some iterations from another one, where the motions are so near, or from rest.
     vcg::fcd::Deformer::Pose solveFrom(const vcg::fcd::Deformer::Pose *last,
                                        const vcg::fcd::DeformationParam &param) const;
 

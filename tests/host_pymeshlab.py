@@ -31,7 +31,7 @@ GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": 
                  "average_edge": float, "seconds": float}
 DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
                   "outside_vertices": int, "folded_triangles": int, "strained_edges": int, "converged": bool, "energy": float, "seconds_graph": float,
-                  "seconds_solve": float, "seconds_map": float}
+                  "seconds_solve": float, "seconds_map": float, "steps": int, "jumps": bool, "stable": bool}
 
 
 kept = []
@@ -388,6 +388,25 @@ def deform_logged(ms, capfd, **parameters):
     capfd.readouterr()
     result = ms.apply_filter(DEFORM, **parameters)
     return result, capfd.readouterr().err
+
+
+def slender(around=24, along=67):
+    """A tube of length 11 and radius 1 along z, its ends tagged 0 and 2."""
+    angle, z = (a.ravel() for a in np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(0, 11, along), indexing="ij"))
+    a = (np.arange(around)[:, None] * along + np.arange(along - 1)).ravel()
+    b = ((np.arange(around)[:, None] + 1) % around * along + np.arange(along - 1)).ravel()
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=np.column_stack([np.cos(angle), np.sin(angle), z]),
+                               face_matrix=np.vstack([np.column_stack([a, b, a + 1]), np.column_stack([b, b + 1, a + 1])]),
+                               v_scalar_array=np.where(z < 0.7, 0.0, np.where(z > 10.3, 2.0, 1.0))))
+    return ms
+
+
+@pytest.mark.parametrize("motion, sentence", [
+    ("translate 0 0 -4", "pressed or twisted by more than it carries"), ("translate 0 0 -25", "the shape jumps to another one")])
+def test_the_log_says_what_becomes_of_what_is_pressed(capfd, motion, sentence):
+    result, log = deform_logged(slender(), capfd, transforms="2: " + motion, pose_steps=4 if "-25" in motion else 1)
+    assert sentence in log and (result["jumps"] if "jumps" in sentence else not result["stable"])
 
 
 def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
@@ -2021,3 +2040,41 @@ def test_steps_reach_the_same_pose_where_there_is_one_way():
         ms.apply_filter(DEFORM, translation=[-2, 0, 8], rotation_axis=[0, 1, 0], rotation_angle=-60, tolerance=1e-8, pose_steps=steps)
         points.append(ms.current_mesh().vertex_matrix())
     assert np.abs(points[0] - points[1]).max() < 1e-3
+
+
+def test_a_turn_is_what_is_told_by_whatever_asks():
+    def turned(**how):
+        ms = slender()
+        rest = ms.current_mesh().vertex_matrix()
+        result = ms.apply_filter(DEFORM, **how)
+        points = ms.current_mesh().vertex_matrix()
+        ms.set_current_mesh(0)
+        ms.apply_filter(POSE, **{name: value for name, value in how.items() if name not in OF_LAYERS})
+        assert (ms.current_mesh().vertex_matrix() == points).all()
+        x, y = rest[:, :2].T, points[:, :2].T
+        middle = np.abs(rest[:, 2] - 5.5) < 0.3
+        sine, cosine = (x[0] * y[1] - x[1] * y[0])[middle].sum(), (x * y).sum(0)[middle].sum()
+        return points, np.degrees(np.arctan2(sine, cosine)), result
+
+    typed, middle, result = turned(rotation_angle=190)
+    assert abs(middle - 95) < 5 and result["steps"] == 4 and result["stable"] and not result["jumps"]
+    for other in (dict(transforms="2: rotate 0 0 1 190"), dict(transforms="2: rotate 0 0 1 380", pose=50),
+                  dict(transforms="2: rotate 0 0 2 100 rotate 0 0 -1 -90")):
+        assert np.abs(turned(**other)[0] - typed).max() < 1e-4, other
+    twice = [turned(transforms=f"2: rotate 0 0 1 {degrees}")[2] for degrees in (719, 720, 721)]
+    assert np.ptp([result["energy"] for result in twice]) < 0.01 * twice[0]["energy"] and twice[1]["energy"] > 1
+    assert [result["steps"] for result in twice] == [12, 12, 13] and all(result["converged"] for result in twice)
+
+
+@pytest.mark.parametrize("percent", [15, 30, 40])  # at 20 it is about to give way: what patches make out counts for more
+def test_what_is_pressed_beyond_what_it_carries_is_the_same_for_every_seed(percent):
+    shapes, stable = [], []
+    for seed in range(1, 5):
+        ms = slender(60, 180)  # fine enough that seeds differ little at rest
+        diagonal = np.linalg.norm(np.ptp(ms.current_mesh().vertex_matrix(), axis=0))
+        result = ms.apply_filter(DEFORM, translation=[0, 0, -percent / 100 * diagonal], random_seed=seed)
+        assert result["converged"] and not result["jumps"] and result["iterations"] < 110
+        shapes.append(ms.current_mesh().vertex_matrix())
+        stable.append(result["stable"])
+    assert all(stable) == (percent == 15)
+    assert max(np.sqrt(((a - b) ** 2).sum(1).mean()) for a in shapes for b in shapes) < 0.005 * diagonal

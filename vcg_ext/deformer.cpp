@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -59,12 +60,14 @@ HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
     assert(handles.point.size() == point.size());
     HeldMotions m;
     m.motion[0].setIdentity();
+    m.turn[0].setZero();
     for (const auto &[tag, middle] : center) {
         const auto given = handles.motion.find(tag);
         const Motion motion = given == handles.motion.end() ? Motion() : given->second;
         m.motion[tag] = handles.ToMesh(motion.At(percent, handles.world * middle));
         detail::ExpectNear(surface.frame, m.motion[tag], "Handle " + std::to_string(tag));
         m.rotates[tag] = motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !motion.turn.isZero(0);
+        m.turn[tag] = motion.Rotation() * (percent / 100);
     }
     for (std::size_t i = 0; i < point.size(); ++i) {
         const std::string name = "Point handle " + std::to_string(i + 1);
@@ -120,15 +123,55 @@ Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, c
 }
 
 Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &param, const Progress &progress) const {
+    HeldMotions motions = MotionsOf(handles, param.pose);
+    const int turns = beyond.steps ? StepsTo(motions) : 1, steps = std::max(param.steps, turns);
+    SolverParam last = param;
+    last.follow = beyond.steps;
+    // On the way of a large turn, so few iterations bring what is stiff to rest, while the ways in which the shape
+    // might give way, which begin slowly, do not begin. 4 to 8 end in the same shape.
+    const int few = 6;
+    SolverParam passing = last;
+    if (turns > 1) {
+        passing.follow = false;
+        passing.maxIterations = std::min(param.maxIterations, few);
+    }
     Pose pose;
-    for (int step = 1; step <= param.steps; ++step) {
-        const double percent = step == param.steps ? param.pose : param.pose * step / param.steps;
-        const int before = pose.iterations;
-        pose = Solve(MotionsOf(handles, percent), param, step > 1 ? &pose : nullptr,
-                     progress.Slice(double(step - 1) / param.steps, double(step) / param.steps));
-        pose.iterations += before;
+    for (int step = 1; step <= steps; ++step) {
+        const bool isLast = step == steps, hasJumped = pose.way.jumps;
+        Pose next =
+            Solve(isLast ? std::move(motions) : MotionsOf(handles, param.pose * step / steps), isLast ? last : passing,
+                  step > 1 ? &pose : nullptr, progress.Slice(double(step - 1) / steps, double(step) / steps));
+        next.iterations += pose.iterations;
+        pose = std::move(next);
+        pose.way = {steps, hasJumped || !pose.solved.followed, pose.solved.unstable};
     }
     return pose;
+}
+
+int Deformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin) const {
+    // Each turns about its axis at an even rate: what they turn against each other grows by no more than the
+    // difference of these rates.
+    std::set<std::array<double, 3>> rates;
+    for (Index tag : holding) {
+        const Eigen::Vector3d &turn = motions.turn.at(tag);
+        const Eigen::Vector3d rate = begin ? Eigen::Vector3d(turn - begin->turn.at(tag)) : turn;
+        rates.insert({rate[0], rate[1], rate[2]});
+    }
+    double turn = 0;
+    if (rates.size() <= 1000) {
+        for (auto a = rates.begin(); a != rates.end(); ++a)
+            for (auto b = rates.begin(); b != a; ++b)
+                turn = std::max(
+                    turn, (Eigen::Map<const Eigen::Vector3d>(a->data()) - Eigen::Map<const Eigen::Vector3d>(b->data()))
+                              .norm());
+    } else { // no less than that
+        Eigen::AlignedBox3d box;
+        for (const std::array<double, 3> &rate : rates)
+            box.extend(Eigen::Map<const Eigen::Vector3d>(rate.data()));
+        turn = box.diagonal().norm();
+    }
+    const double steps = std::ceil(turn / (double(EIGEN_PI) / 3) - 1e-6); // 60 degrees are one step, to rounding
+    return int(std::min(std::max(steps, 1.0), 1000.0));
 }
 
 Deformer::System::System(const Deformer &deformer, const NodeConstraints &given)
@@ -158,6 +201,12 @@ void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
     AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
     graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
                                  progress.Slice(0.9, 1), param.shape);
+    for (Index j = 0; j < graph.Size(); ++j)
+        if (const Index t = held.tag[patches.center[j]];
+            t != 1 && (!HeldNodes::IsSingle(t) || held.original[-1 - t] >= 0))
+            holding.push_back(HeldNodes::IsSingle(t) ? held.original[-1 - t] : t);
+    std::sort(holding.begin(), holding.end());
+    holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
     nodeArea.assign(graph.Size(), 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (patches.patchOf[u] >= 0)

@@ -51,7 +51,7 @@ struct DeformerParam {
 /// How a mesh is deformed.
 struct DeformationParam : DeformerParam, SolverParam {
     double pose = 100;    ///< percent of the handles' motion
-    int steps = 1;        ///< >= 1; the pose is reached over so many, each solved from the one before
+    int steps = 1;        ///< >= 1; the pose is reached over at least so many, each from the one before (StepsTo)
     bool measure = false; ///< also measure stretch and rotation of the surface
     bool linear = false;  ///< also give the linear map of the surface around each vertex
 
@@ -83,7 +83,13 @@ class Deformer : public MovingSurface {
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
-    /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps.
+    /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
+    /// holds the free surface turns by more than 60 degrees against another.
+    int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
+
+    /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps, or in as many as
+    /// they need. It is what grows out of the surface as it is, be it stable or not
+    /// (SolverParam::follow).
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
     std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
@@ -109,6 +115,7 @@ class Deformer : public MovingSurface {
     double D = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
+    std::vector<Index> holding;   // the tags of what holds the graph, but for point handles
     mutable std::mutex lock;      // of what follows
     mutable std::shared_ptr<const System> latest;
 };

@@ -24,12 +24,13 @@ struct BeyondPaper {
     bool surfaceBalls; ///< influence along the surface, if asked for, not in straight balls (Eq. 8)
     bool compliance;   ///< the rotation of what is constrained gives way, with the depth (Eq. 5)
     bool acceleration; ///< of the local and global steps, if asked for (Eqs. 5 and 6)
+    bool steps;        ///< a pose that turns far is reached in steps (sec. 2.2)
     bool linearMaps;   ///< nodes stretch as their edges do, and not only rotate (Eq. 7)
     bool
         smoothMapping; ///< a blend of second order with smooth weights, which runs into what is constrained (Eqs. 7, 8)
 
     explicit BeyondPaper(GraphWeights weights = GraphWeights::Border) {
-        barycenters = borders = surfaceBalls = compliance = acceleration = linearMaps = smoothMapping =
+        barycenters = borders = surfaceBalls = compliance = acceleration = steps = linearMaps = smoothMapping =
             weights != GraphWeights::Printed;
     }
 };

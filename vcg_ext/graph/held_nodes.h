@@ -43,8 +43,11 @@ HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag
 
 /// How what is held moves, at one pose.
 struct HeldMotions {
-    std::map<Index, Eigen::Matrix4d> motion;            ///< of every tag but 1, mesh units
-    std::map<Index, bool> rotates;                      ///< tags whose motion is told to turn
+    std::map<Index, Eigen::Matrix4d> motion; ///< of every tag but 1, mesh units
+    std::map<Index, bool> rotates;           ///< tags whose motion is told to turn
+    /// By what each tag from 0, but 1, has turned since rest, with full turns: along the axis, as long as the angle in
+    /// radians.
+    std::map<Index, Eigen::Vector3d> turn;
     std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of point handles at vertices that are no surface, by slot
 
     bool Moves() const {

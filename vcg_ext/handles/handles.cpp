@@ -67,6 +67,13 @@ Motion::Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const
     SetTurn(wholeTurn, point);
 }
 
+Eigen::Vector3d Motion::Rotation() const {
+    if (!turn.isZero(0))
+        return turn;
+    const Eigen::AngleAxisd shortest(Polar(matrix.topLeftCorner<3, 3>()).rotation);
+    return shortest.angle() * shortest.axis();
+}
+
 Eigen::Matrix4d Motion::At(double percent, const Eigen::Vector3d &center) const {
     if (percent == 100)
         return matrix;

@@ -32,6 +32,9 @@ struct Motion {
     /// half a turn, not finite, or not the rotation of \p m. \throw BadInput as above
     Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
 
+    /// The rotation of the whole way: along its axis, as long as its angle in radians.
+    Eigen::Vector3d Rotation() const;
+
     /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
     /// fraction of its angle, scaling by the power. With a turn, the point goes about the pivot's axis by the fraction
     /// of the turn, and straight by the fraction of what that leaves. 100 is the motion itself, to the bit; 0 the

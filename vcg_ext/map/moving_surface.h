@@ -20,6 +20,13 @@
 namespace vcg {
 namespace fcd {
 
+/// The way on which a pose was reached.
+struct PoseWay {
+    int steps = 1;         ///< each from the one before
+    bool jumps = false;    ///< whether the shape jumps on it to another one, instead of growing
+    bool unstable = false; ///< whether it was found that it would give way at its end, left to itself
+};
+
 /// One pose of a surface.
 struct SurfacePose {
     HeldMotions given;
@@ -29,6 +36,9 @@ struct SurfacePose {
     /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
     std::map<Index, Eigen::Affine3d> motion;
     int iterations = 0; ///< of the solver, with those of the poses on the way
+    PoseWay way;
+
+    bool Moves() const { return given.Moves() || solved.moves; }
 };
 
 /// A surface with its deformation graph, and how each of its vertices follows the graph.

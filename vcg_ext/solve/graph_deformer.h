@@ -5,6 +5,7 @@
 #include <vcg_ext/solve/anderson.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_energy.h>
+#include <vcg_ext/solve/graph_hessian.h>
 #include <vcg_ext/solve/graph_laplacian.h>
 #include <vcg_ext/solve/graph_pose.h>
 #include <vcg_ext/solve/graph_unknowns.h>
@@ -75,7 +76,10 @@ class GraphDeformer {
             pose.nodeEnergy.assign(k, 0);
         } else {
             const Given given(energy, motion, state, param.smoothness * area);
-            Minimise(given, param, state, pose, progress);
+            if (param.follow)
+                Follow(given, param, state, pose, progress);
+            else
+                Minimise(given, param, param.maxIterations, state, pose, progress);
             pose.energy = state.energy;
             pose.nodeEnergy = energy.Shares(state, given);
         }
@@ -134,12 +138,59 @@ class GraphDeformer {
         return state;
     }
 
-    /// Takes local and global steps until \p state is at rest. Counts them in \p pose.
-    void Minimise(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
+    /// Brings \p state to rest near where it begins: by some steps downwards, where these soon end there, as they do
+    /// where the shape is stable; otherwise to where the energy is stationary.
+    void Follow(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
+                const Progress &progress) const {
+        const int few = std::min(param.maxIterations, 100); // where it is stable, 20 to 80 do
+        const double nearby = 2; // radian: a guess is off by less, and a shape that has let go of a full turn by more
+        const State begin = state;
+        Minimise(given, param, few, state, pose, progress.Slice(0, 0.4));
+        if (few == param.maxIterations || (pose.converged && LargestTurn(begin, state) <= nearby))
+            return;
+        State stationary = begin;
+        pose.followed = FindStationary(given, param, stationary, pose, progress.Slice(0.4, 0.8)) &&
+                        LargestTurn(begin, stationary) <= nearby;
+        if (pose.followed)
+            state = std::move(stationary);
+        else if (!pose.converged)
+            Minimise(given, param, param.maxIterations, state, pose, progress.Slice(0.8, 1));
+        pose.converged = pose.converged || pose.followed;
+    }
+
+    /// Finds where the energy is stationary, be it a minimum or a saddle, by Newton's method from \p state. \return
+    /// whether it did
+    bool FindStationary(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
+                        const Progress &progress) const {
+        const int most = 40;         // where the shape is about to give way; otherwise four to ten do
+        const double farthest = 0.5; // radian, in a step: its quadratic is good for so much
+        const double still = 10 * param.tolerance * Diagonal();
+        detail::GraphHessian hessian(unknown, graph.Size());
+        for (int n = 0; n < most && pose.iterations < param.maxIterations; ++n, ++pose.iterations) {
+            progress(double(n) / most, "Deforming the graph");
+            if (!hessian.Factorise(energy, state, given))
+                return false;
+            const Eigen::VectorXd step = hessian.Newton();
+            const double turned = hessian.LargestTurn(step);
+            const double moved = std::max(hessian.LargestMove(step), turned * edgeLength);
+            if (!std::isfinite(moved))
+                return false;
+            hessian.Move(state, std::min(1.0, farthest / turned) * step);
+            if (moved <= still) {
+                state.energy = energy.Of(state, given);
+                pose.unstable = hessian.Falling() > 0;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// Takes local and global steps until \p state is at rest, or there were \p most. Counts them in \p pose.
+    void Minimise(const Given &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
-        const double still = 10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+        const double still = 10 * param.tolerance * Diagonal();
         const double rounding = Rounding(rest, state);
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
@@ -148,9 +199,9 @@ class GraphDeformer {
         Eigen::VectorXd here(size), after(size);
         Work work{std::vector<Eigen::Matrix3d>(graph.Size()), Eigen::Matrix3Xd(3, unknown.position.size())};
         pose.converged = false;
-        for (pose.iterations = 0; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
+        for (; !pose.converged && pose.iterations < most; ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
-                progress(1 - std::exp(-4.0 * pose.iterations / param.maxIterations), "Deforming the graph");
+                progress(1 - std::exp(-4.0 * pose.iterations / most), "Deforming the graph");
             Step(state, given, stepped, work);
             const double moved = LargestMove(state, stepped);
             if (!param.accelerated) {
@@ -215,6 +266,19 @@ class GraphDeformer {
                 shown =
                     std::max(shown, ((y.rotation[i] - x.rotation[i]) * graph.edge.col(e).cast<double>()).squaredNorm());
         return std::sqrt(shown) <= rounding;
+    }
+
+    double Diagonal() const {
+        const Eigen::Matrix3Xf &rest = graph.graph.position;
+        return (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).cast<double>().norm();
+    }
+
+    /// The largest angle by which a rotation differs, radians.
+    double LargestTurn(const State &x, const State &y) const {
+        double cosine = 1; // of half of it
+        for (Index i : unknown.rotation)
+            cosine = std::min(cosine, std::abs(x.quaternion[i].dot(y.quaternion[i])));
+        return 2 * std::acos(cosine);
     }
 
     /// How far a node moved at most; where its position is given, by how much it turned, times the length of an edge.

@@ -166,6 +166,31 @@ class GraphEnergy {
         return given.right.row(u).transpose() + 0.5 * b;
     }
 
+    /// body(i, j, weight, p'_i - p'_j, {R_i e, R_j e}) for each edge that depends on the unknowns: it contributes the
+    /// weight times the squares of what the former differs by from each of the latter.
+    template <class Body>
+    void ForEachEdge(const State &x, const Given &given, const Body &body) const {
+        for (std::size_t p = 0; p < openPairs; ++p) {
+            const Pair &pair = pairs[p];
+            const Eigen::Vector3d rest = graph.edge.col(pair.e).cast<double>();
+            const Eigen::Vector3d turned[2] = {Linear(x, given, pair.i) * rest, Linear(x, given, pair.j) * rest};
+            body(pair.i, pair.j, double(graph.weight[pair.e]), Way(pair, x, given), turned);
+        }
+    }
+
+    /// body(i, j, weight, R_j R_i^T) for each pair of rotations of which one is unknown, which contributes the weight
+    /// times |R_i - R_j|^2; j is -1 for what holds the rotation of i.
+    template <class Body>
+    void ForEachTwist(const State &x, const Given &given, const Body &body) const {
+        for (std::size_t p = 0; p < openPairs; ++p)
+            body(pairs[p].i, pairs[p].j, graph.weight[pairs[p].e] * given.smooth,
+                 Eigen::Matrix3d(x.rotation[pairs[p].j] * x.rotation[pairs[p].i].transpose()));
+        for (Index i : unknown.rotation)
+            if (given.stiffness[i] > 0)
+                body(i, Index(-1), given.stiffness[i] * given.smooth,
+                     Eigen::Matrix3d(given.anchor[i] * x.rotation[i].transpose()));
+    }
+
   private:
     /// An edge of the graph, once.
     struct Pair {

@@ -119,8 +119,10 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const std::vector<Index> &nodes = parts[p]->nodes;
         const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
-            return given.constrained[i] && !given.motion[i].matrix().isIdentity(0);
+            return given.constrained[i] ? !given.motion[i].matrix().isIdentity(0)
+                                        : last && !last->rests.empty() && !last->rests[i];
         });
+        pose.moves |= moves;
         if (!moves) {
             for (Index i : nodes)
                 pose.rests[i] = !isHeld[i];
@@ -151,6 +153,8 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
         pose.energy += found.energy;
         pose.iterations = std::max(pose.iterations, found.iterations);
         pose.converged = pose.converged && found.converged;
+        pose.followed = pose.followed && found.followed;
+        pose.unstable = pose.unstable || found.unstable;
     }
     return pose;
 }

@@ -20,6 +20,9 @@ struct GraphPose {
     std::vector<char> rests;             ///< k flags: free nodes of parts that nothing moves; empty: not known
     int iterations = 0;
     bool converged = true;
+    bool moves = false;    ///< whether anything was moved since rest; with full turns it may be that no motion tells
+    bool followed = true;  ///< with SolverParam::follow: whether it came to rest near where it began
+    bool unstable = false; ///< with SolverParam::follow: whether it would give way, left to itself
 };
 
 /// Replaces the rotations of \p pose by the linear maps that fit the edges of the graph best, in the least-squares

@@ -15,6 +15,9 @@ struct SolverParam {
     /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
     /// more than the tolerance times the diagonal.
     bool accelerated = true;
+    /// Whether the pose comes to rest near where it begins, be that stable or not, instead of going from there to
+    /// wherever the energy is less. Where it soon comes to rest, the bits are the same.
+    bool follow = false;
 };
 
 } // namespace fcd
