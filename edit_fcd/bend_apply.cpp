@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
+#include <layer_fcd/marks.h>
+#include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tagging.h>
 
+#include <algorithm>
 #include <charconv>
 
 // How a bend becomes what a filter would have made of it.
@@ -18,27 +21,24 @@ std::string digits(double number) {
 
 HandleParam BendSession::handleParam() const {
     HandleParam param;
-    if (!target.attribute.isEmpty()) {
-        param.source = HandleParam::Attribute;
-        param.tagAttribute = target.attribute;
-    }
+    param.source = HandleParam::Attribute;
+    param.tagAttribute = appliedTags;
     param.transforms = QString::fromStdString(motionText());
     return param;
 }
 
-/// The layer at rest, with the tags that the filters read.
+/// The layer at rest, with the tags that the filters read: marks, and what points bend.
 void BendSession::handOver() {
     restore();
-    TagTarget silent = target;
-    silent.colorize = false; // the look is as it is
-    writeTags(layer, *effective, silent);
+    TagTarget target;
+    target.attribute = appliedTags;
+    target.colorize = false;
+    writeTags(layer, *effective, target);
 }
 
 std::string BendSession::filterCall(const std::string &script, const std::string &more) const {
-    std::string call =
-        "ms.apply_filter('" + script + "', handles=" +
-        (target.attribute.isEmpty() ? std::string("0") : "2, tag_attribute='" + target.attribute.toStdString() + "'") +
-        ", transforms='" + motionText() + "'";
+    std::string call = "ms.apply_filter('" + script + "', handles=2, tag_attribute='" + appliedTags +
+                       "', transforms='" + motionText() + "'";
     const BendOptions defaults;
     if (options.smoothness != defaults.smoothness)
         call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
@@ -51,28 +51,93 @@ std::string BendSession::filterCall(const std::string &script, const std::string
     return call + more + ")";
 }
 
-std::string BendSession::applyInPlace(const Remark &remark) {
+/// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
+std::string BendSession::poseByFilter(const Remark &remark) {
     PoseParam param;
     param.handles = handleParam();
     param.deformation = deformationOf(options);
     handOver();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
-        resetPose(layer, true); // poses begin with the shape that it has here
+        resetPose(layer, {true, ResetPoseParam::LastShape}); // poses begin with the shape that it has here
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
     LayerDeformer(document, layer, solver.preparedLayers(), remark).pose(param, vcg::fcd::Progress());
-    calls += filterCall("apply_coord_fcd_deformation", "");
-    keepRest();
-    if (!now.marks && target.attribute.isEmpty()) { // the tags that the call needs stay
-        quality.assign(effective->begin(), effective->end());
+    return calls + filterCall("apply_coord_fcd_deformation", "");
+}
+
+std::string BendSession::leave(const Remark &remark) {
+    std::string calls;
+    if (!moves()) {
+        restore();
+    } else if (!isLeft) {
+        calls = poseByFilter(remark);
+        rest.leave();
+        rest.know(shapeOf(layer.cm));
+        isLeft = true;
     }
+    solver.clear();
+    reachOfRest.clear();
+    stretch.reset();
+    return calls;
+}
+
+std::string BendSession::applyInPlace(const Remark &remark) {
+    restore();
+    const Applied what{now, options, rest.known()};
+    const std::string calls = poseByFilter(remark);
+    applied.resize(applies);
+    applied.push_back(what);
+    beginAnew();
+    forgetWhatIsGone();
+    return calls;
+}
+
+/// The present shape is the rest shape of another apply.
+void BendSession::beginAnew() {
+    keepRest();
+    now.applies = ++applies;
     now.motion.clear();
     if (!now.marks)
         now.points.clear();
-    history.clear();
     updateTags();
-    return calls;
+}
+
+/// Makes the rest shape that of the state, whose number of applies is another one.
+void BendSession::crossApplies() {
+    const BendState to = now;
+    if (to.applies < applies) {
+        RestShape shapes(layer);
+        const std::vector<std::uint64_t> kept = shapes.shapes();
+        const auto place = std::find(kept.begin(), kept.end(), applied[to.applies].rest);
+        shapes.backTo(std::size_t(place - kept.begin()));
+        shapes.restore();
+        applies = to.applies;
+        options = applied[applies].options;
+        keepRest();
+    }
+    while (applies < to.applies) {
+        now = applied[applies].state;
+        options = applied[applies].options;
+        restore();
+        updateTags();
+        poseByFilter({});
+        beginAnew();
+    }
+    now = to;
+}
+
+/// Forgets what led to shapes that the layer does not keep.
+void BendSession::forgetWhatIsGone() {
+    if (applies == 0)
+        return;
+    std::size_t first = applies;
+    if (RestShape::exists(layer)) {
+        const std::vector<std::uint64_t> kept = RestShape(layer).shapes();
+        while (first > 0 && std::find(kept.begin(), kept.end(), applied[first - 1].rest) != kept.end())
+            --first;
+    }
+    history.forget(first);
 }
 
 std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark) {
@@ -84,5 +149,9 @@ std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark)
     handOver();
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
     deformer.deform(std::move(param), false, vcg::fcd::Progress());
-    return call; // of this session there may be nothing left: another layer is the current one
+    now.motion.clear();
+    if (!now.marks)
+        now.points.clear();
+    updateTags();
+    return call;
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include <QMainWindow>
+#include <QMdiArea>
+#include <QMdiSubWindow>
 
 using vcg::fcd::Error;
 
@@ -19,9 +21,24 @@ void BendTool::makePanel() {
     if (window)
         window->addDockWidget(Qt::LeftDockWidgetArea, panel);
     panel->allowStretch(model->cm.fn > 0);
+    showOptions();
     panel->show();
+    followDocument();
     if (session->isMarked())
         panel->setRole(BendPanel::Handle, session->unusedTag());
+}
+
+/// The panel is seen as long as its document is: its buttons act on that.
+void BendTool::followDocument() {
+    QMdiArea *area = nullptr;
+    QMdiSubWindow *own = nullptr;
+    for (QWidget *each = view; each && !area; each = each->parentWidget()) {
+        own = own ? own : qobject_cast<QMdiSubWindow *>(each);
+        area = qobject_cast<QMdiArea *>(each);
+    }
+    if (area && own)
+        connect(area, &QMdiArea::subWindowActivated, panel,
+                [area, own, panel = panel.data()] { panel->setVisible(area->currentSubWindow() == own); });
 }
 
 void BendTool::takeOptions() {
@@ -31,6 +48,13 @@ void BendTool::takeOptions() {
     options.weights = panel->weights();
     options.mirror = panel->mirror();
     options.pose = panel->pose();
+}
+
+/// The panel shows the options of the session, which has gone back to others.
+void BendTool::showOptions() {
+    const BendOptions &options = session->options;
+    panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.pose));
+    panel->setStretch(options.stretch);
 }
 
 void BendTool::onOptions() {
@@ -55,6 +79,7 @@ void BendTool::setMode(BendPanel::Mode mode) {
 void BendTool::beginApply() {
     if (!session->moves())
         throw Error("Nothing was moved, so there is nothing to apply.");
+    session->change();
     panel->setStretch(false);
     showStretch();
 }
@@ -75,14 +100,14 @@ void BendTool::onCommand(int which) {
         session->change();
         session->mark(all, panel->tag());
         session->endMarks();
-        showColors();
+        showOverlay();
         solve(true);
         break;
     }
     case BendPanel::ClearMarks:
         session->change();
         session->clearMarks();
-        showColors();
+        showOverlay();
         solve(true);
         break;
     case BendPanel::TakeMotions:
@@ -97,7 +122,8 @@ void BendTool::onCommand(int which) {
             session->undo();
         else
             session->redo();
-        showColors();
+        showOptions();
+        showOverlay();
         solve(true);
         break;
     case BendPanel::Reset:
@@ -115,21 +141,26 @@ void BendTool::onCommand(int which) {
         }
         active = 0;
         showVertices(true);
+        showOverlay();
         break;
-    case BendPanel::ApplyToNewLayer: {
+    case BendPanel::ApplyToNewLayer:
         beginApply();
+        isEnding = true; // another layer becomes the current one
         try {
             say(session->applyToNewLayer(panel->graphLayers(), remark));
         } catch (...) {
+            isEnding = false;
             showVertices(true);
             throw;
         }
         // The host shows new layers when a tool ends, and they have no buffers before that.
         close();
-        isEnding = true;
-        QTimer::singleShot(0, action, &QAction::trigger);
+        QTimer::singleShot(0, this, [this] {
+            action->trigger();
+            if (view && view->md() && view->md()->mm())
+                host::showTextures(*view, *view->md()->mm());
+        });
         return;
-    }
     }
     refresh();
     view->update();

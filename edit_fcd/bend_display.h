@@ -6,34 +6,30 @@
 
 #include <layer_fcd/edit_host.h>
 
-/// How a layer is shown in a view while it is bent: smooth, so that its buffers are indexed, and only positions and
-/// normals change.
+#include <optional>
+
+/// How a layer is shown in a view while it is bent: as the person has chosen, but for large layers that are shaded by
+/// face: while they move, these are shaded by vertex, which needs a third of the buffers.
 class BendDisplay {
   public:
-    /// \param isColored whether the colours of vertices tell something, and nothing may hide them
-    BendDisplay(GLArea &view, const MeshModel &layer, bool isColored);
+    BendDisplay(GLArea &view, const MeshModel &layer) : view(view), layer(layer) {}
+    BendDisplay(const BendDisplay &) = delete;
+    BendDisplay &operator=(const BendDisplay &) = delete;
 
-    /// Leaves textures away, which slow down what moves.
-    void bare();
-    /// Whether the colours of vertices tell something from now on.
-    void setColored(bool colored);
-    /// Takes the layer's colours, and whether it has some.
-    void updateColors(bool colored);
-    /// Takes the layer's shape. \param full also what does not change while it is dragged \param recolored its colours
-    /// have changed, too
-    void updateShape(bool full, bool recolored);
-    /// Shows the layer as it was before, but with its colours if they tell something.
-    void end(bool colored);
+    /// The layer is going to move; rest() ends that.
+    void move();
+    void rest();
+    /// Whether normals of faces are seen.
+    bool showsFaces() const;
+    /// Takes the layer's positions and normals. \param faces also those of faces
+    void updateShape(bool faces);
 
   private:
-    void show();
-    void update(std::initializer_list<MLRenderingData::ATT_NAMES> names);
+    void set(const MLRenderingData &data);
 
     GLArea &view;
     const MeshModel &layer;
-    const MLRenderingData::PRIMITIVE_MODALITY primitive;
-    MLRenderingData before;
-    bool isColored, isBare;
+    std::optional<MLRenderingData> atRest; ///< while the layer is shown in another way
 };
 
 #endif

@@ -180,10 +180,14 @@ bool BendTool::grab() {
 
 bool BendTool::eventFilter(QObject *object, QEvent *event) {
     if (object == view && view && !view->suspendedEditor && session) {
+        if (event->type() == QEvent::Enter)
+            view->setFocus(); // keys belong to what is under the mouse
         if (event->type() == QEvent::ShortcutOverride) {
             const auto *key = static_cast<QKeyEvent *>(event);
-            const bool isUndo = key->key() == Qt::Key_Z && (key->modifiers() & Qt::ControlModifier);
-            if (isUndo || (key->key() == Qt::Key_Escape && (drag || marking))) {
+            const bool isOurs =
+                (key->key() == Qt::Key_Z || key->key() == Qt::Key_Return || key->key() == Qt::Key_Enter) &&
+                (key->modifiers() & Qt::ControlModifier);
+            if (isOurs || (key->key() == Qt::Key_Escape && (drag || marking))) {
                 event->accept();
                 return true;
             }
@@ -274,14 +278,14 @@ void BendTool::pressKey(QKeyEvent *event) {
         if (marking) {
             marking.reset();
             session->cancel();
-            showColors();
+            showOverlay();
         }
         break;
     case Qt::Key_Return:
     case Qt::Key_Enter:
         if (marking && marking->kind == BendMarking::Polygon)
             endMarking();
-        else
+        else if (control)
             onCommand(shift ? BendPanel::ApplyToNewLayer : BendPanel::ApplyInPlace);
         break;
     default: event->ignore();

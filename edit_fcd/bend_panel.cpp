@@ -122,8 +122,10 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     add("Reset", "Takes all motions back (Backspace)", Reset, 1, 1);
     add("Undo", "Ctrl+Z", Undo, 2, 0);
     add("Redo", "Ctrl+Shift+Z", Redo, 2, 1);
-    add("Apply in place", "The layer keeps the shape (Enter)", ApplyInPlace, 3, 0);
-    add("Apply to new layer", "A new layer gets the shape (Shift+Enter)", ApplyToNewLayer, 3, 1);
+    add("Apply in place", "The layer keeps the shape, and the next pose begins from it (Ctrl+Enter)", ApplyInPlace, 3,
+        0);
+    add("Apply to new layer", "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)",
+        ApplyToNewLayer, 3, 1);
     column->addLayout(grid);
     graphs = new QCheckBox("with graph layers");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
@@ -179,6 +181,15 @@ void BendPanel::setPose(int percent) {
     poseSlider->setValue(percent);
     poseSlider->blockSignals(blocked);
     poseLabel->setText(QString("%1 %").arg(percent));
+}
+
+void BendPanel::setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int pose) {
+    const QSignalBlocker blocked(this);
+    smoothnessValue->setValue(smoothness);
+    patchCount->setValue(patches);
+    weightsChoice->setCurrentIndex(int(weights));
+    mirrorAxis->setCurrentIndex(mirror + 1);
+    setPose(pose);
 }
 
 void BendPanel::setStretch(bool shown) {

@@ -42,6 +42,8 @@ class BendPanel : public QDockWidget {
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
     int pose() const { return poseSlider->value(); }              ///< percent
     void setPose(int percent);
+    /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
+    void setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int pose);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
     /// Whether there is a surface whose stretch can be shown.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include <layer_fcd/kept_aside.h>
+#include <layer_fcd/marks.h>
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
@@ -16,7 +16,9 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
-const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
+const std::size_t mostTags = 64;       // of those that a person gives
+const unsigned char markOpacity = 150; // of 255: the surface is still seen
+const double pointSize = 0.08;         // of a point's radius: so far it is held, that a single vertex makes no spike
 
 /// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
 MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
@@ -35,32 +37,38 @@ MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
     return other;
 }
 
+/// The tags of a layer, null where nothing is tagged. What is no tags, patches for example, counts as nothing.
+std::shared_ptr<const BendTags> marksNow(const MeshModel &layer) {
+    auto present = std::make_shared<BendTags>();
+    try {
+        *present = presentTags(layer, {});
+    } catch (const Error &) { // no whole numbers
+        return nullptr;
+    }
+    std::set<int> tags;
+    for (auto tag = present->begin(); tag != present->end() && tags.size() <= mostTags; ++tag)
+        if (tag == present->begin() || *tag != *std::prev(tag))
+            tags.insert(*tag);
+    return tags.size() > mostTags || tags == std::set<int>{1} ? nullptr : present;
+}
+
 } // namespace
 
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     : document(document), layer(layer), rest(layer), solver(document, layer) {
     if (layer.cm.vn == 0)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
-    BendTags present;
-    try {
-        present = presentTags(layer, target);
-    } catch (const Error &) { // no whole numbers
-    }
-    if (present.empty() || std::set<int>(present.begin(), present.end()).size() > 64) { // patches for example
-        target.attribute = "fcd_tag"; // leaves a quality that is none of ours alone
-        present = presentTags(layer, target);
-    }
-    if (std::any_of(present.begin(), present.end(), [](int tag) { return tag != 1; }))
-        now.marks = std::make_shared<const BendTags>(std::move(present));
-    const int mask = layer.dataMask() & (MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
-    color.resize((mask & MeshModel::MM_VERTCOLOR) != 0 ? layer.cm.vert.size() : 0);
-    quality.resize((mask & MeshModel::MM_VERTQUALITY) != 0 ? layer.cm.vert.size() : 0);
-    for (std::size_t i = 0; i < color.size(); ++i)
-        color[i] = layer.cm.vert[i].cC();
-    for (std::size_t i = 0; i < quality.size(); ++i)
-        quality[i] = layer.cm.vert[i].cQ();
+    now.marks = marksNow(layer);
+    isMarkedHere = hasMarks(layer);
     keepRest();
     updateTags();
+}
+
+bool BendSession::isAsLeft() const {
+    if (!isUpToDate())
+        return false;
+    const auto marks = marksNow(layer);
+    return marks && now.marks ? *marks == *now.marks : !marks && !now.marks;
 }
 
 void BendSession::keepRest() {
@@ -204,31 +212,50 @@ void BendSession::updateTags() {
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
 }
 
-void BendSession::showTags() {
-    hideStretch();
-    if (now.marks) {
-        writeTags(layer, *effective, target);
-        return;
-    }
-    for (std::size_t i = 0; i < color.size(); ++i)
-        layer.cm.vert[i].C() = color[i];
-    if (layer.hasDataMask(MeshModel::MM_VERTCOLOR) && color.empty())
-        for (CVertexO &vertex : layer.cm.vert)
-            vertex.C() = vcg::Color4b(vcg::Color4b::White);
-    if (layer.hasDataMask(MeshModel::MM_VERTQUALITY))
-        for (std::size_t i = 0; i < layer.cm.vert.size(); ++i)
-            layer.cm.vert[i].Q() = quality.empty() ? 0 : quality[i];
+/// Gives the layer the marks.
+void BendSession::writeMarks() {
+    dropMarks(layer);
+    if (now.marks)
+        setMarks(layer, *now.marks);
+    else if (marksNow(layer)) // it has tags elsewhere, which are not to be seen
+        setMarks(layer, BendTags(layer.cm.vert.size(), 1));
+    isMarkedHere = hasMarks(layer);
 }
+
+std::vector<vcg::Color4b> BendSession::overlay() {
+    if (isStretchShown()) {
+        if (!stretch)
+            stretch = std::make_unique<StretchColors>(layer);
+        return stretch->of(rest.positions(), rest.world().linear());
+    }
+    std::vector<vcg::Color4b> color;
+    if (!marking && !now.marks)
+        return color;
+    const BendTags &tags = marking ? *marking : *effective;
+    color.assign(tags.size(), vcg::Color4b(0, 0, 0, 0));
+    ParallelFor(0, tags.size(), grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (tags[i] != 1) {
+                color[i] = colorOfTag(tags[i]);
+                color[i][3] = markOpacity;
+            }
+    });
+    return color;
+}
+
+bool BendSession::isStretchShown() const { return options.stretch && !marking && layer.cm.fn > 0; }
 
 // --- changes ---
 
 /// The state is another one.
 void BendSession::takeState() {
+    crossApplies();
     updateTags();
-    showTags();
+    writeMarks();
 }
 
 void BendSession::undo() {
+    forgetWhatIsGone();
     if (history.undo(now))
         takeState();
 }
@@ -241,39 +268,33 @@ void BendSession::redo() {
 void BendSession::cancel() {
     if (!history.cancel(now))
         return;
-    if (marking)
-        coloredByTags(layer);
     marking.reset();
     takeState();
 }
 
 void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
     if (!marking) {
-        hideStretch();
         marking = std::make_shared<BendTags>(*effective);
         now.points.clear(); // they are marks from now on
-        if (!now.marks || !layer.hasDataMask(MeshModel::MM_VERTCOLOR))
-            writeTags(layer, *marking, target);
     }
-    for (std::size_t i : vertices) {
+    for (std::size_t i : vertices)
         (*marking)[i] = tag;
-        layer.cm.vert[i].C() = colorOfTag(tag);
-    }
 }
 
 void BendSession::endMarks() {
     if (!marking)
         return;
-    coloredByTags(layer); // mark() did it
     now.marks = std::move(marking);
     updateTags();
-    showTags();
+    writeMarks();
 }
 
 void BendSession::clearMarks() {
-    now = BendState();
+    now.marks.reset();
+    now.points.clear();
+    now.motion.clear();
     updateTags();
-    showTags();
+    writeMarks();
 }
 
 int BendSession::addPoint(std::size_t slot, double radius) {
@@ -289,8 +310,6 @@ int BendSession::addPoint(std::size_t slot, double radius) {
     if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&
         !(now.marks && (*effective)[*other] != 1))
         add(*other);
-    if (now.marks)
-        showTags();
     return tag;
 }
 

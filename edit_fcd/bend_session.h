@@ -17,8 +17,9 @@
 /// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
 /// prepared for that. Knows nothing of mouse and screen.
 ///
-/// The layer shows the pose; keep() or restore() end that. Motions and places are in the world, that is after the
-/// layer's matrix, but for slots.
+/// The layer has the pose; its colours, quality and textures are as they were, and its tags are marks. leave() makes
+/// the pose what a filter would have made of it; the session goes on when the tool comes back. Motions and places are
+/// in the world, that is after the layer's matrix, but for slots.
 class BendSession {
   public:
     /// The present shape of \p layer becomes the rest shape, its tags the marks.
@@ -29,6 +30,8 @@ class BendSession {
     bool fits() const { return rest.fits(); }
     /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
     bool isUpToDate() const;
+    /// The same, of all that a filter may have changed while the tool was elsewhere.
+    bool isAsLeft() const;
 
     // --- what is held ---
 
@@ -63,11 +66,9 @@ class BendSession {
     /// Takes back what was done since the last change(), without a redo.
     void cancel();
 
-    /// Tags vertices, in the layer's colours at once; endMarks() writes them all.
+    /// Marks vertices; with endMarks() the layer has these marks.
     void mark(const std::vector<std::size_t> &vertices, int tag);
     void endMarks();
-    /// Gives the layer tags and colours, or the look that it had before there were any.
-    void showTags();
     void clearMarks();
     /// A new handle around a vertex. \pre it is free where anything is marked \return its tag
     int addPoint(std::size_t slot, double radius);
@@ -89,59 +90,71 @@ class BendSession {
 
     /// Solves and writes the pose into the layer's positions and normals. \param full from rest to the end, as the
     /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
-    /// \throw vcg::fcd::Error
-    Times pose(bool full);
+    /// \param faces normals of faces in any case \throw vcg::fcd::Error
+    Times pose(bool full, bool faces = false);
     /// Prepares the deformer if it is not. \throw vcg::fcd::Error
     double prepare();
     bool moves() const; ///< whether anything leads away from rest
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->graph.Size()) : 0; }
 
-    /// The rest shape again, to the bit, with the layer's own colours.
+    /// The rest shape again, to the bit.
     void restore();
 
-    /// Colours the layer by its stretch where the options say so, and nothing is being marked; otherwise it has its own
-    /// colours, or those of the tags, as after all that changes tags. Each pose() ends with it.
-    void updateStretch();
-    void hideStretch();
-    bool isStretchShown() const { return stretch != nullptr; }
+    /// Colours to be drawn over the layer, one per vertex slot: of its stretch where the options say so, and nothing is
+    /// being marked, else of its marks. Empty where there is nothing to be shown.
+    std::vector<vcg::Color4b> overlay();
+    bool isStretchShown() const;
 
-    /// The layer at rest gets the present pose as FCD: Pose in Place gives it, and that becomes the rest shape. \return
-    /// the filter calls
+    /// The layer gets the present pose as FCD: Pose in Place gives it. It stays a pose of the rest shape, and the
+    /// session goes on if the layer isAsLeft(). \return the filter calls, empty where the layer has it already, or is
+    /// at rest
+    std::string leave(const Remark &remark);
+    /// The same, and that becomes the rest shape.
     std::string applyInPlace(const Remark &remark);
     /// The layer is at rest, and new layers hold the pose as FCD: Deform Mesh gives it; one of them is the current
-    /// layer, so that the tool may end in this. \return the filter call
+    /// layer. \return the filter call
     std::string applyToNewLayer(bool graphLayers, const Remark &remark);
 
     BendOptions options;
 
   private:
     void keepRest();
-    void restoreShape();
     void updateTags();
+    void writeMarks();
     void takeState();
+    void crossApplies();
+    void forgetWhatIsGone();
     BendSolver::Motions motionsNow() const;
     HandleParam handleParam() const;
     void handOver();
+    std::string poseByFilter(const Remark &remark);
+    void beginAnew();
     std::string filterCall(const std::string &script, const std::string &more) const;
 
     MeshDocument &document;
     MeshModel &layer;
-    TagTarget target;
     BendRest rest;
     BendReach reachOfRest;
 
-    // The look of the layer before anything was marked.
-    std::vector<vcg::Color4b> color;
-    std::vector<CVertexO::QualityType> quality;
+    /// What was applied.
+    struct Applied {
+        BendState state;
+        BendOptions options;
+        std::uint64_t rest; ///< shape, as shapeOf tells it
+    };
 
     BendState now;
     BendHistory history;
+    std::vector<Applied> applied;                      ///< also what has been undone
+    std::size_t applies = 0;                           ///< that led to the present rest shape
+    bool isMarkedHere = false;                         ///< the layer has marks, not other tags
+    bool isLeft = false;                               ///< the layer has what leave() gave it
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
 
     BendSolver solver;
-    std::unique_ptr<StretchColors> stretch; ///< while it is shown
+    std::unique_ptr<StretchColors> stretch; ///< once it has been shown
 };
 
 #endif

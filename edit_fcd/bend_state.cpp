@@ -26,7 +26,8 @@ bool take(std::vector<BendState> &states, BendState &now) {
 } // namespace
 
 bool BendState::operator==(const BendState &other) const {
-    return marks == other.marks && points == other.points && motion.size() == other.motion.size() &&
+    return applies == other.applies && marks == other.marks && points == other.points &&
+           motion.size() == other.motion.size() &&
            std::equal(motion.begin(), motion.end(), other.motion.begin(), [](const auto &a, const auto &b) {
                return a.first == b.first &&
                       std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), isSame);
@@ -60,7 +61,8 @@ bool BendHistory::redo(BendState &now) {
 
 bool BendHistory::cancel(BendState &now) { return take(before, now); }
 
-void BendHistory::clear() {
-    before.clear();
-    after.clear();
+void BendHistory::forget(std::size_t applies) {
+    before.erase(
+        std::remove_if(before.begin(), before.end(), [&](const BendState &state) { return state.applies < applies; }),
+        before.end());
 }

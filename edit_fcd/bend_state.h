@@ -25,6 +25,7 @@ struct BendState {
     std::shared_ptr<const BendTags> marks; ///< null: nothing is marked, and points bend what is around them
     std::map<int, BendPoint> points;       ///< by their tag
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
+    std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
 
     bool operator==(const BendState &other) const;
 };
@@ -56,7 +57,8 @@ class BendHistory {
     bool redo(BendState &now);
     /// Takes back what was done since the last begin(), without a redo.
     bool cancel(BendState &now);
-    void clear();
+    /// Forgets what was before so many applies.
+    void forget(std::size_t applies);
 
   private:
     std::vector<BendState> before, after;

@@ -8,8 +8,6 @@
 
 #include <QCursor>
 
-// --- beginning and end ---
-
 void BendTool::say(const std::string &text, bool warning) {
     if (!view)
         return;
@@ -19,105 +17,6 @@ void BendTool::say(const std::string &text, bool warning) {
     view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, line.c_str());
     if (panel && warning)
         panel->showState(QString::fromStdString(text));
-}
-
-MeshModel *BendTool::layer() const {
-    if (!view || !view->md() || !session)
-        return nullptr;
-    MeshModel *found = view->md()->getMesh(layerId);
-    return found == model && session->fits() ? found : nullptr;
-}
-
-bool BendTool::start(MeshDocument &document, GLArea *area) {
-    close();
-    isEnding = false;
-    view = area;
-    if (!document.mm())
-        return false;
-    try {
-        open(*document.mm());
-    } catch (...) {
-        refused = document.mm()->id();
-        close();
-        throw;
-    }
-    makePanel();
-    view->installEventFilter(this);
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
-    view->setFocus();
-    refresh();
-    return true;
-}
-
-void BendTool::end() { close(); }
-
-void BendTool::changeLayer(MeshDocument &document, GLArea *area) {
-    if (isEnding || (document.mm() && document.mm()->id() == layerId && layer()))
-        return;
-    refused = -1;
-    close();
-    view = area;
-    if (document.mm() && document.mm()->cm.vn > 0) // a file that is being opened is empty at first: see draw()
-        start(document, area);
-}
-
-void BendTool::open(MeshModel &newModel) {
-    auto opened = std::make_unique<BendSession>(*view->md(), newModel);
-    if (opened->isMarked() && !newModel.hasDataMask(MeshModel::MM_VERTCOLOR))
-        opened->showTags();
-    session = std::move(opened);
-    model = &newModel;
-    layerId = newModel.id();
-    display = std::make_unique<BendDisplay>(*view, newModel, session->isMarked());
-    active = 0;
-    isLive = false;
-}
-
-void BendTool::close() {
-    drag.reset();
-    marking.reset();
-    isStepWanted = false;
-    if (layer()) {
-        if (isLive || session->isUpToDate())
-            session->restore();
-        session->hideStretch();
-        display->end(session->isMarked());
-        isPainted = false;
-    }
-    session.reset();
-    display.reset();
-    model = nullptr;
-    layerId = -1;
-    if (panel)
-        panel->deleteLater();
-    panel = nullptr;
-    if (view) {
-        view->removeEventFilter(this);
-        disconnect(view, &QObject::destroyed, this, nullptr);
-        view->setMouseTracking(false);
-        view->unsetCursor();
-    }
-}
-
-/// Whether there is a layer to work on; begins anew with one that something else has changed.
-bool BendTool::isReady() {
-    if (!view || !view->md())
-        return false;
-    MeshModel *current = view->md()->getMesh(layerId);
-    if (!current || !session) {
-        session.reset(); // it was deleted
-        return false;
-    }
-    if (current == model && (isLive || session->isUpToDate()))
-        return true;
-    if (current == model)
-        session->hideStretch();
-    session.reset();
-    open(*current);
-    takeOptions();
-    showStretch();
-    refresh();
-    return true;
 }
 
 // --- the drag of a handle ---
@@ -133,7 +32,6 @@ void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
         session->options.pose = 100;
         panel->setPose(100);
     }
-    display->bare();
     active = tag;
     drag = std::make_unique<BendDrag>();
     drag->tag = tag;
@@ -147,6 +45,7 @@ void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
         drag->begin = steps->second;
     if (modal)
         view->setMouseTracking(true);
+    display->move();
     try {
         const double took = session->prepare();
         if (took > 0 && session->moves())
@@ -171,8 +70,9 @@ void BendTool::endDrag(bool keep) {
     isStepWanted = false;
     view->setMouseTracking(false);
     sinceEvent.start();
-    if (!keep)
-        showColors();
+    if (!layer())
+        return;
+    display->rest();
     solve(true);
     refresh();
     view->update();
@@ -199,7 +99,7 @@ void BendTool::solve(bool full) {
     watch.start();
     BendSession::Times times;
     try {
-        times = session->pose(full);
+        times = session->pose(full, display->showsFaces());
     } catch (...) {
         session->restore();
         isLive = false;
@@ -231,13 +131,13 @@ void BendTool::beginMarking(BendMarking::Kind kind) {
         glPixelStorei(GL_PACK_ALIGNMENT, 1);
         glReadPixels(0, 0, seen.width, seen.height, GL_DEPTH_COMPONENT, GL_FLOAT, marking->depth.data());
     }
-    display->bare();
 }
 
 void BendTool::brush() {
     const double radius = panel->brush() * view->devicePixelRatioF();
     session->mark(marking->strokeTo(mouseInWindow().head<2>(), radius, *session, seen), panel->tag());
-    showColors();
+    showOverlay();
+    view->update();
 }
 
 void BendTool::endMarking() {
@@ -250,7 +150,7 @@ void BendTool::endMarking() {
             session->mark(found, panel->tag());
     }
     session->endMarks();
-    showColors();
+    showOverlay();
     solve(true);
     refresh();
 }
@@ -260,16 +160,24 @@ void BendTool::endMarking() {
 void BendTool::showVertices(bool full) {
     if (!layer())
         return;
-    display->setColored(isColored());
-    display->updateShape(full, session->isStretchShown());
+    display->updateShape(full || display->showsFaces());
+    if (session->isStretchShown())
+        showOverlay();
+    else
+        overlay->move();
     isPainted = false;
 }
 
-void BendTool::showColors() {
+/// Shows the marks, or the stretch.
+void BendTool::showOverlay() {
     if (!layer())
         return;
-    session->updateStretch();
-    display->updateColors(isColored());
+    const std::vector<vcg::Color4b> color = session->overlay();
+    if (color.empty())
+        overlay->hide();
+    else
+        overlay->show(model->cm, color);
+    view->update();
 }
 
 /// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
@@ -278,7 +186,7 @@ void BendTool::showStretch() {
     if (session->options.stretch == wanted)
         return;
     session->options.stretch = wanted;
-    showColors();
+    showOverlay();
 }
 
 void BendTool::draw() {
@@ -299,9 +207,10 @@ void BendTool::draw() {
                     step();
             });
         });
-    if (layer())
+    if (layer()) {
+        overlay->draw(model->cm);
         drawOverlay();
-    else if (!session && !isEnding && view)
+    } else if (!session && !isEnding && view)
         QTimer::singleShot(0, this, [this] {
             guarded([&] {
                 if (session || isEnding || !view || !view->md() || !view->md()->mm())

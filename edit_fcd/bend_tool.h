@@ -9,9 +9,11 @@
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
+#include "layer_overlay.h"
 
 #include <layer_fcd/edit_host.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -46,9 +48,13 @@ class BendTool : public HostEditTool {
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     void open(MeshModel &model);
     void close();
+    void leave();
+    void forgetLayers();
     bool isReady();
     void makePanel();
+    void followDocument();
     void takeOptions();
+    void showOptions();
     void onOptions();
     void setMode(BendPanel::Mode mode);
     void onCommand(int which);
@@ -77,9 +83,8 @@ class BendTool : public HostEditTool {
     void brush();
     void endMarking();
 
-    bool isColored() const { return session->isMarked() || marking || session->isStretchShown(); }
     void showVertices(bool full);
-    void showColors();
+    void showOverlay();
     void showStretch();
     void drawOverlay() const;
 
@@ -90,7 +95,10 @@ class BendTool : public HostEditTool {
     int refused = -1;           ///< a layer that cannot be bent
     MeshModel *model = nullptr; ///< of the session; may be gone
     std::unique_ptr<BendSession> session;
-    std::unique_ptr<BendDisplay> display; ///< beside the session
+    std::unique_ptr<BendDisplay> display;             ///< beside the session
+    std::unique_ptr<LayerOverlay> overlay;            ///< as well
+    std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
+    QPointer<MeshDocument> document;
     BendView seen;
     std::unique_ptr<BendDrag> drag;
     std::unique_ptr<BendMarking> marking;

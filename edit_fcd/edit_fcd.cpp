@@ -39,15 +39,18 @@ QString EditFcd::help() const {
            "<b>With marks:</b> choose <i>Brush</i> (B), <i>Rectangle</i> (V) or <i>Polyline</i> (L) and what is "
            "marked: "
            "fixed (F, blue), free (U, yellow), a handle (H, red; Shift+H the next number) or outside (O, grey). Then "
-           "<i>Bend</i> (M), and drag a handle, an arrow (moves along an axis) or a ring (turns). Marks are the tags "
-           "of "
-           "the FCD filters, in the vertex quality.<br>"
+           "<i>Bend</i> (M), and drag a handle, an arrow (moves along an axis) or a ring (turns). Marks are tags "
+           "for "
+           "the FCD filters, too; colours and quality of the layer stay as they are.<br>"
            "<b>Keys:</b> G move, R turn, S scale, then X, Y or Z for an axis, a number, Enter or click to keep, Esc or "
-           "right click to cancel. Ctrl+Z undo, Ctrl+Shift+Z redo, Backspace reset, Enter apply in place, Shift+Enter "
-           "apply to new layer.<br>"
+           "right click to cancel. Ctrl+Z undo, Ctrl+Shift+Z redo, Backspace reset, Ctrl+Enter apply in place, "
+           "Ctrl+Shift+Enter apply to new layer.<br>"
            "<b>Camera:</b> drag beside the mesh, or with the right or middle button; wheel.<br>"
-           "Leaving the tool without applying brings the rest shape back. The log gets the filter call that makes the "
-           "same shape in a script.";
+           "A layer is what it shows: whatever comes next, another layer, a filter, a file, finds the pose. Back in "
+           "the "
+           "tool, it goes on as it was left, with its undo. The log gets the filter call that makes the same shape in "
+           "a "
+           "script.";
 }
 
 #include "layer_fcd/moc_edit_host.cpp" // NOLINT(bugprone-suspicious-include)

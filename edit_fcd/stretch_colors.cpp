@@ -16,14 +16,7 @@ vcg::Color4b colorOfStretch(double exponent) {
     return vcg::Color4b(mixed(0), mixed(1), mixed(2), 255);
 }
 
-StretchColors::StretchColors(MeshModel &layer)
-    : layer(layer), hadColors(layer.hasDataMask(MeshModel::MM_VERTCOLOR)), own(layer.cm.vert.size()) {
-    for (std::size_t i = 0; i < own.size(); ++i)
-        own[i] = layer.cm.vert[i].cC();
-    shown = own;
-    connect();
-    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
-}
+StretchColors::StretchColors(const MeshModel &layer) : layer(layer) { connect(); }
 
 /// Finds the faces of each vertex, by all threads.
 void StretchColors::connect() {
@@ -55,10 +48,11 @@ void StretchColors::connect() {
     });
 }
 
-void StretchColors::show(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world) {
-    CMeshO &mesh = layer.cm;
+std::vector<vcg::Color4b> StretchColors::of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world) {
+    const CMeshO &mesh = layer.cm;
     const std::size_t grain = 1 << 13;
     const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
+    std::vector<vcg::Color4b> color(mesh.vert.size());
     exponent.assign(mesh.face.size(), 0);
     area.assign(mesh.face.size(), 0);
     vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
@@ -86,18 +80,8 @@ void StretchColors::show(const std::vector<Point3m> &rest, const Eigen::Matrix3d
                 sum += exponent[faceOf[k]] * area[faceOf[k]];
                 weight += area[faceOf[k]];
             }
-            mesh.vert[i].C() = shown[i] = colorOfStretch(weight > 0 ? double(sum / weight) : 0);
+            color[i] = colorOfStretch(weight > 0 ? double(sum / weight) : 0);
         }
     });
-}
-
-void StretchColors::bringBack() {
-    CMeshO &mesh = layer.cm;
-    for (std::size_t i = 0; i < own.size(); ++i)
-        if (mesh.vert.size() != own.size() || mesh.vert[i].cC() != shown[i])
-            return;
-    for (std::size_t i = 0; i < own.size(); ++i)
-        mesh.vert[i].C() = own[i];
-    if (!hadColors)
-        layer.clearDataMask(MeshModel::MM_VERTCOLOR);
+    return color;
 }

@@ -13,24 +13,20 @@
 /// as long or more (1).
 vcg::Color4b colorOfStretch(double exponent);
 
-/// The colours of a layer's vertices while they show how much its surface is stretched. Its own are kept meanwhile.
+/// Colours of a layer's vertices that show how much its surface is stretched.
 class StretchColors {
   public:
-    explicit StretchColors(MeshModel &layer);
+    explicit StretchColors(const MeshModel &layer);
 
-    /// Colours each vertex by the mean of the TriangleStretch::Exponent() of its faces, weighed by their area at rest.
-    /// \param rest positions at rest, one a vertex slot \param world of the layer's matrix: stretch is that in the
-    /// world
-    void show(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world);
-    /// Gives the layer its own colours back, unless something else has coloured it since.
-    void bringBack();
+    /// One colour per vertex slot, by the mean of the TriangleStretch::Exponent() of its faces, weighed by their area
+    /// at rest. \param rest positions at rest, one a vertex slot \param world of the layer's matrix: stretch is that in
+    /// the world
+    std::vector<vcg::Color4b> of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world);
 
   private:
     void connect();
 
-    MeshModel &layer;
-    const bool hadColors;
-    std::vector<vcg::Color4b> own, shown;
+    const MeshModel &layer;
     std::vector<float> exponent, area; ///< of faces
 
     // The faces of the vertex at each slot are those from begin[slot] to begin[slot + 1], ascending.

@@ -189,14 +189,20 @@ CopyParam copyParam(const RichParameterList &list, const MeshDocument &document)
 
 RichParameterList toRichParameters(const ResetPoseParam &param) {
     RichParameterList list;
-    addParameter<RichBool>(
-        list, Shown::Always, "keep_shape", param.keepShape, "Keep the present shape",
-        "Ticked, the layer stays as it is, and later poses begin from this shape. Otherwise it gets the shape back "
-        "that it had before its first pose.");
+    addParameter<RichEnum>(
+        list, Shown::Always, "to", int(param.to), QStringList{"The shape before the last pose", "The shape as loaded"},
+        "Back to",
+        "<b>The shape before the last pose</b> (0): one step; where the layer has that already, the one before. Steps "
+        "are what 'Apply' in the tool 'FCD: Bend', or 'Keep the present shape', made of a pose.<br><b>The shape as "
+        "loaded</b> (1): that which the layer had before its first pose.");
+    addParameter<RichBool>(list, Shown::Always, "keep_shape", param.keepShape, "Keep the present shape",
+                           "Ticked, the layer stays as it is, and later poses begin from this shape.");
     return list;
 }
 
-ResetPoseParam resetPoseParam(const RichParameterList &list) { return {list.getBool("keep_shape")}; }
+ResetPoseParam resetPoseParam(const RichParameterList &list) {
+    return {list.getBool("keep_shape"), ResetPoseParam::To(enumValue(list, "to", 2))};
+}
 
 DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document) {
     DeformMeshParam param;

@@ -76,16 +76,18 @@ QString FilterFcd::filterInfo(int id) const {
                    "see "
                    "the shape follow while you change a value. The first time the layer is prepared, which takes a "
                    "moment; each further pose takes a fraction of that, also when you come back to the dialog.<br>"
-                   "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose: "
-                   "poses "
+                   "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose, "
+                   "or when one was applied or kept last: poses "
                    "do not add up, and pose 0 is the rest shape. The layer keeps the rest shape as vertex attributes "
                    "(fcd_rest, fcd_rest_normal); 'FCD: Reset Pose' brings it back. Changes positions and normals, "
                    "nothing else. All motions are in world coordinates. Warp, bend, deform with preview; ARAP.") +
                reference;
     case ResetPose:
-        return "Brings a layer that 'FCD: Pose in Place' has bent back to the shape that it had before its first pose, "
-               "exactly; or keeps the shape that it has and lets later poses begin from that. Where something else has "
-               "moved vertices since, or made new ones, the first is refused, and nothing is changed.";
+        return "Brings a layer that 'FCD: Pose in Place' or the tool 'FCD: Bend' has bent back to the shape that it "
+               "had "
+               "before its last pose, or before its first, exactly; or keeps the shape that it has and lets later "
+               "poses begin from that. Where something else has moved vertices since, or made new ones, going back is "
+               "refused, and nothing is changed.";
     case CopyDeformation:
         return QString(
                    "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "

@@ -34,6 +34,16 @@
 #define FCD_EDIT_METHOD(name2020, name2022) name2022
 #endif
 
+namespace host {
+
+/// Gives the graphics card the textures of a layer, which the host does for those of filters and files.
+inline void showTextures(GLArea &view, const MeshModel &layer) {
+    if (!layer.cm.textures.empty())
+        QMetaObject::invokeMethod(view.window(), "updateTexture", Qt::DirectConnection, Q_ARG(int, layer.id()));
+}
+
+} // namespace host
+
 /// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.
 ///
 /// Nothing leaves a tool but by return, since an exception would end the program: the text of one goes to the log.

@@ -3,6 +3,7 @@
 
 #include "kept_aside.h"
 #include "layer_contents.h"
+#include "marks.h"
 #include "mesh_copy.h"
 
 #include <vcg/complex/allocate.h>
@@ -137,9 +138,13 @@ void coloredByTags(const MeshModel &layer) {
 int bringBack(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
     const Aside *aside = asideOf(mesh);
+    const bool hadMarks = hasMarks(layer);
+    dropMarks(layer);
+    if (!aside && hadMarks)
+        return 0;
     if (!aside)
         throw Error("The layer '" + layer.label().toStdString() +
-                    "' has no tags that an FCD filter gave it, so there is nothing to bring back.");
+                    "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
     const KeptVertices kept(mesh);
     std::atomic<int> others{0}, otherColors{0}, otherQualities{0};
     forVertices(mesh, [&](std::size_t i) {

@@ -18,9 +18,9 @@ void keepAside(MeshModel &layer, bool color, bool quality);
 /// Remembers the colours of \p layer as those of tags; after each keepAside() of colours.
 void coloredByTags(const MeshModel &layer);
 
-/// Gives the vertices of \p layer back what is kept aside, and forgets it. Where there was none, none is left. Vertices
-/// that something else has made since, or given other colours or another quality than tags, keep what they have.
-/// \return how many these are \throw vcg::fcd::Error when nothing is kept
+/// Drops the marks of \p layer, gives its vertices back what is kept aside, and forgets it. Where there was none, none
+/// is left. Vertices that something else has made since, or given other colours or another quality than tags, keep what
+/// they have. \return how many these are \throw vcg::fcd::Error when nothing is kept
 int bringBack(MeshModel &layer);
 
 /// Gives \p copy, of the live vertices of \p layer, the colours and the quality that \p layer keeps aside. Where it had

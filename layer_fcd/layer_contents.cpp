@@ -4,6 +4,7 @@
 
 #include "layer_contents.h"
 #include "layer_normals.h"
+#include "marks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,6 +132,8 @@ bool hasQuality(const MeshModel &layer) {
 }
 
 bool mayHaveTags(const MeshModel &layer) {
+    if (hasMarks(layer))
+        return true;
     return hasQuality(layer) && std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(), [](const CVertexO &vertex) {
                return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ());
            });

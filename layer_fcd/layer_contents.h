@@ -54,7 +54,7 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 
 /// Whether \p layer has a quality that is not 0 everywhere.
 bool hasQuality(const MeshModel &layer);
-/// Whether that may be tags: whole numbers.
+/// Whether it has marks, or that may be tags: whole numbers.
 bool mayHaveTags(const MeshModel &layer);
 
 /// A number for all that a person can see or change of \p layer: matrix, elements and their positions, corners,

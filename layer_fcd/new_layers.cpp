@@ -4,6 +4,7 @@
 #include "kept_aside.h"
 #include "layer_labels.h"
 #include "layer_normals.h"
+#include "marks.h"
 #include "mesh_copy.h"
 #include "new_layers.h"
 #include "rest_shape.h"
@@ -51,7 +52,8 @@ void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
     const AttributeMakers makers;
     const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty() || isOfRest(attribute._name) || isAside(attribute._name))
+            if (attribute._name.empty() || isOfRest(attribute._name) || isAside(attribute._name) ||
+                isMarks(attribute._name))
                 continue; // scratch data of some algorithm, or what belongs to the layer alone
             const auto maker = makersOfKind.find(attribute._type.name());
             if (maker == makersOfKind.end())

@@ -75,7 +75,10 @@ struct PoseParam {
 
 /// What "FCD: Reset Pose" is asked for.
 struct ResetPoseParam {
+    enum To { LastShape, Loaded };
+
     bool keepShape = false; ///< make the present shape the rest shape
+    To to = LastShape;      ///< otherwise: the shape before the last pose, or that which the layer was loaded with
 };
 
 /// What "FCD: Apply Deformation to Layer" is asked for.

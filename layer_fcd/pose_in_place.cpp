@@ -117,11 +117,11 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
     return all.moved;
 }
 
-void resetPose(MeshModel &layer, bool presentShape) {
+void resetPose(MeshModel &layer, const ResetPoseParam &param) {
     if (!RestShape::exists(layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");
-    if (presentShape) {
+    if (param.keepShape) {
         RestShape::keep(layer);
         return;
     }
@@ -129,5 +129,12 @@ void resetPose(MeshModel &layer, bool presentShape) {
     rest.checkVertices("The rest shape has no place for these, and going back would tear the surface. Tick 'Keep the "
                        "present shape' (keep_shape): poses then begin from that. Or open the layer's file again.");
     rest.followFaces();
+    const std::vector<std::uint64_t> shapes = rest.shapes();
+    std::size_t to = shapes.size() - 1;
+    if (param.to == ResetPoseParam::Loaded)
+        to = 0;
+    else if (to > 0 && shapes[to] == shapeOf(layer.cm))
+        --to;
+    rest.backTo(to);
     rest.restore();
 }

@@ -2,6 +2,7 @@
 #ifndef FCD_POSE_IN_PLACE_H
 #define FCD_POSE_IN_PLACE_H
 
+#include "parameters.h"
 #include "prepared_layers.h"
 #include "rest_shape.h"
 
@@ -15,8 +16,9 @@ void writeMoving(CMeshO &mesh, const Point3m *position, const Point3m *normal, c
 bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vcg::fcd::Deformer::Pose &pose,
                bool turnNormals);
 
-/// Gives \p layer its rest shape back, to the bit; or, with \p presentShape, makes the shape that it has the rest
-/// shape. \throw vcg::fcd::Error when the layer has no rest shape, or not all of its vertices belong to that
-void resetPose(MeshModel &layer, bool presentShape);
+/// Gives \p layer its rest shape back, to the bit, or, where it has that already, the one before; or the first of all;
+/// or makes the shape that it has the rest shape. \throw vcg::fcd::Error when the layer has no rest shape, or not all
+/// of its vertices belong to that
+void resetPose(MeshModel &layer, const ResetPoseParam &param);
 
 #endif

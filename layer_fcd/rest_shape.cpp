@@ -23,14 +23,17 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const vertexName = "fcd_posed_1",
-                  *const posedName = "fcd_posed_layer_1";
+                  *const posedName = "fcd_posed_layer_2";
 static_assert(std::is_trivial<PosedVertex>::value && std::is_trivially_copyable<Posed>::value,
               "plain data, whoever has made it; zero for new vertices");
 
 template <class T>
-T *values(const CMeshO &mesh, const char *name) {
-    return host::vertexAttribute<T>(mesh, name);
+T *values(const CMeshO &mesh, const std::string &name) {
+    return host::vertexAttribute<T>(mesh, name.c_str());
 }
+
+/// The attribute of an earlier rest shape. \param what positionName, or normalName
+std::string earlierName(const char *what, std::uint32_t number) { return what + ("_" + std::to_string(number)); }
 
 /// The sum of shapeTerm over the live vertices.
 template <class PositionOf>
@@ -44,10 +47,33 @@ std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
     });
 }
 
+/// Turns the normals of a shape over that look to the other side than the faces there.
+void turnToFaces(const CMeshO &mesh, const Point3m *position, Point3m *normal) {
+    std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD()) {
+            std::uint32_t corner[3];
+            vcg::tri::ReadSlots(mesh, face, 3, corner);
+            const auto at = [&](int k) { return toVector(position[corner[k]]); };
+            const Eigen::Vector3d p = at(0), n = (at(1) - p).cross(at(2) - p);
+            for (std::uint32_t slot : corner)
+                sum[slot] += n;
+        }
+    forVertices(mesh, [&](std::size_t i) {
+        if (toVector(normal[i]).dot(sum[i]) < 0)
+            normal[i] = -normal[i];
+    });
+}
+
 } // namespace
 
 bool isOfRest(const std::string &attribute) {
-    return attribute == positionName || attribute == normalName || attribute == vertexName;
+    const auto isEarlier = [&](const std::string &name) {
+        return attribute.rfind(name + "_", 0) == 0 &&
+               attribute.find_first_not_of("0123456789", name.size() + 1) == std::string::npos;
+    };
+    return attribute == positionName || attribute == normalName || attribute == vertexName || isEarlier(positionName) ||
+           isEarlier(normalName);
 }
 
 bool RestShape::exists(const MeshModel &layer) {
@@ -58,6 +84,24 @@ bool RestShape::exists(const MeshModel &layer) {
 
 void RestShape::keep(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
+    Posed kept;
+    if (exists(layer)) {
+        RestShape last(layer);
+        const bool areHome = last.countStrangers() == 0;
+        while (last.posed->count > 0 && (!areHome || last.posed->count == Posed::mostEarlier))
+            last.dropEarlier(areHome ? 1 : last.posed->count - 1); // the first is that of the file
+        if (areHome && last.shape() != shapeOf(mesh)) {
+            const std::uint32_t number = last.posed->made;
+            auto *position = host::madeVertexAttribute<Point3m>(mesh, earlierName(positionName, number).c_str()),
+                 *normal = host::madeVertexAttribute<Point3m>(mesh, earlierName(normalName, number).c_str());
+            forVertices(mesh, [&](std::size_t i) {
+                position[i] = last.position[i];
+                normal[i] = last.normal[i];
+            });
+            last.posed->earlier[last.posed->count++] = last.posed->made++;
+        }
+        kept = *last.posed;
+    }
     Point3m *position = host::madeVertexAttribute<Point3m>(mesh, positionName),
             *normal = host::madeVertexAttribute<Point3m>(mesh, normalName);
     auto *vertices = host::madeVertexAttribute<PosedVertex>(mesh, vertexName);
@@ -67,7 +111,9 @@ void RestShape::keep(MeshModel &layer) {
         const std::uint64_t place = placeOf(position[i]);
         vertices[i] = {place, place};
     });
-    host::madeMeshAttribute<Posed>(mesh, posedName) = {facesOf(mesh), ::hasOwnNormals(layer)};
+    kept.faces = facesOf(mesh);
+    kept.ownNormals = ::hasOwnNormals(layer);
+    host::madeMeshAttribute<Posed>(mesh, posedName) = kept;
 }
 
 void RestShape::drop(MeshModel &layer) {
@@ -90,6 +136,37 @@ std::uint64_t RestShape::shape() const {
     return shapeSum(mesh, [this](std::size_t i) { return position[i]; });
 }
 
+std::vector<std::uint64_t> RestShape::shapes() const {
+    std::vector<std::uint64_t> all;
+    for (std::uint32_t k = 0; k < posed->count; ++k) {
+        const auto *earlier = values<Point3m>(mesh, earlierName(positionName, posed->earlier[k]));
+        all.push_back(earlier ? shapeSum(mesh, [earlier](std::size_t i) { return earlier[i]; }) : 0);
+    }
+    all.push_back(shape());
+    return all;
+}
+
+void RestShape::dropEarlier(std::uint32_t place) {
+    for (const char *what : {positionName, normalName})
+        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, earlierName(what, posed->earlier[place]));
+    std::copy(posed->earlier.begin() + place + 1, posed->earlier.begin() + posed->count,
+              posed->earlier.begin() + place);
+    --posed->count;
+}
+
+void RestShape::backTo(std::size_t place) {
+    if (place >= posed->count)
+        return;
+    const auto *earlier = values<Point3m>(mesh, earlierName(positionName, posed->earlier[place])),
+               *earlierNormal = values<Point3m>(mesh, earlierName(normalName, posed->earlier[place]));
+    forVertices(mesh, [&](std::size_t i) {
+        position[i] = earlier[i];
+        normal[i] = earlierNormal[i];
+    });
+    while (posed->count > place)
+        dropEarlier(posed->count - 1);
+}
+
 bool RestShape::isAtHome(std::size_t slot) {
     PosedVertex &known = vertices[slot];
     const Point3m &p = mesh.vert[slot].cP();
@@ -102,14 +179,17 @@ bool RestShape::isAtHome(std::size_t slot) {
     return true;
 }
 
-void RestShape::checkVertices(const std::string &remedy) {
-    const std::uint64_t strangers = sumOf(mesh.vert.size(), [this](std::size_t first, std::size_t last) {
+std::uint64_t RestShape::countStrangers() {
+    return sumOf(mesh.vert.size(), [this](std::size_t first, std::size_t last) {
         std::uint64_t count = 0;
         for (std::size_t i = first; i < last; ++i)
             count += !mesh.vert[i].IsD() && !isAtHome(i);
         return count;
     });
-    if (strangers > 0)
+}
+
+void RestShape::checkVertices(const std::string &remedy) {
+    if (const std::uint64_t strangers = countStrangers(); strangers > 0)
         throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
                               "' was changed since its last pose: " + std::to_string(strangers) + " of its " +
                               std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
@@ -123,20 +203,10 @@ std::uint64_t RestShape::followFaces() {
     posed->ownNormals = ::hasOwnNormals(layer);
     if (posed->ownNormals || mesh.fn == 0)
         return present;
-    std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
-    for (const CFaceO &face : mesh.face)
-        if (!face.IsD()) {
-            std::uint32_t corner[3];
-            vcg::tri::ReadSlots(mesh, face, 3, corner);
-            const auto at = [&](int k) { return toVector(position[corner[k]]); };
-            const Eigen::Vector3d p = at(0), n = (at(1) - p).cross(at(2) - p);
-            for (std::uint32_t slot : corner)
-                sum[slot] += n;
-        }
-    forVertices(mesh, [&](std::size_t i) {
-        if (toVector(normal[i]).dot(sum[i]) < 0)
-            normal[i] = -normal[i];
-    });
+    turnToFaces(mesh, position, normal);
+    for (std::uint32_t k = 0; k < posed->count; ++k)
+        turnToFaces(mesh, values<Point3m>(mesh, earlierName(positionName, posed->earlier[k])),
+                    values<Point3m>(mesh, earlierName(normalName, posed->earlier[k])));
     return present;
 }
 

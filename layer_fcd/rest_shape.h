@@ -8,8 +8,10 @@
 #include "angle_normals.h" // prefetch
 #include "meshlab_host.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 /// What the state of a layer knows of a vertex: plain data, zero for a vertex that something else makes. Who changes it
 /// changes the number in its name.
@@ -20,18 +22,29 @@ struct PosedVertex {
 
 /// What it knows of the layer: plain data as well.
 struct Posed {
+    /// Of earlier rest shapes that are kept: each takes as much memory as the rest shape, 24 bytes a vertex in single
+    /// precision. Few people go back farther than this, but to the first.
+    static constexpr std::uint32_t mostEarlier = 8;
+
     std::uint64_t faces = 0; ///< facesOf the mesh
     bool ownNormals = false; ///< as hasOwnNormals tells it
+    std::uint32_t made = 0;  ///< of earlier rest shapes, in all
+    std::uint32_t count = 0; ///< of those that there are
+    std::array<std::uint32_t, mostEarlier> earlier =
+        {}; ///< the numbers in the names of their attributes, the first first
 };
 
 /// The rest shape of a layer that is posed in place: positions and normals of its vertices, which the layer keeps as
 /// attributes, and where the last pose left each of them. Attributes go with their vertices wherever these are moved
 /// in memory, so that each is known by itself: it belongs to the rest shape as long as it is, to the bit, at a place
 /// that it was given.
+///
+/// Each time that a pose is applied, and the next begins from it, the rest shape of before is kept, too.
 class RestShape {
   public:
     static bool exists(const MeshModel &layer);
-    /// Makes the present shape of \p layer its rest shape.
+    /// Makes the present shape of \p layer its rest shape. The one of before becomes an earlier one, unless something
+    /// else has moved or made vertices: none of before is one of the present mesh then, and none is kept.
     static void keep(MeshModel &layer);
     /// Forgets what keep began.
     static void drop(MeshModel &layer);
@@ -45,6 +58,12 @@ class RestShape {
     bool hasOwnNormals() const { return posed->ownNormals; }
 
     std::uint64_t shape() const; ///< at rest, as shapeOf tells it
+
+    /// The earlier rest shapes and last the present one, as shapeOf tells them; the first is that of the layer as it
+    /// was loaded.
+    std::vector<std::uint64_t> shapes() const;
+    /// The rest shape is that of shapes() at \p place from now on; what came after it is dropped.
+    void backTo(std::size_t place);
 
     /// Before a pose. \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
     void checkVertices(const std::string &remedy);
@@ -70,6 +89,8 @@ class RestShape {
     static std::uint64_t placeOf(const Point3m &position);
 
   private:
+    std::uint64_t countStrangers(); ///< vertices that are not where they were put
+    void dropEarlier(std::uint32_t place);
     /// Whether a vertex is where it was put; that place is then the one that it has before a pose.
     bool isAtHome(std::size_t slot);
 

@@ -4,6 +4,7 @@
 
 #include "layer_contents.h"
 #include "layer_matrix.h"
+#include "marks.h"
 #include "point_sources.h"
 #include "tag_sources.h"
 
@@ -57,6 +58,8 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
 
 std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
     const CMeshO &mesh = layer.cm;
+    if (hasMarks(layer))
+        return marksOf(layer);
     std::vector<int> tag = tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
     bool tagged = false;
     for (std::size_t i = 0; i < tag.size() && !tagged; ++i)

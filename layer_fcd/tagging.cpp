@@ -4,6 +4,7 @@
 
 #include "kept_aside.h"
 #include "layer_contents.h"
+#include "marks.h"
 #include "motion_sources.h"
 #include "save_files.h"
 #include "tag_sources.h"
@@ -41,7 +42,7 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     HandleParam source;
     bool tagged;
     if (target.attribute.isEmpty()) {
-        tagged = hasQuality(layer);
+        tagged = hasMarks(layer) || hasQuality(layer);
     } else {
         source.source = HandleParam::Attribute;
         source.tagAttribute = target.attribute;
@@ -93,7 +94,8 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
             throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
                         " is too large to be kept in single precision. Use smaller numbers.");
     const TagCount count = vcg::tri::CountTags(mesh, tag);
-    keepAside(layer, target.colorize, target.attribute.isEmpty());
+    if (target.colorize || target.attribute.isEmpty())
+        keepAside(layer, target.colorize, target.attribute.isEmpty());
 
     const auto write = [&](const auto &number) {
         for (std::size_t i = 0; i < tag.size(); ++i)
@@ -103,6 +105,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
     if (target.attribute.isEmpty()) {
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
         write([&](std::size_t i) -> auto & { return mesh.vert[i].Q(); });
+        dropMarks(layer); // which these tags take the place of
     } else {
         if (!attribute) {
             vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, target.attribute.toStdString());

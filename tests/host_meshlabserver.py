@@ -91,8 +91,10 @@ def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(
             parameter("Float", "pose", value=pose) + "</filter>")
 
 
-def reset_filter(keep_shape=False):
-    return '<filter name="FCD: Reset Pose">' + boolean("keep_shape", keep_shape) + "</filter>"
+def reset_filter(keep_shape=False, to=None):
+    """Scripts of before lack the first."""
+    return ('<filter name="FCD: Reset Pose">' + ("" if to is None else choice("to", to, 2)) + boolean("keep_shape", keep_shape) +
+            "</filter>")
 
 
 def copy_filter(source_layer, rest_graph, deformed_graph, all_visible=False):
@@ -185,7 +187,10 @@ def test_posing_in_place_and_the_way_back(tmp_path):
     for name, filters in {"rest": [], "layer": [deform_filter(graph_layers=False, **bend)],
                           "place": [pose_filter(translation=(0, 1, 0)), pose_filter(**bend)],
                           "back": [pose_filter(**bend), reset_filter()],
-                          "kept": [pose_filter(**bend), reset_filter(True), reset_filter()]}.items():
+                          "kept": [pose_filter(**bend), reset_filter(True)],
+                          "one back": [pose_filter(**bend), reset_filter(True), pose_filter(translation=(0, 1, 0)), reset_filter()],
+                          "as loaded": [pose_filter(**bend), reset_filter(True), pose_filter(translation=(0, 1, 0)),
+                                        reset_filter(to=1)]}.items():
         (tmp_path / name).mkdir()
         runs[name] = Run(tmp_path / name, BONE, quality_filter(BONE_TAGS), *filters)
         assert runs[name].code == 0, runs[name].log
@@ -193,7 +198,7 @@ def test_posing_in_place_and_the_way_back(tmp_path):
     assert "prepared = false" in runs["place"].log
     assert set(runs["place"].meshes) == {"bone"}
     assert np.abs(points["layer"] - points["rest"]).max() > 0.2
-    for name, expected in (("place", "layer"), ("kept", "layer"), ("back", "rest")):
+    for name, expected in (("place", "layer"), ("kept", "layer"), ("one back", "layer"), ("back", "rest"), ("as loaded", "rest")):
         assert points[name].tobytes() == points[expected].tobytes(), name
 
 

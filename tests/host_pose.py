@@ -168,6 +168,42 @@ def test_what_something_else_changed_is_not_undone():
     assert same_points(ms.current_mesh().vertex_matrix(), before["points"]) and not same_points(before["points"], rest)
 
 
+def test_each_apply_can_be_taken_back():
+    ms = clean_bone()
+    shapes = [snapshot(ms.current_mesh())]
+    for motion in BEND, LIFT, BEND:
+        ms.apply_filter(POSE, **motion)
+        ms.apply_filter(RESET, keep_shape=True)
+        shapes.append(snapshot(ms.current_mesh()))
+    ms.apply_filter(POSE, **LIFT) # which is not kept
+    for shape in shapes[3], shapes[2], shapes[1]:
+        ms.apply_filter(RESET)
+        assert_unchanged(shape, ms.current_mesh())
+    ms.apply_filter(POSE, **LIFT) # another way from there
+    ms.apply_filter(RESET, keep_shape=True)
+    for shape in shapes[1], shapes[0], shapes[0]:
+        ms.apply_filter(RESET)
+        assert_unchanged(shape, ms.current_mesh())
+
+
+def test_back_to_the_shape_as_loaded_over_any_number_of_applies():
+    ms = clean_bone()
+    rest = snapshot(ms.current_mesh())
+    for i in range(12): # more than are kept
+        ms.apply_filter(POSE, **(BEND if i % 2 else LIFT))
+        ms.apply_filter(RESET, keep_shape=True)
+    without(ms, "vi < 5") # what is left is known
+    ms.apply_filter(POSE, **LIFT)
+    ms.apply_filter(RESET, to=1)
+    left = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    assert len(left) > 0 and left <= {tuple(p) for p in rest["points"]}
+    ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1)
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match="changed since its last pose"):
+        ms.apply_filter(RESET, to=1)
+    assert_unchanged(before, ms.current_mesh())
+
+
 def test_deleted_vertices_do_not_hinder_and_new_ones_are_not_lost():
     ms = clean_bone()
     rest = ms.current_mesh().vertex_matrix()

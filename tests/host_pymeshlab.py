@@ -89,7 +89,7 @@ def assert_unchanged(before, mesh):
 # --- interface ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name, defaults", [(GRAPH, GRAPH_DEFAULTS), (DEFORM, DEFORM_DEFAULTS), (POSE, POSE_DEFAULTS), (RESET, {"keep_shape": False})])
+@pytest.mark.parametrize("name, defaults", [(GRAPH, GRAPH_DEFAULTS), (DEFORM, DEFORM_DEFAULTS), (POSE, POSE_DEFAULTS), (RESET, {"to": 0, "keep_shape": False})])
 def test_parameters_names_order_and_defaults(name, defaults):
     assert name in pymeshlab.filter_list()
     values = open_sample("bone.ply").filter_parameter_values(name)
