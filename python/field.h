@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "listener.h"
+#include "space_order.h"
 
 #include <vcg_ext/field/deformation_file.h>
 
@@ -16,7 +17,9 @@ class Field {
   public:
     Field(const nb::bytes &content, const std::string &name)
         : Field(vcg::fcd::ReadDeformationText(std::string(content.c_str(), content.size()), name)) {}
-    explicit Field(vcg::fcd::FieldSamples samples) : field(std::move(samples)) {}
+    explicit Field(vcg::fcd::FieldSamples samples)
+        : field(std::move(samples)),
+          box(field.samples.position.rowwise().minCoeff(), field.samples.position.rowwise().maxCoeff()) {}
 
     nb::bytes content() const {
         const std::string text = vcg::fcd::DeformationText(field.samples);
@@ -43,14 +46,12 @@ class Field {
         const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
         const double *from = xyz.data(), *direction = normals ? normals->data() : nullptr;
         Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
-            ParallelFor(progress, "Mapping points", n, 1 << 12, [&](std::size_t first, std::size_t last) {
+            forInSpaceOrder(from, n, box, progress, "Mapping points", [&](std::size_t i) {
                 Eigen::Matrix3f linear;
-                for (std::size_t i = first; i < last; ++i) {
-                    const auto p = rowOf(from, i);
-                    rowOf(moved, i) = p + field(p, &linear);
-                    if (direction)
-                        rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
-                }
+                const auto p = rowOf(from, i);
+                rowOf(moved, i) = p + field(p, &linear);
+                if (direction)
+                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
             });
         });
         return nb::make_tuple(positions, others);
@@ -58,6 +59,7 @@ class Field {
 
   private:
     const vcg::fcd::DeformationField field;
+    const Eigen::AlignedBox3d box; ///< of its samples
 };
 
 #endif

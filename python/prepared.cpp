@@ -36,6 +36,9 @@ Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
         this->tags = vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
         deformer = vcg::fcd::PrepareDeformer(view, handles, param, progress.Slice(0.02, 1));
         findStill();
+        for (std::size_t i = 0; i < view.vertexSlots; ++i)
+            if (view.At(i).allFinite())
+                box.extend(Eigen::Vector3d(view.At(i)));
         seconds = watch.Seconds();
     });
 }

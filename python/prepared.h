@@ -44,6 +44,7 @@ class Prepared {
     vcg::fcd::TagCount tags;
     std::unique_ptr<vcg::fcd::Deformer> deformer;
     std::vector<std::uint32_t> still; ///< slots that move in no pose
+    Eigen::AlignedBox3d box;          ///< of the vertices
     double seconds = 0;               ///< that it took
 
   private:
