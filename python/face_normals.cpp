@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "prepared.h"
 
+#include <vcg_ext/base/angle.h>
+
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <thread>
@@ -10,29 +13,33 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// The normal of a face times its angles at the corners; 0 for one without an area.
-void weighNormal(const double *position, const std::uint32_t *corner, Eigen::Vector3d *weighed) {
-    const Eigen::Vector3d p = rowOf(position, corner[0]), q = rowOf(position, corner[1]),
-                          r = rowOf(position, corner[2]);
-    const Eigen::Vector3d a = q - p, b = r - p, c = r - q, cross = a.cross(b);
-    const double length = cross.norm();
-    if (!(length > 0)) {
-        weighed[0].setZero();
-        weighed[1].setZero();
-        weighed[2].setZero();
-        return;
+constexpr std::size_t grain = 512;
+
+/// Normals of some faces, and their angles at the corners; the normal of a face without an area is 0.
+struct Faces {
+    Eigen::Vector3d normal[grain];
+    float angle[3][grain];
+
+    void compute(const double *position, const std::uint32_t *corner, std::size_t count) {
+        for (std::size_t f = 0; f < count; ++f, corner += 3) {
+            const Eigen::Vector3d p = rowOf(position, corner[0]), a = rowOf(position, corner[1]) - p,
+                                  b = rowOf(position, corner[2]) - p, cross = a.cross(b);
+            const double length = cross.norm(), scale = length > 0 ? 1 / length : 0;
+            normal[f] = cross * scale;
+            angle[0][f] = float(a.dot(b) * scale);
+            angle[1][f] = float(a.dot(a - b) * scale);
+        }
+        for (std::size_t f = 0; f < count; ++f) {
+            angle[0][f] = vcg::fcd::AngleOfCotangent(angle[0][f]);
+            angle[1][f] = vcg::fcd::AngleOfCotangent(angle[1][f]);
+            angle[2][f] = 3.14159265f - angle[0][f] - angle[1][f];
+        }
     }
-    const double first = std::atan2(length, a.dot(b)), second = std::atan2(length, -a.dot(c));
-    const Eigen::Vector3d normal = cross / length;
-    weighed[0] = first * normal;
-    weighed[1] = second * normal;
-    weighed[2] = (double(EIGEN_PI) - first - second) * normal;
-}
+};
 
 } // namespace
 
 nb::object Prepared::normalsOf(const Rows &positions, const std::optional<Written> &out) const {
-    constexpr std::size_t grain = 512;
     const std::size_t n = view.vertexSlots;
     double *normal;
     nb::object normals = out ? nb::cast(*out) : newArray({n, 3}, normal);
@@ -46,18 +53,22 @@ nb::object Prepared::normalsOf(const Rows &positions, const std::optional<Writte
         // Ranges of faces are computed by all threads, and added up one after the other: the same bits for any number.
         std::atomic<std::size_t> added{0}; // faces
         ParallelFor(progress.threads, view.faces, grain, [&](std::size_t first, std::size_t last) {
-            Eigen::Vector3d weighed[3 * grain]; // not on the heap: who throws leaves the others waiting
-            for (std::size_t f = first; f < last; ++f)
-                weighNormal(position, view.corner + 3 * f, weighed + 3 * (f - first));
+            Faces faces; // not on the heap: who throws leaves the others waiting
+            faces.compute(position, view.corner + 3 * first, last - first);
             while (added.load(std::memory_order_acquire) != first)
                 std::this_thread::yield();
-            for (std::size_t corner = 3 * first; corner < 3 * last; ++corner)
-                rowOf(normal, view.corner[corner]) += weighed[corner - 3 * first];
+            for (std::size_t f = first; f < last; ++f)
+                for (std::size_t k = 0; k < 3; ++k)
+                    rowOf(normal, view.corner[3 * f + k]) +=
+                        faces.normal[f - first] * double(faces.angle[k][f - first]);
             added.store(last, std::memory_order_release);
         });
         ParallelFor(progress.threads, n, 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                rowOf(normal, i).stableNormalize();
+            for (std::size_t i = first; i < last; ++i) {
+                const double length = rowOf(normal, i).norm(); // the sum of a few angles at most
+                if (length > 0)
+                    rowOf(normal, i) /= length;
+            }
         });
     });
     return normals;

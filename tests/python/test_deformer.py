@@ -326,7 +326,7 @@ def test_an_exception_of_the_listener_ends_the_work(call):
 
 
 INTERRUPT = """
-import os, signal, sys, threading, time
+import _thread, sys, threading, time
 import numpy as np
 sys.path.insert(0, sys.argv[1])
 from shapes import bar
@@ -336,7 +336,7 @@ sent = []
 def send():
     time.sleep(float(sys.argv[2]))
     sent.append(time.perf_counter())
-    os.kill(os.getpid(), signal.SIGINT)
+    _thread.interrupt_main()
 copy = vertices.copy()
 threading.Thread(target=send).start()
 try:
