@@ -53,8 +53,9 @@ fresh/bin/pip list --disable-pip-version-check --format=freeze | grep -vE '^(num
 
 # From the source distribution, which has all that it needs.
 tar -xf "$source"
-rm -rf from-source && mv "$(basename "$source" .tar.gz)" from-source
-HOME=$build/from-source XDG_CACHE_HOME=$build/from-source CCACHE_DIR=${CCACHE_DIR:-$HOME/.cache/ccache} wheel --wheel-dir from-source/dist ./from-source
+caches=$(ccache --get-config cache_dir)
+mv "$(basename "$source" .tar.gz)" from-source
+HOME=$build/from-source XDG_CACHE_HOME=$build/from-source CCACHE_DIR=$caches wheel --wheel-dir from-source/dist ./from-source
 fresh/bin/pip install --disable-pip-version-check --quiet --no-deps --force-reinstall from-source/dist/*.whl
 fresh/bin/python -c "$bend"
 

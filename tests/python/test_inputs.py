@@ -57,7 +57,7 @@ CASES = {
     "vertices: long doubles": (dict(vertices=V.astype(np.longdouble)), None, ""),
     "vertices: masked": (dict(vertices=np.ma.masked_array(V, V > 5)), ValueError, "masked values"),
     "vertices: not masked": (dict(vertices=np.ma.masked_array(V)), None, ""),
-    "vertices: a matrix": (dict(vertices=np.asmatrix(V)), None, ""),
+    "vertices: a memoryview": (dict(vertices=memoryview(V)), None, ""),
     "vertices: read-only": (dict(vertices=np.frombuffer(V.tobytes()).reshape(-1, 3)), None, ""),
     "faces: quads": (dict(faces=np.c_[F, F[:, 0]]), ValueError, "Split other polygons into triangles"),
     "faces: of pyvista": (dict(faces=np.c_[np.full(len(F), 3), F].ravel()), ValueError, "faces must be m x 3"),
@@ -86,6 +86,7 @@ CASES = {
     "points: beyond": (dict(points=[N]), ValueError, "points must be numbers of vertices, 0 to 216"),
     "points: doubles": (dict(points=[1.0]), ValueError, "points must be n x 3"),
     "points: NaN": (dict(points=[[np.nan, 0, 0]]), ValueError, "points must be finite"),
+    "points: among none": (dict(vertices=V * np.nan, points=[[0, 0, 0]]), ValueError, "no finite coordinates"),
     "points: twice": (dict(points=[100, 100]), ValueError, "same place"),
     "points: fixed": (dict(points=[0]), ValueError, "fixed|held"),
     "points: None": (dict(points=None), None, ""),
@@ -192,10 +193,21 @@ def test_motions_that_are_none(make, error, words):
 
 @pytest.mark.parametrize("make, error, words", [
     (lambda: Deformation("bend.ply"), TypeError, r"Deformation.load\(path\)"), (lambda: Deformation(b""), ValueError, "no saved deformation"),
-    (lambda: Deformation.load(3.5), TypeError, ""), (lambda: Deformation.load("none.ply"), FileNotFoundError, "none.ply")])
+    (lambda: Deformation.load(3.5), TypeError, "float"), (lambda: Deformation.load("none.ply"), FileNotFoundError, "none.ply")])
 def test_deformations_that_are_none(make, error, words):
     with pytest.raises(error, match=words):
         make()
+
+
+def test_arrays_to_write_to_that_are_others():
+    deformer, out = Deformer(V, F, T), np.empty_like(V)
+    for array in (V, out):
+        with pytest.raises(ValueError, match="must be another array than"):
+            deformer.pose({2: LIFT}, out=out, out_normals=array)
+    with pytest.raises(ValueError, match="out must be C-contiguous"):
+        deformer.pose({2: LIFT}, out=np.asfortranarray(out))
+    with pytest.raises(ValueError, match="a cloud has no normals of its own"):
+        Deformer(V, tags=T).pose({2: LIFT}, out_normals=out)
 
 
 def test_a_pose_of_another_is_no_start():

@@ -43,3 +43,15 @@ def test_every_parameter_is_explained():
             parameters = [each for each in inspect.signature(function).parameters if each not in ("self", "cls")]
             text = inspect.getdoc(function) or ""
             assert text and all(re.search(rf"^ +{each}: ", text, re.M) for each in parameters), (name, function, parameters)
+
+
+def test_the_notebook_runs_as_it_is(tmp_path):
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    notebook = nbformat.read(ROOT / "examples" / "bend_strip.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    assert not any(cell.get("outputs") for cell in notebook.cells)  # kept without what it makes
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    made = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    pictures = [output for output in made if "image/png" in output.get("data", {})]
+    said = "".join(output.get("text", "") for output in made)
+    assert len(pictures) == 5 and said.count("converged=True") == 3 and (tmp_path / "bend.ply").stat().st_size > 10000, said
