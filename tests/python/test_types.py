@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The package and the examples as type checkers see them. In build/typed, which is written anew: no setting of this repository counts."""
+"""The package and the examples as type checkers see them. In a folder of their own: no setting of this repository counts."""
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,8 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 
 def run(*command, cwd):
-    return subprocess.run([sys.executable, "-m", *command], cwd=cwd, text=True, capture_output=True, timeout=600)
+    here = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}  # --verifytypes asks the first Python there
+    return subprocess.run([sys.executable, "-m", *command], cwd=cwd, text=True, capture_output=True, timeout=600, env=here)
 
 
 @pytest.fixture(scope="module")
