@@ -188,13 +188,17 @@ class Deformer:
         at: NDArray[np.int64] = np.zeros(0, np.int64)
         starts: Points | None = None
         if points is not None:
-            numbers, starts = _inputs.points(points, n)
-            at = _core.nearest_vertices(self.vertices, _finite("points", starts)) if starts is not None else numbers  # type: ignore
+            given = _inputs.points(points, n)
+            if given.ndim == 2:
+                starts = _finite("points", np.asarray(given, np.float64))
+                at = _core.nearest_vertices(self.vertices, starts)
+            else:
+                at = np.asarray(given, np.int64)
         if tags is None and len(at) == 0:
             raise ValueError(f"nothing is held: give tags ({_inputs.TAGS}), points, or both")
         self._starts = starts
         self._normals = None if normals is None else _inputs.normals(normals, n)
-        kind, by_vertices = _GRAPH_WEIGHTS[tuple(_GRAPH_WEIGHTS)[_inputs.choice("graph_weights", graph_weights, tuple(_GRAPH_WEIGHTS))]]
+        kind, by_vertices = tuple(_GRAPH_WEIGHTS.values())[_inputs.choice("graph_weights", graph_weights, tuple(_GRAPH_WEIGHTS))]
         param: dict[str, Any] = {
             "patches": _inputs.whole("patches", patches, 1),
             "target_radius": _inputs.single("target_radius", target_radius),

@@ -171,17 +171,17 @@ def transforms(given: object, handles: Sequence[int] | None) -> list[tuple[int, 
     return steps
 
 
-def points(values: object, vertices: int) -> tuple[NDArray[np.int64] | None, Points | None]:
-    """Landmarks: numbers of vertices, or places (the other is None)."""
+def points(values: object, vertices: int) -> NDArray[np.int64] | Points:
+    """Landmarks: numbers of vertices, k, or places, k x 3."""
     array = plain("points", values)
     if array.ndim == 2 or array.dtype.kind == "f" and array.size:
-        return None, rows("points", array, what="a place for each landmark, or whole numbers of vertices")
+        return rows("points", array, what="a place for each landmark, or whole numbers of vertices")
     if array.size == 0:
-        return np.zeros(0, np.int64), None
+        return np.zeros(0, np.int64)
     if array.dtype.kind not in "iu" or array.ndim != 1:
         raise ValueError(f"points must be numbers of vertices, or k x 3 places; it is {_shape(array)} of {array.dtype}")
     if array.min() < 0 or array.max() >= vertices:
         raise ValueError(f"points must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
-    return np.ascontiguousarray(array, dtype=np.int64), None
+    return np.ascontiguousarray(array, dtype=np.int64)
 
 
