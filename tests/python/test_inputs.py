@@ -85,6 +85,7 @@ CASES = {
     "tags: none free": (dict(tags=np.where(T == 1, 0, T)), ValueError, "nothing to deform"),
     "points: beyond": (dict(points=[N]), ValueError, "points must be numbers of vertices, 0 to 216"),
     "points: doubles": (dict(points=[1.0]), ValueError, "points must be n x 3"),
+    "points: one": (dict(points=np.int64(5)), ValueError, "points must be numbers of vertices, or k x 3 places; it is a single number"),
     "points: NaN": (dict(points=[[np.nan, 0, 0]]), ValueError, "points must be finite"),
     "points: among none": (dict(vertices=V * np.nan, points=[[0, 0, 0]]), ValueError, "no finite coordinates"),
     "points: twice": (dict(points=[100, 100]), ValueError, "same place"),
@@ -126,6 +127,7 @@ CASES = {
     "steps: 0": (dict(steps=0), ValueError, "steps must be from 1 to 1000"),
     "start: a number": (dict(start=1), TypeError, "start must be a Pose of this Deformer"),
     "smoothness: text": (dict(smoothness="loose"), TypeError, "smoothness must be a number"),
+    "smoothness: 10^400": (dict(smoothness=10**400), ValueError, "a number that a double holds"),
     "smoothness: negative": (dict(smoothness=-1), ValueError, "smoothness must be a finite number, 0 or more"),
     "patches: text": (dict(patches="600"), TypeError, "patches must be a whole number; it is '600'"),
     "patches: 600.0": (dict(patches=600.0), TypeError, "patches must be a whole number"),
@@ -154,7 +156,7 @@ def test_each_is_taken_or_an_error_that_says_what_to_do(name):
     given = {**dict(vertices=V, faces=F, tags=T, transforms={2: LIFT}), **change}
     given = {**given, "faces": None} if isinstance(given["vertices"], Broken) else given
     of_poses = {key: given.pop(key) for key in ("transforms", "landmarks", "percent", "steps", "start") if key in given}
-    if given.get("points"):  # beside what is fixed, but no handle
+    if np.size(given.get("points", [])) > 0 and given["points"] is not None:  # beside what is fixed, but no handle
         given["tags"] = np.minimum(T, 1)
         of_poses["transforms"] = None
     before = [np.copy(array) for array in (V, F, T)]
