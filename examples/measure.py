@@ -4,16 +4,21 @@
     python measure.py bend.ply [MILLIONS-OF-POINTS]
 
 The points lie around the samples of the deformation, neighbours beside each other as in a scan."""
+from __future__ import annotations
+
 import sys
 import time
+from typing import Any
 
 import numpy as np
-from dask.distributed import Client, LocalCluster
+import dask.distributed
 
 import pymeshlab_fcd
 
+distributed: Any = dask.distributed  # it has no types
 
-def part(bend, seed, n):
+
+def part(bend: pymeshlab_fcd.Deformation, seed: int, n: int) -> float:
     """Applies to n points; they are made where they are used. Returns the seconds of this process that took."""
     random = np.random.default_rng(seed)
     samples = bend.samples
@@ -25,12 +30,12 @@ def part(bend, seed, n):
     return time.process_time() - begin
 
 
-def main(deformation, millions=2.0):
+def main(deformation: str, millions: str = "2") -> None:
     bend, n = pymeshlab_fcd.Deformation.load(deformation), int(1e6 * float(millions))
     print(bend)
     print(f"one core: {n / min(part(bend, 0, n) for _ in range(3)) / 1e6:.2f} million points a second")
     for workers in (1, 2):
-        with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
             shared = client.scatter(bend, broadcast=True)
             client.gather([client.submit(part, shared, 0, 1000, workers=[each], pure=False) for each in client.scheduler_info()["workers"]])  # imports
             begin = time.perf_counter()

@@ -5,22 +5,27 @@
 
 A line of the landmarks is x, y, z and where that is to go, x, y, z; what stays is a landmark that goes where it is. Of the tiles,
 read in chunks, a point is kept in each cube with sides of SPACING, a fraction of the distance between landmarks: some ten thousand
-points are plenty. Needs laspy, pymeshlab_fcd and a pymeshlab that it knows."""
+points are plenty. Needs laspy and pymeshlab_fcd."""
+from __future__ import annotations
+
 import sys
+from collections.abc import Iterable
 
 import laspy
 import numpy as np
+from numpy.typing import NDArray
 
 import pymeshlab_fcd
+from warp_las import columns
 
 
-def thinned(tiles, spacing, chunk=1_000_000):
+def thinned(tiles: Iterable[str], spacing: float, chunk: int = 1_000_000) -> NDArray[np.float64]:
     """The first point in each cube, n x 3."""
     cells, kept = np.zeros((0, 3), np.int64), np.zeros((0, 3))
     for tile in tiles:
         with laspy.open(tile) as reader:
             for points in reader.chunk_iterator(chunk):
-                xyz = np.stack([points.x, points.y, points.z], axis=1)
+                xyz = columns(points, "xyz")
                 cells = np.concatenate([cells, np.floor(xyz / spacing).astype(np.int64)])
                 kept = np.concatenate([kept, xyz])
                 cells, first = np.unique(cells, axis=0, return_index=True)
@@ -28,10 +33,10 @@ def thinned(tiles, spacing, chunk=1_000_000):
     return kept
 
 
-def main(landmarks, target, spacing, *tiles):
+def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
     points = thinned(tiles, float(spacing))
-    everywhere = np.ones(len(points), int)  # free
-    bend = pymeshlab_fcd.deformation(points, None, everywhere, {}, point_handles_file=landmarks)
+    table = np.loadtxt(landmarks, delimiter=",", ndmin=2)
+    bend = pymeshlab_fcd.deformation(points, points=table[:, :3], landmarks=table[:, 3:])
     bend.save(target)
     print(len(points), "points kept,", bend)
 

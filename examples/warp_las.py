@@ -3,37 +3,103 @@
 
     python warp_las.py bend.ply OUT-FOLDER TILE.laz...
 
-Needs laspy (with lazrs for LAZ) and pymeshlab_fcd, no pymeshlab. All that the points carry is kept. A file stores coordinates as
-whole numbers of its scale, so a point moves to the nearest of these."""
+Needs laspy (with lazrs for LAZ) and pymeshlab_fcd. All that the points carry is kept, and so are the records before and after them
+(VLRs and EVLRs, with the coordinate system); normals in extra dimensions turn with the surface. A file stores coordinates as whole
+numbers of its scale, so a point moves to the nearest of these. Each tile is written aside and then renamed: what stands there is whole
+at any time. Tiles of one name from several folders keep their folders. A tile that cannot be read or written is told at the end, and the
+others are done all the same."""
+from __future__ import annotations
+
+import contextlib
+import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import laspy
 import numpy as np
+from numpy.typing import NDArray
 
 import pymeshlab_fcd
 
 CHUNK = 1_000_000  # points
+NORMALS = (("NormalX", "NormalY", "NormalZ"), ("normal_x", "normal_y", "normal_z"), ("nx", "ny", "nz"))  # CloudCompare, PDAL, others
 
 
-def warp(bend, source, target, chunk=CHUNK):
+def columns(points: Any, names: Iterable[str]) -> NDArray[np.float64]:
+    """Three dimensions of points, n x 3."""
+    return np.stack([np.asarray(points[name], np.float64) for name in names], axis=1)
+
+
+def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]:
+    """Where each tile goes: to its own name, or, where two tiles have one name, to their folders below the one that all are in.
+
+    Raises ValueError where a tile would be written over one that is read."""
+    sources = list(dict.fromkeys(Path(tile).resolve() for tile in tiles))
+    names = {tile.name.casefold() for tile in sources}
+    if len(names) == len(sources):
+        goals = {tile: Path(folder).resolve() / tile.name for tile in sources}
+    else:
+        above = Path(os.path.commonpath([tile.parent for tile in sources]))
+        goals = {tile: Path(folder).resolve() / tile.relative_to(above) for tile in sources}
+    for tile, goal in goals.items():
+        if goal in goals or (goal.exists() and any(goal.samefile(each) for each in sources if each.exists())):
+            raise ValueError(f"{tile} would be written over {goal}, which is to be read. Give another folder")
+    return goals
+
+
+def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK) -> int:
     """Deforms one tile. Returns how many points it has."""
-    with laspy.open(source) as reader, laspy.open(target, mode="w", header=reader.header) as writer:
-        for points in reader.chunk_iterator(chunk):
-            moved = bend(np.stack([points.x, points.y, points.z], axis=1))
-            points.x, points.y, points.z = moved.T
-            writer.write_points(points)
-        return reader.header.point_count
+    source, target = Path(source), Path(target)
+    if target.exists() and source.exists() and target.samefile(source):
+        raise ValueError(f"{source} would be written over itself. Give another file")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    aside = target.with_name(f"{target.name}.{os.getpid()}.part")
+    try:
+        with laspy.open(source) as reader:
+            names = [each for each in NORMALS if set(each) <= set(reader.header.point_format.dimension_names)]
+            with laspy.open(aside, mode="w", header=reader.header, do_compress=target.suffix.lower() == ".laz") as writer:
+                for points in reader.chunk_iterator(chunk):
+                    xyz = columns(points, "xyz")
+                    if names:
+                        xyz, turned = bend(xyz, columns(points, names[0]))
+                        for name, values in zip(names[0], turned.T):
+                            points[name] = values
+                    else:
+                        xyz = bend(xyz)
+                    points.x, points.y, points.z = xyz.T
+                    writer.write_points(points)
+                if reader.evlrs:
+                    writer.write_evlrs(reader.evlrs)
+            count = int(reader.header.point_count)
+        with open(aside, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(aside, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            aside.unlink()
+        raise
+    return count
 
 
-def main(deformation, folder, *tiles):
+def main(deformation: str, folder: str, *tiles: str) -> int:
     bend = pymeshlab_fcd.Deformation.load(deformation)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    for tile in tiles:
-        print(tile, warp(bend, tile, Path(folder) / Path(tile).name), "points")
+    failed = []
+    for source, target in targets(tiles, folder).items():
+        try:
+            print(source, warp(bend, source, target), "points", flush=True)
+        except Exception as error:  # whatever laspy finds in it
+            failed.append(f"{source}: {error or type(error).__name__}")
+    if failed:
+        print(f"{len(failed)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":
     if len(sys.argv) < 4:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    try:
+        sys.exit(main(*sys.argv[1:]))
+    except (OSError, ValueError) as error:
+        sys.exit(f"{error}.")

@@ -4,38 +4,56 @@
     python warp_las_dask.py bend.ply OUT-FOLDER TILE.laz... [--scheduler ADDRESS]
 
 Without an address, a cluster with a process a core is started here. The workers need laspy and pymeshlab_fcd, and see the same
-folders."""
-import argparse
-from pathlib import Path
+folders. What becomes of a tile is told in warp_las.py."""
+from __future__ import annotations
 
-from dask.distributed import Client, LocalCluster, as_completed
+import argparse
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import dask.distributed
 
 import pymeshlab_fcd
-from warp_las import CHUNK, warp
+from warp_las import CHUNK, targets, warp
+
+distributed: Any = dask.distributed  # it has no types
 
 
-def warp_all(client, bend, tiles, folder, chunk=CHUNK):
-    """Deforms tiles. Yields the name of each and how many points it has, as they are done."""
+def warp_all(client: Any, bend: pymeshlab_fcd.Deformation, tiles: Iterable[str | Path], folder: str | Path,
+             chunk: int = CHUNK) -> Iterator[tuple[Path, int | Exception]]:
+    """Deforms tiles. Yields each, as they are done, and how many points it has, or why it could not be deformed."""
     client.upload_file(str(Path(__file__).with_name("warp_las.py")))  # workers may not have it
     shared = client.scatter(bend, broadcast=True)  # once to each worker, not with each task
-    tasks = {client.submit(warp, shared, str(tile), str(Path(folder) / Path(tile).name), chunk, pure=False): tile for tile in tiles}
-    for task in as_completed(tasks):
-        yield tasks[task], task.result()
+    tasks = {client.submit(warp, shared, str(source), str(target), chunk, pure=False): source
+             for source, target in targets(tiles, folder).items()}
+    for task in distributed.as_completed(tasks):
+        try:
+            yield tasks[task], task.result()
+        except Exception as error:  # whatever laspy finds in it
+            yield tasks[task], error
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("deformation")
     parser.add_argument("folder", type=Path)
     parser.add_argument("tiles", nargs="+")
     parser.add_argument("--scheduler")
     arguments = parser.parse_args()
-    arguments.folder.mkdir(parents=True, exist_ok=True)
-    cluster = arguments.scheduler or LocalCluster(threads_per_worker=1)
-    with Client(cluster) as client:
-        for tile, points in warp_all(client, pymeshlab_fcd.Deformation.load(arguments.deformation), arguments.tiles, arguments.folder):
-            print(tile, points, "points")
+    cluster = arguments.scheduler or distributed.LocalCluster(threads_per_worker=1)
+    failed = []
+    with distributed.Client(cluster) as client:
+        for tile, done in warp_all(client, pymeshlab_fcd.Deformation.load(arguments.deformation), arguments.tiles, arguments.folder):
+            if isinstance(done, Exception):
+                failed.append(f"{tile}: {done or type(done).__name__}")
+            else:
+                print(tile, done, "points", flush=True)
+    if failed:
+        print(f"{len(failed)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -2,6 +2,7 @@
 #ifndef FCD_ANGLE_NORMALS_H
 #define FCD_ANGLE_NORMALS_H
 
+#include <vcg_ext/base/angle.h>
 #include <vcg_ext/base/parallel.h>
 
 #include <vcg/complex/complex.h>
@@ -22,19 +23,6 @@ inline void prefetch(const void *memory) {
 #else
     (void)memory;
 #endif
-}
-
-/// The angle in (0, pi) of a cotangent, to 1e-7: atan by M. Abramowitz, I. A. Stegun, Handbook of Mathematical
-/// Functions, 4.4.49. Without a branch, so that compilers make several at a time.
-inline float angleOfCotangent(float cotangent) {
-    constexpr float right = 1.57079633f;
-    const float size = std::fabs(cotangent), t = std::min(size, 1 / size), s = t * t;
-    float sum = 0.0028662257f;
-    for (float next : {-0.0161657367f, 0.0429096138f, -0.0752896400f, 0.1065626393f, -0.1420889944f, 0.1999355085f,
-                       -0.3333314528f, 1.f})
-        sum = sum * s + next;
-    const float acute = sum * t, angle = size > 1 ? right - acute : acute;
-    return right - std::copysign(angle, cotangent);
 }
 
 /// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
@@ -78,8 +66,8 @@ void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, std::
             face[count++] = std::uint16_t(f - first);
         }
         for (int i = 0; i < count; ++i) {
-            angle[0][i] = angleOfCotangent(angle[0][i]);
-            angle[1][i] = angleOfCotangent(angle[1][i]);
+            angle[0][i] = vcg::fcd::AngleOfCotangent(angle[0][i]);
+            angle[1][i] = vcg::fcd::AngleOfCotangent(angle[1][i]);
             angle[2][i] = 3.14159265f - angle[0][i] - angle[1][i];
         }
         while (added.load(std::memory_order_acquire) != first) // whoever has the range before is at it

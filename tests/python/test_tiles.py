@@ -12,7 +12,7 @@ import pymeshlab_fcd
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.insert(0, str(EXAMPLES))
-from warp_las import warp  # noqa: E402
+from warp_las import targets, warp  # noqa: E402
 from warp_las_dask import warp_all  # noqa: E402
 
 ORIGIN = np.array([512000.0, 5412000.0, 300.0])
@@ -115,7 +115,7 @@ def test_a_dask_cluster_gives_the_same_files(sink, tiles, tmp_path):
     (tmp_path / "dask").mkdir()
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         done = dict(warp_all(client, bend, tiles, tmp_path / "dask", chunk=3000))
-    assert done == {tile: 20000 for tile in tiles}
+    assert done == {tile.resolve(): 20000 for tile in tiles}
     for tile in tiles:
         warp(bend, tile, tmp_path / tile.name)
         one, other = laspy.read(tmp_path / tile.name), laspy.read(tmp_path / "dask" / tile.name)
@@ -135,3 +135,97 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     at = np.array([[50, 50, height(50, 50)], [85, 50, height(85, 50)], [67, 50, height(67, 50)]]) + ORIGIN
     moved = bend(at) - at
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
+
+
+# --- what must not be lost ---
+
+
+def write_rich(path, version="1.4"):
+    """A tile with a coordinate system in an EVLR, a VLR, and normals in extra dimensions."""
+    header = laspy.LasHeader(point_format=6, version=version)
+    header.scales, header.offsets = [SCALE] * 3, ORIGIN
+    header.vlrs.append(laspy.VLR("house", 7, "ours", b"kept"))
+    header.add_extra_dims([laspy.ExtraBytesParams(name, np.float32) for name in ("NormalX", "NormalY", "NormalZ")])
+    header.add_extra_dims([laspy.ExtraBytesParams("amplitude", np.int16)])
+    las = laspy.LasData(header)
+    xy = np.random.default_rng(3).uniform(0, 100, (5000, 2))
+    las.x, las.y, las.z = xy[:, 0] + ORIGIN[0], xy[:, 1] + ORIGIN[1], height(*xy.T) + ORIGIN[2]
+    las["NormalX"], las["NormalY"], las["NormalZ"] = np.zeros(5000), np.zeros(5000), np.full(5000, 2.0)
+    las["amplitude"] = np.arange(5000)
+    las.evlrs = laspy.vlrs.vlrlist.VLRList([laspy.VLR("LASF_Projection", 2112, "WKT", b'PROJCS["somewhere"]\0'), laspy.VLR("house", 8, "", b"x" * 70000)])
+    las.write(path)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["las", "laz"])
+def test_records_coordinate_systems_and_normals_come_along(sink, tmp_path, kind):
+    source = write_rich(tmp_path / f"rich.{kind}")
+    warp(pymeshlab_fcd.Deformation.load(sink), source, tmp_path / "out" / f"rich.{kind}", chunk=700)
+    before, after = laspy.read(source), laspy.read(tmp_path / "out" / f"rich.{kind}")
+
+    def records(list_of):
+        return [(each.user_id, each.record_id, each.record_data_bytes()) for each in list_of if each.user_id != "LASF_Spec"]  # laspy's own
+
+    assert len(records(before.evlrs)) == 2 and records(after.evlrs) == records(before.evlrs) and records(after.vlrs) == records(before.vlrs)
+    assert "PROJCS" in str(after.evlrs[0].string)
+    assert (after["amplitude"] == before["amplitude"]).all() and after.point_format == before.point_format
+    normals = np.stack([after[name] for name in ("NormalX", "NormalY", "NormalZ")], 1)
+    radius = np.linalg.norm(xyz(before)[:, :2] - ORIGIN[:2] - 50, axis=1)
+    assert np.abs(np.linalg.norm(normals, axis=1) - 2).max() < 1e-5
+    assert (normals[radius > 42] == [0, 0, 2]).all() and np.abs(normals[(radius > 15) & (radius < 30)][:, :2]).max() > 0.05
+
+
+def test_no_tile_is_written_over_one_that_is_read(sink, tiles, tmp_path):
+    bend = pymeshlab_fcd.Deformation.load(sink)
+    tile = tmp_path / "a" / "tile.las"
+    tile.parent.mkdir()
+    tile.write_bytes(tiles[0].read_bytes())
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    for folder in ("a", "link"):
+        done = subprocess.run([sys.executable, str(EXAMPLES / "warp_las.py"), str(sink), str(tmp_path / folder), str(tile)], text=True,
+                              stderr=subprocess.PIPE)
+        assert done.returncode == 1 and "which is to be read. Give another folder" in done.stderr
+        with pytest.raises(ValueError, match="over itself"):
+            warp(bend, tile, tmp_path / folder / "tile.las")
+    assert tile.read_bytes() == tiles[0].read_bytes()
+
+
+def test_tiles_of_one_name_keep_their_folders(tmp_path):
+    tiles = [tmp_path / "east" / "1.laz", tmp_path / "west" / "1.laz", tmp_path / "west" / "2.laz"]
+    assert sorted(goal.relative_to(tmp_path / "out") for goal in targets(tiles, tmp_path / "out").values()) == [
+        Path("east/1.laz"), Path("west/1.laz"), Path("west/2.laz")]
+    assert [goal.name for goal in targets(tiles[1:], tmp_path / "out").values()] == ["1.laz", "2.laz"]
+    assert len(set(targets([tiles[0], tmp_path / "west" / "1.LAZ"], tmp_path / "out").values())) == 2
+    assert len(targets([tiles[0], tiles[0]], tmp_path / "out")) == 1
+
+
+def test_a_bad_tile_is_told_at_the_end(sink, tiles, tmp_path):
+    bad = tmp_path / "bad.las"
+    bad.write_bytes(b"LASF" + bytes(300))
+    cut = tmp_path / "cut.las"
+    cut.write_bytes(tiles[0].read_bytes()[:-30000])
+    for script in ("warp_las.py", "warp_las_dask.py"):
+        out = tmp_path / script
+        done = subprocess.run([sys.executable, str(EXAMPLES / script), str(sink), str(out), str(bad), str(tiles[0]), str(tmp_path / "none.las"),
+                               str(tiles[1]), str(cut)], text=True, capture_output=True, timeout=300)
+        assert done.returncode == 1 and done.stdout.count("20000 points") == 2
+        said = done.stderr[done.stderr.index("3 tiles could not be deformed:"):]
+        assert all(str(each) in said for each in (bad, cut, tmp_path / "none.las"))
+        assert sorted(each.name for each in out.iterdir()) == sorted(tile.name for tile in tiles[:2])
+
+
+def test_a_full_disk_or_a_kill_leaves_what_was_there(sink, tiles, tmp_path):
+    target = tmp_path / "tile.las"
+    target.write_bytes(b"old")
+    limited = ("import resource, signal, sys; sys.path.insert(0, sys.argv[1]); from warp_las import warp; import pymeshlab_fcd\n"
+               "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (300000, 300000))\n"
+               "try:\n    warp(pymeshlab_fcd.Deformation.load(sys.argv[2]), sys.argv[3], sys.argv[4], 1000)\n"
+               "except OSError:\n    print('as a full disk')")
+    done = subprocess.run([sys.executable, "-c", limited, str(EXAMPLES), str(sink), str(tiles[0]), str(target)], text=True, stdout=subprocess.PIPE)
+    assert "as a full disk" in done.stdout and target.read_bytes() == b"old" and [each.name for each in tmp_path.iterdir()] == ["tile.las"]
+    killed = ("import os, signal, sys; sys.path.insert(0, sys.argv[1]); from warp_las import warp; import pymeshlab_fcd\n"
+              "bend = pymeshlab_fcd.Deformation.load(sys.argv[2]); calls = []\n"
+              "def dies(xyz):\n    calls.append(1)\n    return bend(xyz) if len(calls) < 5 else os.kill(os.getpid(), signal.SIGKILL)\n"
+              "warp(dies, sys.argv[3], sys.argv[4], 1000)")
+    done = subprocess.run([sys.executable, "-c", killed, str(EXAMPLES), str(sink), str(tiles[0]), str(target)])
+    assert done.returncode == -9 and target.read_bytes() == b"old"

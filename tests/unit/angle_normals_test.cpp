@@ -122,8 +122,8 @@ TEST(AngleNormals, LeaveAMeshWithoutFacesAlone) {
 
 TEST(AngleNormals, AnglesOfCotangents) {
     for (double angle = 1e-4; angle < 3.1415; angle += 1e-3)
-        EXPECT_NEAR(angleOfCotangent(float(1 / std::tan(angle))), angle, 5e-7);
-    EXPECT_EQ(angleOfCotangent(0), angleOfCotangent(-0.f));
+        EXPECT_NEAR(vcg::fcd::AngleOfCotangent(float(1 / std::tan(angle))), angle, 5e-7);
+    EXPECT_EQ(vcg::fcd::AngleOfCotangent(0), vcg::fcd::AngleOfCotangent(-0.f));
 }
 
 TEST(AngleNormals, OfFlaggedVerticesAreThoseOfAll) {
