@@ -459,6 +459,67 @@ TEST(DeformCentroidal, RefiningAPartOfTheSurfaceHardlyChangesTheShape) {
     EXPECT_LE(std::sqrt((x - y).squaredNorm() / double(x.cols())), 0.012 * 8.9);
 }
 
+/// Root mean square distance in percent of the diagonal of \p x.
+static double PercentApart(const Matrix3Xd &x, const Matrix3Xd &y) {
+    return 100 * std::sqrt((x - y).squaredNorm() / double(x.cols())) /
+           (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+}
+
+TEST(DeformCentroidal, ScanLinesTwentyTimesDenserHaveTheShapeOfTheMesh) {
+    const int n = 41, dense = 20;
+    const auto height = [](double x, double y) { return 1.2 * std::sin(0.15 * x) * std::cos(0.2 * y); };
+    const auto tag = [](const Vector3d &p) { return p[0] < 6 ? 0 : p[0] > 34 ? 2 : 1; };
+    const Affine3d turned =
+        Eigen::Translation3d(30, 20, 8) * Eigen::AngleAxisd(-1, Vector3d::UnitY()) * Eigen::Translation3d(-36, -20, 0);
+    Shape grid = Grid(n, n);
+    for (Vector3d &p : grid.position)
+        p[2] = height(p[0], p[1]);
+    const Matrix3Xd expected = Deformed(CaseOf(grid, tag, turned), Param(300));
+    for (int along : {0, 1}) {
+        Shape lines;
+        std::vector<int> same; // the points at the grid's vertices
+        for (int across = 0; across < n; ++across)
+            for (int i = 0; i <= dense * (n - 1); ++i) {
+                Vector3d p;
+                p[along] = double(i) / dense;
+                p[1 - along] = across;
+                p[2] = height(p[0], p[1]);
+                lines.position.push_back(p);
+            }
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x)
+                same.push_back(along == 0 ? y * (dense * (n - 1) + 1) + dense * x
+                                          : x * (dense * (n - 1) + 1) + dense * y);
+        const Matrix3Xd deformed = Deformed(CaseOf(lines, tag, turned), Param(300));
+        Matrix3Xd there(3, Eigen::Index(same.size()));
+        for (std::size_t i = 0; i < same.size(); ++i)
+            there.col(Eigen::Index(i)) = deformed.col(same[i]);
+        EXPECT_LE(PercentApart(expected, there), 0.5) << "along " << along;
+    }
+}
+
+TEST(DeformCentroidal, AnUnweldedMeshWithLoosePartsHasTheShapeOfTheWeldedOne) {
+    // A sleeve around a body of large triangles, of which a place is several vertices.
+    Shape sleeve = Tube(61, 40, 4);
+    for (Vector3d &p : sleeve.position)
+        p = Vector3d(1.4 * p[0], 1.4 * p[1], p[2] + 1);
+    const Shape body = Tube(10, 12), all = Join(body, sleeve);
+    Case welded{all, {}};
+    for (int i = 0; i < all.Size(); ++i)
+        welded.handles.tag.push_back(i < body.Size() ? TubeTag(all.position[i]) : 1);
+    welded.handles.motion[2] = Motion(bend.matrix());
+    Case unwelded{Unwelded(all), {}};
+    unwelded.handles.motion = welded.handles.motion;
+    Matrix3Xd expected(3, 3 * Eigen::Index(all.face.size()));
+    const Matrix3Xd x = Deformed(welded);
+    for (std::size_t f = 0; f < all.face.size(); ++f)
+        for (int c = 0; c < 3; ++c) {
+            unwelded.handles.tag.push_back(welded.handles.tag[all.face[f][c]]);
+            expected.col(Eigen::Index(3 * f) + c) = x.col(all.face[f][c]);
+        }
+    EXPECT_LE(PercentApart(expected, Deformed(unwelded)), 0.5);
+}
+
 TEST(DeformCentroidal, PoseIsAPercentageOfTheMotion) {
     const Case c = TubeCase();
     DeformationParam param = Param();

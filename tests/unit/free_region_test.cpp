@@ -80,6 +80,37 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
     EXPECT_EQ(region.flag, expected);
 }
 
+TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
+    // A band that is held, another one within what is free, and a few held points in the middle of nothing: what is
+    // skipped far away from them changes nothing.
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> jitter(-0.3, 0.3); // no two points are a hair apart
+    for (int lines : {140, 33}) {                             // of these, more than the nearest are looked at
+        const int n = 20000, each = n / lines;
+        Shape cloud;
+        std::vector<int> tag;
+        for (int i = 0; i < each * lines; ++i) {
+            const double x = (i % each + jitter(random)) / each;
+            cloud.position.emplace_back(x, double(i / each) / lines, 0.1 * std::sin(9 * x));
+            tag.push_back(x < 0.2 || (x > 0.5 && x < 0.52) ? 0 : i % 4000 == 0 ? 2 : 1);
+        }
+        const Region region = FreeRegion(Read(MeshD(cloud)), tag, {});
+        const PointTree<double> tree(cloud.position);
+        vcg::fcd::detail::CloudNeighbourhood<double> neighbourhood(tree, cloud.position.size());
+        std::vector<unsigned char> expected(tag.size(), Region::candidate);
+        for (std::size_t i = 0; i < tag.size(); ++i) {
+            if (tag[i] != 1)
+                continue;
+            expected[i] = Region::part;
+            neighbourhood.Look(i, [&](std::size_t j) { return cloud.position[j]; });
+            for (Index j : neighbourhood.around)
+                expected[std::size_t(j)] = Region::part;
+        }
+        EXPECT_EQ(region.flag, expected);
+        EXPECT_GT(std::count(expected.begin(), expected.end(), (unsigned char)(Region::candidate)), 1000);
+    }
+}
+
 TEST(FreeRegion, OfACloudHasTheNearestPlacesHoweverManyPointsAreThere) {
     const Shape once = Points(Jittered(Grid(20, 20), 0.2));
     const auto tagsOf = [](const Shape &shape) {

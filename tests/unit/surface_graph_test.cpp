@@ -285,6 +285,22 @@ TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
     }
 }
 
+TEST(SurfaceGraph, PointsAreNeighboursBothWays) {
+    for (const Shape &cloud : {PointCloud(20000), Points(Grid(120, 130))}) {
+        const SurfaceGraph one = BuildSurfaceGraph(Read(MeshD(cloud)), Threads(1)),
+                           three = BuildSurfaceGraph(Read(MeshD(cloud)), Threads(3));
+        EXPECT_EQ(one.graph.adjacency.begin, three.graph.adjacency.begin);
+        EXPECT_EQ(one.graph.adjacency.item, three.graph.adjacency.item);
+        EXPECT_EQ(one.nodeArea, three.nodeArea);
+        EXPECT_EQ(one.averageEdge, three.averageEdge);
+        ExpectAdjacencyInOrder(one.graph.adjacency); // symmetric, ascending, each once
+        double edges = 0;
+        for (const auto &e : EdgesOf(one.graph.adjacency))
+            edges += (one.graph.position.col(e.first) - one.graph.position.col(e.second)).norm();
+        EXPECT_NEAR(one.averageEdge, 2 * edges / double(one.graph.adjacency.item.size()), 1e-6 * one.averageEdge);
+    }
+}
+
 TEST(SurfaceGraph, TakesASinglePoint) {
     const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(PointCloud(1))));
     EXPECT_EQ(s.graph.Size(), 1);

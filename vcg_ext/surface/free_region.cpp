@@ -78,24 +78,40 @@ class RegionFinder {
             }
         });
         detail::RadixSortUpper30(order, n, progress.Slice(0, 0.1), "Finding neighbours");
-        std::vector<std::size_t> begin; // of each place's points in what follows
-        std::vector<Eigen::Vector3d> point;
-        std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // of one code
-        for (std::size_t i = 0, next; i < n; i = next) {
-            same.clear();
-            for (next = i; next < n && order[next] >> 32 == order[i] >> 32; ++next) {
-                const Eigen::Vector3d p = metric * mesh.At(std::uint32_t(order[next]));
-                const Eigen::Vector3d at = ((p - ofFree.min()) / cell).array().floor();
-                same.push_back({{at[0], at[1], at[2]}, std::uint32_t(order[next])});
-            }
-            std::sort(same.begin(), same.end());
-            for (std::size_t j = 0; j < same.size(); ++j) {
-                slotOf[i + j] = same[j].second;
-                if (j == 0 || same[j].first != same[j - 1].first) {
-                    begin.push_back(i + j);
-                    point.emplace_back(metric * mesh.At(same[j].second));
+        struct Places {
+            std::vector<std::size_t> begin; // of each place's points in slotOf
+            std::vector<Eigen::Vector3d> point;
+        };
+        std::vector<Places> found((n + grain - 1) / grain); // of the codes that begin in a chunk
+        const auto codeAt = [&](std::size_t i) { return order[i] >> 32; };
+        ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
+            Places &here = found[first / grain];
+            std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // of one code
+            std::size_t i = first, next;
+            while (i > 0 && i < last && codeAt(i) == codeAt(i - 1))
+                ++i;
+            for (; i < last; i = next) {
+                same.clear();
+                for (next = i; next < n && codeAt(next) == codeAt(i); ++next) {
+                    const Eigen::Vector3d p = metric * mesh.At(std::uint32_t(order[next]));
+                    const Eigen::Vector3d at = ((p - ofFree.min()) / cell).array().floor();
+                    same.push_back({{at[0], at[1], at[2]}, std::uint32_t(order[next])});
+                }
+                std::sort(same.begin(), same.end());
+                for (std::size_t j = 0; j < same.size(); ++j) {
+                    slotOf[i + j] = same[j].second;
+                    if (j == 0 || same[j].first != same[j - 1].first) {
+                        here.begin.push_back(i + j);
+                        here.point.emplace_back(metric * mesh.At(same[j].second));
+                    }
                 }
             }
+        });
+        std::vector<std::size_t> begin;
+        std::vector<Eigen::Vector3d> point;
+        for (const Places &here : found) {
+            begin.insert(begin.end(), here.begin.begin(), here.begin.end());
+            point.insert(point.end(), here.point.begin(), here.point.end());
         }
         begin.push_back(n);
         order.reset();
@@ -107,19 +123,13 @@ class RegionFinder {
             reachPlace(0);
             return;
         }
-        const PointTree<double> tree(point);
-        const auto at = [&](std::size_t place) { return point[place]; };
-        ParallelFor(progress.Slice(0.1, 1), "Finding neighbours", point.size(), 1 << 12,
-                    [&](std::size_t first, std::size_t last) {
-                        for (std::size_t place = first; place < last; ++place) {
-                            const auto isFree = [&](std::uint32_t slot) { return Is(slot, free) != 0; };
-                            if (std::none_of(&slotOf[begin[place]], &slotOf[begin[place + 1] - 1] + 1, isFree))
-                                continue;
-                            reachPlace(place);
-                            for (Index other : detail::CloudNeighbourhood<double>(tree, point.size(), place, at).around)
-                                reachPlace(std::size_t(other));
-                        }
-                    });
+        std::vector<char> has(point.size(), 0);
+        ParallelFor(progress.threads, point.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t place = first; place < last; ++place)
+                for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
+                    has[place] = char(has[place] | (Is(slotOf[k], free) ? hasFree : hasHeld));
+        });
+        ReachAround(point, has, reachPlace, progress.Slice(0.1, 1));
     }
 
     /// Reaches the vertices of faces and edge elements that have a free one.
@@ -187,6 +197,80 @@ class RegionFinder {
     }
 
   private:
+    static constexpr char hasFree = 1, hasHeld = 2; // of a place
+
+    /// The held ones of places in Morton order, by boxes of some, and of some of these.
+    class HeldPlaces {
+      public:
+        HeldPlaces(const std::vector<Eigen::Vector3d> &point, const std::vector<char> &has) {
+            for (std::size_t place = 0; place < point.size(); ++place)
+                if (has[place] & hasHeld) {
+                    if (held.size() % some == 0)
+                        small.emplace_back();
+                    if (held.size() % (some * some) == 0)
+                        large.emplace_back();
+                    held.push_back(point[place]);
+                    small.back().extend(point[place]);
+                    large.back().extend(point[place]);
+                }
+        }
+        bool IsEmpty() const { return held.empty(); }
+
+        /// Whether one is as near to \p box as that is large.
+        bool IsNear(const Eigen::AlignedBox3d &box) const {
+            const double reach = 1.001 * box.diagonal().squaredNorm(); // and what is rounded
+            for (std::size_t l = 0; l < large.size(); ++l) {
+                if (box.squaredExteriorDistance(large[l]) > reach)
+                    continue;
+                for (std::size_t b = l * some; b < std::min(small.size(), (l + 1) * some); ++b) {
+                    if (box.squaredExteriorDistance(small[b]) > reach)
+                        continue;
+                    for (std::size_t i = b * some; i < std::min(held.size(), (b + 1) * some); ++i)
+                        if (box.squaredExteriorDistance(held[i]) <= reach)
+                            return true;
+                }
+            }
+            return false;
+        }
+
+      private:
+        static constexpr std::size_t some = 64;
+        std::vector<Eigen::Vector3d> held;
+        std::vector<Eigen::AlignedBox3d> small, large;
+    };
+
+    /// Reaches the places with free points, and those around. Runs of places are left out that are more than are ever
+    /// looked at, and have no held one as near as they are large: all around is free, and reaches itself.
+    /// \param point of each place, in Morton order \param has flags of each place
+    template <class ReachPlace>
+    static void ReachAround(const std::vector<Eigen::Vector3d> &point, const std::vector<char> &has,
+                            const ReachPlace &reachPlace, const Progress &progress) {
+        const std::size_t run = 256;
+        static_assert(run > detail::CloudNeighbourhood<double>::most, "more than are looked at");
+        const HeldPlaces held(point, has);
+        const auto tree = held.IsEmpty() ? nullptr : std::make_unique<PointTree<double>>(point);
+        const auto at = [&](std::size_t place) { return point[place]; };
+        ParallelFor(progress, detail::findingNeighbours, point.size(), run, [&](std::size_t first, std::size_t last) {
+            Eigen::AlignedBox3d box;
+            for (std::size_t place = first; place < last; ++place)
+                box.extend(point[place]);
+            const bool isAlone = held.IsEmpty() || (last - first == run && !held.IsNear(box));
+            std::unique_ptr<detail::CloudNeighbourhood<double>> neighbourhood;
+            if (!isAlone)
+                neighbourhood = std::make_unique<detail::CloudNeighbourhood<double>>(*tree, point.size());
+            for (std::size_t place = first; place < last; ++place) {
+                if (!(has[place] & hasFree))
+                    continue;
+                reachPlace(place);
+                if (isAlone)
+                    continue;
+                neighbourhood->Look(place, at);
+                for (Index other : neighbourhood->around)
+                    reachPlace(std::size_t(other));
+            }
+        });
+    }
+
     static constexpr std::size_t grain = 1 << 16;
     static_assert(grain % Region::boxed == 0, "one thread a box");
     // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so

@@ -160,26 +160,27 @@ class SurfaceReader {
 
     void Connect() {
         const Eigen::Matrix3Xf &x = s.graph.position;
-        TriangleList list = ElementTriangles(
-            mesh, region ? &region->faces : nullptr, s.nodeOf, [&](Index u) { return s.IsHeld(u); },
-            progress.Slice(0.4, 0.5));
-        s.report.degenerateFaces = list.degenerateFaces;
-        std::vector<float> cloudArea;
-        if (s.report.pointCloud)
-            list = PairPoints(cloudArea);
-        TriangleGraph connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.5, 0.9));
-        s.graph.adjacency = std::move(connected.adjacency);
-        if (hasSeams && JoinSeams(connected.open, list)) {
-            connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.92, 1));
+        double edgeLengths = 0;
+        if (s.report.pointCloud) {
+            edgeLengths = ConnectCloud();
+        } else {
+            TriangleList list = ElementTriangles(
+                mesh, region ? &region->faces : nullptr, s.nodeOf, [&](Index u) { return s.IsHeld(u); },
+                progress.Slice(0.4, 0.5));
+            s.report.degenerateFaces = list.degenerateFaces;
+            TriangleGraph connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.5, 0.9));
             s.graph.adjacency = std::move(connected.adjacency);
+            if (hasSeams && JoinSeams(connected.open, list)) {
+                connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.92, 1));
+                s.graph.adjacency = std::move(connected.adjacency);
+            }
+            s.nodeArea = std::move(connected.area);
+            s.report.nonManifoldEdges = connected.nonManifoldEdges;
+            s.report.repeatedFaces = connected.repeatedFaces;
+            edgeLengths = connected.edgeLengths;
         }
-        s.nodeArea = std::move(connected.area);
-        s.report.nonManifoldEdges = connected.nonManifoldEdges;
-        s.report.repeatedFaces = connected.repeatedFaces;
         const std::size_t items = s.graph.adjacency.item.size();
-        s.averageEdge = items ? 2 * connected.edgeLengths / double(items) : 0;
-        if (s.report.pointCloud)
-            CloudAreas(s.graph, s.tag, cloudArea, progress.threads, s.nodeArea);
+        s.averageEdge = items ? 2 * edgeLengths / double(items) : 0;
         for (Index u = 0; u < s.graph.Size(); ++u) {
             s.area += s.nodeArea[u];
             s.report.isolated += s.graph.adjacency[u].size() == 0;
@@ -227,22 +228,27 @@ class SurfaceReader {
         return true;
     }
 
-    /// Joins points of a cloud that are a hair apart, then all with their neighbours.
-    /// \param area as of CloudPairs
-    TriangleList PairPoints(std::vector<float> &area) {
+    /// Joins points of a cloud that are a hair apart, then all with their neighbours. Held points, of whose neighbours
+    /// only those beside free ones are known, get no area. \return sum of the edges' lengths
+    double ConnectCloud() {
         bool clumps = false;
         for (;;) { // of many points a hair apart, some more come to light once the first ones are joined
-            CloudPairs pairs = PairNeighbours(s.graph.position, float(weldDistance), clumps, progress.Slice(0.4, 0.5));
-            if (!clumps &&
-                100 * pairs.inClumps > std::size_t(s.graph.position.cols())) { // by chance, one in a thousand
+            const Eigen::Matrix3Xf &x = s.graph.position;
+            CloudPairs pairs = PairNeighbours(x, float(weldDistance), clumps, progress.Slice(0.4, 0.8));
+            if (!clumps && 100 * pairs.inClumps > std::size_t(x.cols())) { // by chance, one in a thousand
                 clumps = true;
                 continue;
             }
-            if (pairs.same.empty())
-                pairs.same = ClumpsOf(s.graph.position, pairs.list, progress);
             if (pairs.same.empty()) {
-                area = std::move(pairs.area);
-                return std::move(pairs.list);
+                double edgeLengths = 0;
+                s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
+                pairs.same = ClumpsOf(x, s.graph.adjacency, progress.Slice(0.95, 1));
+                if (pairs.same.empty()) {
+                    s.nodeArea = std::move(pairs.area);
+                    for (Index u = 0; u < s.graph.Size(); ++u)
+                        s.nodeArea[u] = s.IsHeld(u) ? 0 : s.nodeArea[u];
+                    return edgeLengths;
+                }
             }
             std::vector<Index> into(std::size_t(s.graph.position.cols()));
             std::iota(into.begin(), into.end(), 0);

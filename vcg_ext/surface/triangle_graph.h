@@ -77,6 +77,12 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
     return list;
 }
 
+/// \throw BadInput more items of an adjacency, two an edge, than it can number
+inline void CheckEdges(std::size_t items) {
+    if (items > std::uint32_t(-1))
+        throw BadInput("The mesh has more than two thousand million edges; simplify it first.");
+}
+
 /// A graph of triangles, and what is measured on the way.
 struct TriangleGraph {
     Csr adjacency;
@@ -248,8 +254,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
         graph.repeatedFaces += done[b].repeatedFaces;
         graph.edgeLengths += done[b].edgeLengths;
     }
-    if (itemBegin[blocks] > std::uint32_t(-1))
-        throw BadInput("The mesh has more than two thousand million edges; simplify it first.");
+    CheckEdges(itemBegin[blocks]);
     AssignLarge(graph.adjacency.item, itemBegin[blocks], 0);
     ParallelFor(progress.Slice(0.9, 1), readingStage, blocks, 1, [&](std::size_t b, std::size_t) {
         std::copy(done[b].item.begin(), done[b].item.end(), graph.adjacency.item.begin() + itemBegin[b]);

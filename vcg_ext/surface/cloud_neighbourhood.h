@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_CLOUD_NEIGHBOURHOOD_H
+#define VCG_FCD_CLOUD_NEIGHBOURHOOD_H
+
+#include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/point_tree.h>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// How many neighbours a point has: twice a triangulation's six, so that those of the Delaunay triangulation are among
+/// them where one direction is sampled two or three times as densely as the other.
+constexpr int cloudNeighbours = 12;
+
+/// The points around those of a set, one after the other: so many that they lie to all sides of it. Of scan lines,
+/// which are sampled more densely along than across, the nearest ones are on one line and tell nothing of the surface.
+template <class Scalar>
+class CloudNeighbourhood {
+  public:
+    using Point = typename PointTree<Scalar>::Point;
+    /// Points that are so much nearer to each other than to the next one are at one place. Among points that are evenly
+    /// at random that is so at one in a thousand.
+    static constexpr double apart = 30;
+    /// Points that are looked at. Of lines that are sampled a times as densely along as across, the next ones are among
+    /// the nearest 4 a, and there are enough of them on all sides among 6 a: lines up to 30 times as dense.
+    static constexpr std::size_t most = 192;
+
+    CloudNeighbourhood(const PointTree<Scalar> &tree, std::size_t points) : tree(tree), others(points - 1) {}
+
+    /// \param at at(i): the i-th of the tree's points, which lie at different places
+    template <class At>
+    void Look(std::size_t i, const At &at) {
+        x = at(i);
+        self = Index(i);
+        const std::size_t fewest = std::min<std::size_t>(cloudNeighbours, others), last = std::min(most, others);
+        std::size_t wanted = fewest, first = 0; // that is enough
+        double reached = 0;
+        for (;; wanted = std::min(4 * wanted, last)) {
+            Find(wanted, at);
+            reached = Across();
+            if (!first && reached >= leastAcross)
+                first = wanted;
+            if (first == fewest || reached >= evenAcross || wanted == last)
+                break;
+        }
+        if (reached < evenAcross && wanted > std::max(first, fewest)) { // a corner, or a line indeed
+            wanted = std::max(first, fewest);
+            Find(wanted, at);
+        }
+        isWide = wanted > fewest;
+    }
+
+    /// Which of the points around are neighbours, ascending, and what is told with them.
+    /// \param far clumps may be of more points than are looked at
+    const std::vector<Index> &Neighbours(bool far = false) {
+        double sum = 0;
+        for (const Other &other : ways)
+            sum += other.square;
+        area = around.empty() ? 0 : sum * 2 * EIGEN_PI / (double(around.size()) * double(around.size() + 1));
+        here = 0;
+        double before = INFINITY;
+        const auto step = [&](double square) {
+            if (square > apart * apart * before)
+                here = 1.001 * std::sqrt(before); // which floats round
+            before = square;
+        };
+        if (far) {
+            Ask(most);
+            for (const auto &each : found)
+                step(double(each.square));
+        } else {
+            for (const Other &other : ways)
+                step(other.square);
+        }
+        neighbour.clear();
+        if (isWide)
+            Choose(cloudNeighbours);
+        else
+            neighbour = around;
+        std::sort(neighbour.begin(), neighbour.end());
+        return neighbour;
+    }
+
+    std::vector<Index> around; ///< all that were looked at, the nearest first
+    bool isWide = false;       ///< more than neighbours were looked at
+    // Known with the neighbours:
+    double area = 0; ///< that the point stands for: that of a point of an evenly random set of the density around it,
+                     ///< where the k-th nearest of the others is at k / (pi density) squared on average
+    double here = 0; ///< points that are no farther away are at the same place
+
+  private:
+    /// Least share of the directions' second moments across, of those along: twelve directions by chance have less one
+    /// time in a hundred, a line 0; a corner of an evenly sampled sheet has (1 - 2 / pi) / (1 + 2 / pi) = 0.22, and
+    /// keeps about the points that it has.
+    static constexpr double leastAcross = 0.25;
+    /// The same of more points than neighbours: a disc has 1, and half of it at a border, too; one that only just
+    /// touches the next lines has about a half.
+    static constexpr double evenAcross = 0.8;
+
+    struct Other {
+        double square; // of its distance
+        Index number;
+        Eigen::Vector3d way;
+        bool operator<(const Other &o) const { return square != o.square ? square < o.square : number < o.number; }
+    };
+
+    /// Sets found to the nearest others, the nearest first.
+    void Ask(std::size_t wanted) {
+        tree.Nearest(x, wanted + 1, found);
+        found.erase(std::remove_if(found.begin(), found.end(), [this](const auto &each) { return each.point == self; }),
+                    found.end());
+        std::sort(found.begin(), found.end(), [](const auto &a, const auto &b) {
+            return a.square != b.square ? a.square < b.square : a.point < b.point;
+        });
+    }
+
+    template <class At>
+    void Find(std::size_t wanted, const At &at) {
+        Ask(wanted);
+        around.clear();
+        ways.clear();
+        for (const auto &each : found) {
+            const Eigen::Vector3d way = (at(std::size_t(each.point)) - x).template cast<double>();
+            around.push_back(each.point);
+            ways.push_back({way.squaredNorm(), each.point, way});
+        }
+    }
+
+    Eigen::Matrix3d Moments() const {
+        Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+        for (const Other &other : ways)
+            moments += other.way * other.way.transpose() / other.square;
+        return moments;
+    }
+
+    /// The share of the directions' second moments across, in the plane that they lie in.
+    double Across() const {
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+        solver.computeDirect(Moments(), Eigen::EigenvaluesOnly);
+        return around.empty() ? 1 : solver.eigenvalues()[1] / solver.eigenvalues()[2];
+    }
+
+    /// Takes the points that are neighbours in the plane's Delaunay triangulation, and those that come nearest to that:
+    /// whose bisector cuts the point's Voronoi cell, or passes it by as the smallest share of the way.
+    void Choose(std::size_t wanted) {
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+        solver.computeDirect(Moments());
+        const Eigen::Vector3d along = solver.eigenvectors().col(2), across = solver.eigenvectors().col(1);
+        std::sort(ways.begin(), ways.end());
+        inPlane.clear();
+        for (const Other &other : ways)
+            inPlane.emplace_back(other.way.dot(along), other.way.dot(across));
+        // No point farther away than the last one cuts what is nearer than half of that.
+        const double half = 0.5 * std::sqrt(ways.back().square);
+        cell.assign({{half, half}, {-half, half}, {-half, -half}, {half, -half}});
+        for (const Eigen::Vector2d &o : inPlane) {
+            const auto beyond = [&](const Eigen::Vector2d &p) { return p.dot(o) - 0.5 * o.squaredNorm(); };
+            cut.clear();
+            for (std::size_t k = 0; k < cell.size(); ++k) {
+                const Eigen::Vector2d &p = cell[k], &q = cell[(k + 1) % cell.size()];
+                const double a = beyond(p), b = beyond(q);
+                if (a <= 0)
+                    cut.push_back(p);
+                if ((a < 0 && b > 0) || (a > 0 && b < 0))
+                    cut.emplace_back(p + (q - p) * (a / (a - b)));
+            }
+            if (cut.size() > 2)
+                cell.swap(cut);
+        }
+        rank.clear();
+        for (std::size_t k = 0; k < inPlane.size(); ++k) {
+            double reach = 0;
+            for (const Eigen::Vector2d &p : cell)
+                reach = std::max(reach, p.dot(inPlane[k]));
+            rank.emplace_back(reach > 0 ? inPlane[k].squaredNorm() / reach : INFINITY, k);
+        }
+        std::sort(rank.begin(), rank.end());
+        for (std::size_t k = 0; k < wanted; ++k)
+            neighbour.push_back(ways[rank[k].second].number);
+    }
+
+    const PointTree<Scalar> &tree;
+    const std::size_t others;
+    Point x;
+    Index self = -1;
+    std::vector<typename PointTree<Scalar>::Found> found;
+    std::vector<Other> ways; ///< to those around
+    std::vector<Index> neighbour;
+    std::vector<Eigen::Vector2d> inPlane, cell, cut;
+    std::vector<std::pair<double, std::size_t>> rank;
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif
