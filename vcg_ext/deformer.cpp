@@ -127,13 +127,13 @@ Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &p
     const int turns = beyond.steps ? StepsTo(motions) : 1, steps = std::max(param.steps, turns);
     SolverParam last = param;
     last.follow = beyond.steps;
-    // On the way of a large turn, so few iterations bring what is stiff to rest, while the ways in which the shape
-    // might give way, which begin slowly, do not begin. 4 to 8 end in the same shape.
+    // On the way of a large turn, so few iterations for each 60 degrees of it bring what is stiff to rest, while the
+    // ways in which the shape might give way, which begin slowly, do not begin. 4 to 8 end in the same shape.
     const int few = 6;
     SolverParam passing = last;
     if (turns > 1) {
         passing.follow = false;
-        passing.maxIterations = std::min(param.maxIterations, few);
+        passing.maxIterations = std::min(param.maxIterations, (few * turns + steps - 1) / steps);
     }
     Pose pose;
     for (int step = 1; step <= steps; ++step) {

@@ -509,21 +509,25 @@ struct SmallGraph {
 TEST(GraphDeformer, SmallSystemsComeToRest) {
     std::vector<int> iterations;
     std::vector<unsigned> notAtRest;
+    int saddles = 0;
     for (unsigned seed = 1; seed <= (sanitized ? 100 : 1000); ++seed) {
         SmallGraph small(1 + Index(seed % 8), seed);
         if (seed % 10 == 0) // far away, where more is rounded off
             for (Affine3d &m : small.motion)
                 m.pretranslate(Vector3d(1e4, 0, 0));
         const GraphDeformer deformer(small.graph, small.held, 0.5, small.compliant, small.heldArea);
-        const GraphPose pose = deformer.Solve(small.motion, SolverParam());
+        SolverParam follow;
+        follow.follow = true;
+        const GraphPose pose = deformer.Solve(small.motion, follow);
         iterations.push_back(pose.iterations);
         const GraphPose longer = deformer.Solve(small.motion, Iterations(4000));
-        if (!pose.converged || pose.energy > longer.energy * 1.001 + 1e-9)
+        // One of the slow ones may rest on a saddle of the energy, and then says so.
+        if (!pose.converged || (!pose.unstable && pose.energy > longer.energy * 1.001 + 1e-9))
             notAtRest.push_back(seed);
+        saddles += pose.unstable;
     }
-    // Near a saddle of the energy the steps grow for as long as the pose leaves it, past any limit of iterations. Which
-    // graph this meets is up to the last bit of the compiler's arithmetic.
-    EXPECT_LE(notAtRest.size(), 3u) << testing::PrintToString(notAtRest);
+    EXPECT_TRUE(notAtRest.empty()) << testing::PrintToString(notAtRest);
+    EXPECT_LE(saddles, 3);
     std::sort(iterations.begin(), iterations.end());
     EXPECT_LE(iterations[iterations.size() / 2], 25);
     EXPECT_LE(iterations[iterations.size() * 95 / 100], 100);

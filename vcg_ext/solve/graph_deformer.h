@@ -77,7 +77,7 @@ class GraphDeformer {
         } else {
             const Given given(energy, motion, state, param.smoothness * area);
             if (param.follow)
-                Follow(given, param, state, pose, progress);
+                Follow(given, param, last != nullptr, state, pose, progress);
             else
                 Minimise(given, param, param.maxIterations, state, pose, progress);
             pose.energy = state.energy;
@@ -140,22 +140,32 @@ class GraphDeformer {
 
     /// Brings \p state to rest near where it begins: by some steps downwards, where these soon end there, as they do
     /// where the shape is stable; otherwise to where the energy is stationary.
-    void Follow(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
+    /// \param goesOn from another pose; otherwise from rest
+    void Follow(const Given &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
         const int few = std::min(param.maxIterations, 100); // where it is stable, 20 to 80 do
-        const double nearby = 2; // radian: a guess is off by less, and a shape that has let go of a full turn by more
+        const double nearby = 2;   // radian: a guess is off by less, and a shape that has let go of a full turn by more
+        const double least = 0.01; // of the energy: by less it falls where the shape has hardly begun to give way
         const State begin = state;
+        const auto isNear = [&](const State &x) { return !goesOn || LargestTurn(begin, x) <= nearby; };
         Minimise(given, param, few, state, pose, progress.Slice(0, 0.4));
-        if (few == param.maxIterations || (pose.converged && LargestTurn(begin, state) <= nearby))
+        if (few == param.maxIterations || (pose.converged && isNear(state)))
             return;
-        State stationary = begin;
-        pose.followed = FindStationary(given, param, stationary, pose, progress.Slice(0.4, 0.8)) &&
-                        LargestTurn(begin, stationary) <= nearby;
+        State stationary = state;
+        // From where the steps led, if that was not down another way; otherwise from where they began.
+        pose.followed = !goesOn && FindStationary(given, param, stationary, pose, progress.Slice(0.4, 0.6)) &&
+                        stationary.energy <= (1 + least) * state.energy;
+        if (!pose.followed) {
+            stationary = begin;
+            pose.followed = FindStationary(given, param, stationary, pose, progress.Slice(0.6, 0.8)) &&
+                            isNear(stationary) && stationary.energy <= (1 + least) * energy.Of(begin, given);
+        }
         if (pose.followed)
             state = std::move(stationary);
         else if (!pose.converged)
             Minimise(given, param, param.maxIterations, state, pose, progress.Slice(0.8, 1));
         pose.converged = pose.converged || pose.followed;
+        pose.unstable = pose.unstable && pose.followed;
     }
 
     /// Finds where the energy is stationary, be it a minimum or a saddle, by Newton's method from \p state. \return
