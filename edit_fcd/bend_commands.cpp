@@ -98,8 +98,9 @@ void BendTool::onCommand(int which) {
         if (all.empty())
             throw Error("Nothing is selected.");
         session->change();
+        takeNewHandle();
         session->mark(all, panel->tag());
-        session->endMarks();
+        session->endMarks(panel->radius() * session->diagonal());
         showOverlay();
         solve(true);
         break;
@@ -176,6 +177,8 @@ void BendTool::refresh() {
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     } else if (session->nodes() == 0) {
         text = "Drag a handle (red).";
+        if (session->isLocal())
+            text += " Nothing is marked as fixed: what is farther away than the point radius stays.";
     } else {
         const double least = std::max(0.1, milliseconds);
         text = QString("%1 nodes, %2 ms, %3 frames/s")

@@ -123,7 +123,7 @@ void BendTool::release(QMouseEvent *event) {
 
 void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
-    if (drag && session && session->state().points.count(drag->tag) && !session->isMarked()) {
+    if (drag && session && session->isLocal()) {
         panel->setRadius(panel->radius() * std::pow(1.1, steps));
         session->setRadius(drag->tag, panel->radius() * session->diagonal());
         requestStep();
@@ -162,7 +162,7 @@ bool BendTool::grab() {
             return false; // nothing, or another layer
         tag = session->tags()[*slot];
         if (tag < 2) {
-            if (session->isMarked() && tag != 1) {
+            if (!session->isFree(*slot)) {
                 panel->showState("This part is fixed. Mark it as free first, or clear the marks.");
                 return false;
             }

@@ -73,7 +73,7 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &ce
 
 void drawPoints(const BendSession &session, const BendDrag *drag) {
     const FlatDrawing flat;
-    if (!session.isMarked() && drag) { // some of the vertices
+    if (session.isLocal() && drag) { // some of the vertices
         const BendTags &tags = session.tags();
         glPointSize(2);
         glColor3ub(240, 197, 60);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_panel.h"
 
+#include "bend_state.h"
+
 #include <layer_fcd/parameters.h>
 
 #include <initializer_list>
@@ -63,10 +65,11 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     form->addRow("Brush radius", brushPixels);
     radiusPercent = new QDoubleSpinBox;
     radiusPercent->setRange(0.5, 400);
-    radiusPercent->setValue(15);
+    radiusPercent->setValue(100 * usualRadius);
     radiusPercent->setSuffix(" %");
-    radiusPercent->setToolTip("Where nothing is marked: how far along the surface a dragged point bends it, of the "
-                              "diagonal of the bounding box. The wheel changes it while dragging.");
+    radiusPercent->setToolTip(
+        "Where nothing is marked as fixed: how far along the surface a handle bends what is around it, of the "
+        "diagonal of the bounding box. The wheel changes it while dragging.");
     form->addRow("Point radius", radiusPercent);
     mirrorAxis = new QComboBox;
     mirrorAxis->addItems({"none", "x", "y", "z"});

@@ -11,23 +11,26 @@ void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
 
 void BendReach::clear() {
     surface.reset();
-    from = std::size_t(-1);
+    from.clear();
 }
 
-const std::vector<std::size_t> &BendReach::of(std::size_t slot, double radius) {
-    if (knows(slot, radius))
+const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
+    if (knows(vertices, radius))
         return reached;
     reached.clear();
-    const vcg::fcd::Index seed = surface->nodeOf[slot];
-    if (seed >= 0) {
+    std::vector<vcg::fcd::Index> seeds;
+    for (const std::size_t slot : vertices)
+        if (surface->nodeOf[slot] >= 0)
+            seeds.push_back(surface->nodeOf[slot]);
+    if (!seeds.empty()) {
         std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
-        for (vcg::fcd::Index node : vcg::fcd::NodesWithin(surface->graph, seed, radius / surface->frame.scale))
+        for (vcg::fcd::Index node : vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale))
             isIn[std::size_t(node)] = 1;
         for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
             if (surface->nodeOf[i] >= 0 && isIn[std::size_t(surface->nodeOf[i])])
                 reached.push_back(i);
     }
-    from = slot;
+    from = vertices;
     within = radius;
     return reached;
 }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-/// What lies within some way of a vertex, along the surface of the rest shape.
+/// What lies within some way of vertices, along the surface of the rest shape.
 class BendReach {
   public:
     bool isReady() const { return surface != nullptr; }
@@ -15,14 +15,15 @@ class BendReach {
     void read(const MeshModel &layer, const Eigen::Matrix3d &metric);
     void clear();
 
-    bool knows(std::size_t slot, double radius) const { return from == slot && within == radius; }
-    /// The vertices within \p radius of \p slot. \pre isReady(), or knows() it
-    const std::vector<std::size_t> &of(std::size_t slot, double radius);
+    bool knows(const std::vector<std::size_t> &vertices, double radius) const {
+        return from == vertices && within == radius;
+    }
+    /// The vertices within \p radius of some, given by their slots. \pre isReady(), or knows() it
+    const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
 
   private:
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::vector<std::size_t> reached; ///< those of the last
-    std::size_t from = std::size_t(-1);
+    std::vector<std::size_t> reached, from; ///< those of the last
     double within = 0;
 };
 

@@ -2,12 +2,10 @@
 #include "bend_session.h"
 
 #include <layer_fcd/marks.h>
-#include <layer_fcd/tagging.h>
 
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <set>
 
 using vcg::fcd::Error;
 using vcg::fcd::MotionStep;
@@ -16,9 +14,6 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
-const std::size_t mostTags = 64;       // of those that a person gives
-const unsigned char markOpacity = 150; // of 255: the surface is still seen
-const double pointSize = 0.08;         // of a point's radius: so far it is held, that a single vertex makes no spike
 
 /// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
 MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
@@ -37,21 +32,6 @@ MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
     return other;
 }
 
-/// The tags of a layer, null where nothing is tagged. What is no tags, patches for example, counts as nothing.
-std::shared_ptr<const BendTags> marksNow(const MeshModel &layer) {
-    auto present = std::make_shared<BendTags>();
-    try {
-        *present = presentTags(layer, {});
-    } catch (const Error &) { // no whole numbers
-        return nullptr;
-    }
-    std::set<int> tags;
-    for (auto tag = present->begin(); tag != present->end() && tags.size() <= mostTags; ++tag)
-        if (tag == present->begin() || *tag != *std::prev(tag))
-            tags.insert(*tag);
-    return tags.size() > mostTags || tags == std::set<int>{1} ? nullptr : present;
-}
-
 } // namespace
 
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
@@ -61,14 +41,8 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     now.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
     keepRest();
+    now.rim = usualRadius * rest.diagonal();
     updateTags();
-}
-
-bool BendSession::isAsLeft() const {
-    if (!isUpToDate())
-        return false;
-    const auto marks = marksNow(layer);
-    return marks && now.marks ? *marks == *now.marks : !marks && !now.marks;
 }
 
 void BendSession::keepRest() {
@@ -174,76 +148,16 @@ Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
     return rest.world() * toVector(layer.cm.vert[slot].cP());
 }
 
-const std::vector<std::size_t> &BendSession::reach(std::size_t slot, double radius) {
-    if (!reachOfRest.isReady() && !reachOfRest.knows(slot, radius)) {
+const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t> &vertices, double radius) {
+    if (!reachOfRest.isReady() && !reachOfRest.knows(vertices, radius)) {
         const bool posed = rest.isPosed();
         rest.restoreVertices();
         reachOfRest.read(layer, rest.world().linear());
         if (posed)
             pose(true);
     }
-    return reachOfRest.of(slot, radius);
+    return reachOfRest.of(vertices, radius);
 }
-
-/// Makes the tags that marks and points amount to.
-void BendSession::updateTags() {
-    if (now.marks && now.points.empty()) {
-        effective = now.marks;
-    } else if (!now.marks && now.points.empty()) {
-        effective = std::make_shared<const BendTags>(rest.positions().size(), 1);
-    } else {
-        auto made =
-            now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(rest.positions().size(), 0);
-        if (!now.marks)
-            for (const auto &each : now.points)
-                for (std::size_t i : reach(each.second.slot, each.second.radius))
-                    (*made)[i] = 1;
-        for (const auto &[tag, point] : now.points) {
-            for (std::size_t i : reach(point.slot, point.radius * pointSize))
-                if ((*made)[i] == 1)
-                    (*made)[i] = tag;
-            (*made)[point.slot] = tag;
-        }
-        if (!effective || *made != *effective)
-            effective = made;
-    }
-    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
-    for (auto each = now.motion.begin(); each != now.motion.end();)
-        each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
-}
-
-/// Gives the layer the marks.
-void BendSession::writeMarks() {
-    dropMarks(layer);
-    if (now.marks)
-        setMarks(layer, *now.marks);
-    else if (marksNow(layer)) // it has tags elsewhere, which are not to be seen
-        setMarks(layer, BendTags(layer.cm.vert.size(), 1));
-    isMarkedHere = hasMarks(layer);
-}
-
-std::vector<vcg::Color4b> BendSession::overlay() {
-    if (isStretchShown()) {
-        if (!stretch)
-            stretch = std::make_unique<StretchColors>(layer);
-        return stretch->of(rest.positions(), rest.world().linear());
-    }
-    std::vector<vcg::Color4b> color;
-    if (!marking && !now.marks)
-        return color;
-    const BendTags &tags = marking ? *marking : *effective;
-    color.assign(tags.size(), vcg::Color4b(0, 0, 0, 0));
-    ParallelFor(0, tags.size(), grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (tags[i] != 1) {
-                color[i] = colorOfTag(tags[i]);
-                color[i][3] = markOpacity;
-            }
-    });
-    return color;
-}
-
-bool BendSession::isStretchShown() const { return options.stretch && !marking && layer.cm.fn > 0; }
 
 // --- changes ---
 
@@ -272,34 +186,9 @@ void BendSession::cancel() {
     takeState();
 }
 
-void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
-    if (!marking) {
-        marking = std::make_shared<BendTags>(*effective);
-        now.points.clear(); // they are marks from now on
-    }
-    for (std::size_t i : vertices)
-        (*marking)[i] = tag;
-}
-
-void BendSession::endMarks() {
-    if (!marking)
-        return;
-    now.marks = std::move(marking);
-    updateTags();
-    writeMarks();
-}
-
-void BendSession::clearMarks() {
-    now.marks.reset();
-    now.points.clear();
-    now.motion.clear();
-    updateTags();
-    writeMarks();
-}
-
 int BendSession::addPoint(std::size_t slot, double radius) {
     const auto add = [&](std::size_t at) {
-        assert(!now.marks || (*effective)[at] == 1);
+        assert(isFree(at));
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
         updateTags();
@@ -308,7 +197,7 @@ int BendSession::addPoint(std::size_t slot, double radius) {
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
     if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&
-        !(now.marks && (*effective)[*other] != 1))
+        isFree(*other))
         add(*other);
     return tag;
 }
@@ -318,6 +207,8 @@ void BendSession::setRadius(int tag, double radius) {
         const auto point = now.points.find(which);
         if (point != now.points.end())
             point->second.radius = radius;
+        else if (center.count(which))
+            now.rim = radius;
     };
     set(tag);
     set(mirrored(tag));

@@ -39,6 +39,10 @@ class BendSession {
     /// The tags that all this amounts to.
     const BendTags &tags() const { return *effective; }
     bool isMarked() const { return now.marks != nullptr; }
+    /// Whether handles bend what is around them only, since nothing is marked as fixed.
+    bool isLocal() const { return local; }
+    /// Whether a vertex is not marked as anything else.
+    bool isFree(std::size_t slot) const { return !now.marks || (*now.marks)[slot] == 1; }
     std::vector<int> handleTags() const; ///< ascending
     int unusedTag() const;
     /// Where the middle of a handle is in the pose.
@@ -52,8 +56,8 @@ class BendSession {
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const; ///< at rest
     Eigen::Vector3d positionOf(std::size_t slot) const;              ///< in the pose
     bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
-    /// The vertices within \p radius of \p slot along the surface, in the rest shape.
-    const std::vector<std::size_t> &reach(std::size_t slot, double radius);
+    /// The vertices within \p radius of some, given by their slots, along the surface, in the rest shape.
+    const std::vector<std::size_t> &reach(const std::vector<std::size_t> &vertices, double radius);
     double diagonal() const { return rest.diagonal(); } ///< of the bounding box
 
     // --- changes; each begins with change(), which undo() takes back ---
@@ -68,10 +72,12 @@ class BendSession {
 
     /// Marks vertices; with endMarks() the layer has these marks.
     void mark(const std::vector<std::size_t> &vertices, int tag);
-    void endMarks();
+    /// \param rim how far new handles bend what is around them where nothing is marked as fixed, world units
+    void endMarks(double rim);
     void clearMarks();
-    /// A new handle around a vertex. \pre it is free where anything is marked \return its tag
+    /// A new handle around a vertex. \pre it isFree() \return its tag
     int addPoint(std::size_t slot, double radius);
+    /// How far a handle bends what is around it where nothing is marked as fixed.
     void setRadius(int tag, double radius);
     void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);
     /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
@@ -118,6 +124,7 @@ class BendSession {
     BendOptions options;
 
   private:
+    static std::shared_ptr<const BendTags> marksNow(const MeshModel &layer);
     void keepRest();
     void updateTags();
     void writeMarks();
@@ -151,6 +158,7 @@ class BendSession {
     bool isLeft = false;                               ///< the layer has what leave() gave it
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
+    bool local = false;                ///< isLocal()
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
 
     BendSolver solver;

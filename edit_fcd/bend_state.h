@@ -13,17 +13,22 @@
 /// A handle of a vertex and those beside it.
 struct BendPoint {
     std::size_t slot = 0;
-    double radius = 0; ///< of what it bends where nothing is marked, along the surface, world units
+    double radius = 0; ///< of what it bends where nothing is marked as fixed, along the surface, world units
 
     bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
 };
 
 using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
 
-/// What is undone and redone: which vertices are held, and how the handles move.
+/// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
+const double usualRadius = 0.15;
+
+/// What is undone and redone: which vertices are held, and how the handles move. Where nothing is marked as fixed,
+/// handles bend what is around them, and all else is fixed.
 struct BendState {
-    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked, and points bend what is around them
+    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
     std::map<int, BendPoint> points;       ///< by their tag
+    double rim = 0;                        ///< how far marked handles bend what is around them, as BendPoint::radius
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
 

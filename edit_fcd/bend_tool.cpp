@@ -121,8 +121,15 @@ void BendTool::solve(bool full) {
 
 // --- marks ---
 
+/// What is marked next to a handle that was moved is another handle, at rest.
+void BendTool::takeNewHandle() {
+    if (panel->tag() >= 2 && session->state().motion.count(panel->tag()))
+        panel->setRole(BendPanel::Handle, session->unusedTag());
+}
+
 void BendTool::beginMarking(BendMarking::Kind kind) {
     session->change();
+    takeNewHandle();
     marking = std::make_unique<BendMarking>();
     marking->kind = kind;
     if (!panel->isThrough()) {
@@ -149,7 +156,7 @@ void BendTool::endMarking() {
         if (!found.empty())
             session->mark(found, panel->tag());
     }
-    session->endMarks();
+    session->endMarks(panel->radius() * session->diagonal());
     showOverlay();
     solve(true);
     refresh();

@@ -79,6 +79,7 @@ class BendTool : public HostEditTool {
     void step();
     void solve(bool full);
 
+    void takeNewHandle();
     void beginMarking(BendMarking::Kind kind);
     void brush();
     void endMarking();

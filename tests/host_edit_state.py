@@ -118,6 +118,57 @@ def test_a_layer_is_not_touched_by_marks(window, tmp_path):
     assert w.save("left.ply").read_bytes() == before
 
 
+def longest_edges(points, faces):
+    return max(np.linalg.norm(points[faces[:, k]] - points[faces[:, k - 1]], axis=1).max() for k in range(3))
+
+
+def test_a_mark_after_a_pull_is_a_new_handle_at_rest(window, tmp_path):
+    w, points, faces = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X + 120, Y), (X + 120, Y - 60))
+    pulled = load(w.save("pulled.ply"))[0]
+    w.key("v", "t") # the role is still that of a handle
+    w.drag((X - 230, Y - 200), (X - 170, Y + 200))
+    w.shot("marked")
+    marked = load(w.save("marked.ply"))[0]
+    assert np.array_equal(marked[points[:, 0] < 0], points[points[:, 0] < 0]) # at rest
+    # What was pulled has fewer patches, since others are around the new handle.
+    assert np.abs(marked - pulled).max() < 0.25 * np.abs(pulled - points).max()
+    w.key("m")
+    w.drag((X - 200, Y), (X - 200, Y - 60))
+    w.shot("both")
+    both = load(w.save("both.ply"))[0]
+    moved = np.linalg.norm(both - marked, axis=1)
+    assert moved.max() > 0.1 and moved[points[:, 0] > 0.1].max() < 1e-3
+    turned = np.linalg.norm(both - points, axis=1) > 0
+    assert not turned[abs(points[:, 0] + 0.05) < 0.02].any() # between the two, all is as it was
+    assert longest_edges(both, faces) < 1.5 * longest_edges(pulled, faces) # nothing is torn
+
+
+def test_a_handle_alone_bends_what_is_around_it(window, tmp_path):
+    w, points, faces = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "h")
+    w.drag((X - 30, Y - 200), (X + 30, Y + 200))
+    w.key("m")
+    w.press_and_move((X, Y), (X, Y - 80))
+    narrow = load_after(w, "narrow.ply", points)
+    w.drag((X, Y - 80), (X, Y - 100))
+    w.key("ctrl+z", "ctrl+z")
+    w.do("mousemove", X, Y, "mousedown", 1)
+    for _ in range(6):
+        w.do("click", 4, pause=0.05) # the wheel
+    w.do("mousemove", X, Y - 40, "mousemove", X, Y - 80, pause=0.3)
+    wide = load_after(w, "wide.ply", points)
+    assert 0.1 < np.mean(narrow > 0) + 0.05 < np.mean(wide > 0) < 0.95
+
+
+def load_after(w, name, points):
+    """How far all is moved when the button is released."""
+    w.do("mouseup", 1, pause=0.5)
+    return np.linalg.norm(load(w.save(name))[0] - points, axis=1)
+
+
 def write_textured(folder, points, faces):
     """Squares in red and green."""
     square = (np.indices((256, 256)) // 32).sum(0) % 2
@@ -273,7 +324,7 @@ class Monkey:
                 w.key(rng.choice("bv"), rng.choice("fuho"), pause=0.05)
                 w.drag(place(), place())
             elif what < 0.7:
-                w.key("m", rng.choice("grs"), rng.choice("xyz"), "1", rng.choice(["Return", "Escape"]), pause=0.05)
+                w.key("m", rng.choice("grs"), rng.choice("xyz"), "1", "Return", pause=0.05) # Escape would hand the mouse to the camera
             else:
                 w.key(rng.choice(["ctrl+z", "ctrl+shift+z", "BackSpace", "Return", "ctrl+Return", "ctrl+Return"]), pause=0.3)
         w.key("m", pause=0.3)

@@ -14,7 +14,7 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
     graph.position = Eigen::Matrix3Xf::Random(3, n);
     // Bellman and Ford, as the oracle.
     std::vector<double> distance(std::size_t(n), std::numeric_limits<double>::infinity());
-    distance[7] = 0;
+    distance[7] = distance[90] = 0;
     for (Index round = 0; round < n; ++round)
         for (Index u = 0; u < n; ++u)
             for (Index v : graph.adjacency[u])
@@ -22,8 +22,8 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
                     std::min(distance[std::size_t(v)],
                              distance[std::size_t(u)] + double((graph.position.col(v) - graph.position.col(u)).norm()));
     for (double radius : {0.0, 0.7, 2.0, 100.0}) {
-        const std::vector<Index> found = NodesWithin(graph, 7, radius);
-        ASSERT_EQ(found.front(), 7);
+        const std::vector<Index> found = NodesWithin(graph, {7, 90, 7}, radius);
+        ASSERT_GE(found.size(), 2U);
         std::vector<char> isIn(std::size_t(n), 0);
         double last = 0;
         for (Index u : found) {

@@ -9,12 +9,14 @@
 namespace vcg {
 namespace fcd {
 
-std::vector<Index> NodesWithin(const Graph &graph, Index seed, double radius) {
+std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius) {
     using Item = std::pair<double, Index>;
     std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
-    std::unordered_map<Index, double> distance{{seed, 0}};
+    std::unordered_map<Index, double> distance;
     std::vector<Index> found;
-    queue.emplace(0, seed);
+    for (const Index seed : seeds)
+        if (distance.emplace(seed, 0).second)
+            queue.emplace(0, seed);
     while (!queue.empty()) {
         const auto [d, u] = queue.top();
         queue.pop();

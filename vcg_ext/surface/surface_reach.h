@@ -9,9 +9,9 @@
 namespace vcg {
 namespace fcd {
 
-/// The nodes that are at most \p radius from \p seed along the edges of the graph (Dijkstra 1959), \p seed included,
-/// nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
-std::vector<Index> NodesWithin(const Graph &graph, Index seed, double radius);
+/// The nodes that are at most \p radius from one of \p seeds along the edges of the graph (Dijkstra 1959), these
+/// included, nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
+std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius);
 
 } // namespace fcd
 } // namespace vcg

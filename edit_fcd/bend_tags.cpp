@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_session.h"
+
+#include <layer_fcd/marks.h>
+#include <layer_fcd/tagging.h>
+
+#include <algorithm>
+#include <set>
+
+// What is marked on a layer, and the tags that this amounts to.
+
+using vcg::fcd::Error;
+using vcg::fcd::ParallelFor;
+
+namespace {
+
+const std::size_t mostTags = 64;       // of those that a person gives
+const unsigned char markOpacity = 150; // of 255: the surface is still seen
+const double pointSize = 0.08;         // of a point's radius: so far it is held, that a single vertex makes no spike
+
+} // namespace
+
+/// The tags of a layer, null where nothing is tagged. What is no tags, patches for example, counts as nothing.
+std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
+    auto present = std::make_shared<BendTags>();
+    try {
+        *present = presentTags(layer, {});
+    } catch (const Error &) { // no whole numbers
+        return nullptr;
+    }
+    std::set<int> tags;
+    for (auto tag = present->begin(); tag != present->end() && tags.size() <= mostTags; ++tag)
+        if (tag == present->begin() || *tag != *std::prev(tag))
+            tags.insert(*tag);
+    return tags.size() > mostTags || tags == std::set<int>{1} ? nullptr : present;
+}
+
+bool BendSession::isAsLeft() const {
+    if (!isUpToDate())
+        return false;
+    const auto marks = marksNow(layer);
+    return marks && now.marks ? *marks == *now.marks : !marks && !now.marks;
+}
+
+/// Makes the tags that marks and points amount to.
+void BendSession::updateTags() {
+    auto made =
+        now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(rest.positions().size(), 1);
+    std::vector<std::size_t> held;
+    for (std::size_t i = 0; i < made->size(); ++i)
+        if ((*made)[i] >= 2)
+            held.push_back(i);
+    local = !(held.empty() && now.points.empty()) && std::find(made->begin(), made->end(), 0) == made->end();
+    if (local) {
+        std::vector<char> isNear(made->size(), 0);
+        const auto add = [&](const std::vector<std::size_t> &vertices, double radius) {
+            for (std::size_t i : reach(vertices, radius))
+                isNear[i] = 1;
+        };
+        if (!held.empty())
+            add(held, now.rim);
+        for (const auto &each : now.points)
+            add({each.second.slot}, each.second.radius);
+        for (std::size_t i = 0; i < made->size(); ++i)
+            if ((*made)[i] == 1 && !isNear[i])
+                (*made)[i] = 0;
+    }
+    for (const auto &[tag, point] : now.points) {
+        for (std::size_t i : reach({point.slot}, point.radius * pointSize))
+            if ((*made)[i] == 1)
+                (*made)[i] = tag;
+        (*made)[point.slot] = tag;
+    }
+    if (!effective || *made != *effective)
+        effective = made;
+    center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
+    for (auto each = now.motion.begin(); each != now.motion.end();)
+        each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
+}
+
+/// Gives the layer the marks.
+void BendSession::writeMarks() {
+    dropMarks(layer);
+    if (now.marks)
+        setMarks(layer, *now.marks);
+    else if (marksNow(layer)) // it has tags elsewhere, which are not to be seen
+        setMarks(layer, BendTags(layer.cm.vert.size(), 1));
+    isMarkedHere = hasMarks(layer);
+}
+
+std::vector<vcg::Color4b> BendSession::overlay() {
+    if (isStretchShown()) {
+        if (!stretch)
+            stretch = std::make_unique<StretchColors>(layer);
+        return stretch->of(rest.positions(), rest.world().linear());
+    }
+    std::vector<vcg::Color4b> color;
+    if (!marking && !now.marks)
+        return color;
+    const BendTags &tags = marking ? *marking : *now.marks;
+    color.assign(tags.size(), vcg::Color4b(0, 0, 0, 0));
+    ParallelFor(0, tags.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (tags[i] != 1) {
+                color[i] = colorOfTag(tags[i]);
+                color[i][3] = markOpacity;
+            }
+    });
+    return color;
+}
+
+bool BendSession::isStretchShown() const { return options.stretch && !marking && layer.cm.fn > 0; }
+
+void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
+    if (!marking) {
+        marking = std::make_shared<BendTags>(layer.cm.vert.size(), 1);
+        if (now.marks)
+            *marking = *now.marks;
+    }
+    for (std::size_t i : vertices)
+        (*marking)[i] = tag;
+}
+
+void BendSession::endMarks(double rim) {
+    if (!marking)
+        return;
+    const bool isAny = std::any_of(marking->begin(), marking->end(), [](int tag) { return tag != 1; });
+    now.marks = isAny ? std::move(marking) : nullptr;
+    marking.reset();
+    now.rim = rim;
+    for (auto point = now.points.begin(); point != now.points.end();) // marks take their places
+        point = isFree(point->second.slot) ? std::next(point) : now.points.erase(point);
+    updateTags();
+    writeMarks();
+}
+
+void BendSession::clearMarks() {
+    now.marks.reset();
+    now.points.clear();
+    now.motion.clear();
+    updateTags();
+    writeMarks();
+}
