@@ -127,8 +127,8 @@ class Deformer:
         seed: Chooses where the first patches are, 0 to 2147483647.
         nodes: k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
         graph_weights: How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the
-            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2; the paper has 1, and `border` is this
-            project's).
+            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is
+            1 in the paper).
         weights: What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
         influence: How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
         loose_parts: What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
