@@ -8,8 +8,10 @@ read in chunks, a point is kept in each cube with sides of SPACING, a fraction o
 points are plenty. Needs laspy and pymeshlab_fcd."""
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 
 import laspy
 import numpy as np
@@ -33,10 +35,24 @@ def thinned(tiles: Iterable[str], spacing: float, chunk: int = 1_000_000) -> NDA
     return kept
 
 
+def read(landmarks: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where landmarks are and where they belong. Between numbers is a comma, a semicolon or white space, a first line may name the
+    columns, and what follows a # is a remark."""
+    lines = [re.split(r"[,;\s]+", line.partition("#")[0].strip(" \t\r,;")) for line in Path(landmarks).read_text().splitlines()]
+    filled = [line for line in lines if line != [""]]
+    if filled and re.match("[A-Za-z_]", filled[0][0]):
+        del filled[0]
+    for number, line in enumerate(filled, 1):
+        if len(line) != 6:
+            raise ValueError(f"landmark {number} of {landmarks} has {len(line)} numbers; give 6: x, y, z and where that belongs, x, y, z")
+    table = np.array(filled, np.float64).reshape(-1, 6)
+    return table[:, :3], table[:, 3:]
+
+
 def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
     points = thinned(tiles, float(spacing))
-    table = np.loadtxt(landmarks, delimiter=",", ndmin=2)
-    bend = pymeshlab_fcd.deformation(points, points=table[:, :3], landmarks=table[:, 3:])
+    starts, ends = read(landmarks)
+    bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
     bend.save(target)
     print(len(points), "points kept,", bend)
 

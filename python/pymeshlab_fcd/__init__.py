@@ -12,5 +12,5 @@ from ._motion import Motion
 from ._pose import DeformationWarning, Pose, PoseInfo
 from ._progress import Progress
 
-__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "Motion", "Transforms", "Pose", "PoseInfo", "Progress", "SurfaceInfo", "VERSIONS",
-           "Weights", "deform", "deform_layer", "deformation"]
+__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "Motion", "Pose", "PoseInfo", "Progress", "SurfaceInfo",
+           "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation"]

@@ -121,15 +121,16 @@ class Deformer:
         normals: n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
         smoothness: How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the
             paper).
-        patches: How many patches to begin with, from 1; more let the deformation bend in finer detail.
+        patches: How many patches to begin with, from 1; more let the deformation bend in finer detail (k0 of sec. 2.1).
         target_radius: How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches
-            and the area that can bend.
+            and the area that can bend (D of sec. 2.1).
         seed: Chooses where the first patches are, 0 to 2147483647.
         nodes: k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
         graph_weights: How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the
-            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too.
-        weights: What a node may influence: `surface` what is connected to it, `euclidean` whatever is near.
-        influence: How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show.
+            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is
+            1 in the paper).
+        weights: What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
+        influence: How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
         loose_parts: What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
         weld_distance: Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to
             0.001.

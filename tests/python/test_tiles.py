@@ -12,6 +12,7 @@ import pymeshlab_fcd
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.insert(0, str(EXAMPLES))
+from solve_thinned import read  # noqa: E402
 from warp_las import targets, warp  # noqa: E402
 from warp_las_dask import warp_all  # noqa: E402
 
@@ -127,13 +128,16 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     for x, y, down in [(50, 50, 2)] + [(50 + 35 * np.cos(a), 50 + 35 * np.sin(a), 0) for a in np.arange(0, 2 * np.pi, 0.3)]:
         p = ORIGIN + [x, y, height(x, y)]
         lines.append(", ".join(map(repr, map(float, [*p, *(p - [0, 0, down])]))))
-    (tmp_path / "landmarks.csv").write_text("\n".join(lines))
+    (tmp_path / "landmarks.csv").write_text("x y z, to x, y, z\n" + "\n".join(lines) + " # the last\n\n")
     done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "bend.ply"), "2",
                            *map(str, tiles)], text=True, stdout=subprocess.PIPE, timeout=300)
     assert done.returncode == 0 and 2000 < int(done.stdout.split()[0]) < 8000
     bend = pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply")
     at = np.array([[50, 50, height(50, 50)], [85, 50, height(85, 50)], [67, 50, height(67, 50)]]) + ORIGIN
     moved = bend(at) - at
+    (tmp_path / "short.csv").write_text("1; 2; 3\n")
+    with pytest.raises(ValueError, match="landmark 1 of .*short.csv has 3 numbers; give 6"):
+        read(str(tmp_path / "short.csv"))
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
 
 
