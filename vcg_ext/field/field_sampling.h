@@ -15,7 +15,7 @@ struct FieldParam {
     Index moving = 4000;     ///< samples to begin with where the surface moves, >= 1
     Index resting = 1000;    ///< and where it rests
     double tolerance = 1e-4; ///< most that a vertex may be off, over the diagonal of the box of what moves, > 0
-    Index most = 1 << 20;    ///< samples that are added to for that, > 0: a file of 140 MB at most; for what rests
+    Index most = 1 << 20;    ///< samples that are added to for that, > 0: a file of 115 MB at most; for what rests
                              ///< there is no such bound
 };
 
