@@ -62,6 +62,7 @@ void BendTool::onOptions() {
         return;
     if (panel->mode() != BendPanel::Polyline)
         marking.reset();
+    trackMouse();
     const BendOptions before = session->options;
     takeOptions();
     showStretch();
@@ -73,6 +74,7 @@ void BendTool::onOptions() {
 
 void BendTool::setMode(BendPanel::Mode mode) {
     panel->setMode(mode);
+    trackMouse();
     showStretch();
 }
 

@@ -109,6 +109,8 @@ void BendTool::move(QMouseEvent *event) {
         brush();
     } else if (marking && (event->buttons() & Qt::LeftButton)) {
         marking->corners.back() = mouseInWindow().head<2>();
+    } else if (panel && panel->mode() == BendPanel::Brush) {
+        view->update();
     }
 }
 

@@ -120,12 +120,15 @@ void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polyg
     glMatrixMode(GL_MODELVIEW);
     glPushMatrix();
     glLoadIdentity();
-    glLineWidth(2);
-    glColor3ub(20, 20, 20);
-    glBegin(GL_LINE_LOOP);
-    for (const Eigen::Vector2d &corner : polygon)
-        put({corner[0], corner[1], 0});
-    glEnd();
+    for (const bool isInner : {false, true}) { // dark around light: seen on any ground
+        glLineWidth(isInner ? 2 : 4);
+        const GLubyte shade = isInner ? 240 : 20;
+        glColor3ub(shade, shade, shade);
+        glBegin(GL_LINE_LOOP);
+        for (const Eigen::Vector2d &corner : polygon)
+            put({corner[0], corner[1], 0});
+        glEnd();
+    }
     glPopMatrix();
     glMatrixMode(GL_PROJECTION);
     glPopMatrix();

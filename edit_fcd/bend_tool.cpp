@@ -43,8 +43,7 @@ void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
     const auto steps = session->state().motion.find(tag);
     if (steps != session->state().motion.end())
         drag->begin = steps->second;
-    if (modal)
-        view->setMouseTracking(true);
+    trackMouse();
     display->move();
     try {
         const double took = session->prepare();
@@ -68,7 +67,7 @@ void BendTool::endDrag(bool keep) {
         session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
     drag.reset();
     isStepWanted = false;
-    view->setMouseTracking(false);
+    trackMouse();
     sinceEvent.start();
     if (!layer())
         return;
@@ -76,6 +75,11 @@ void BendTool::endDrag(bool keep) {
     solve(true);
     refresh();
     view->update();
+}
+
+/// The mouse tells its way without a button, too, where that moves something: a handle, or the brush.
+void BendTool::trackMouse() {
+    view->setMouseTracking((drag && drag->modal) || (panel && panel->mode() == BendPanel::Brush));
 }
 
 /// One step a painted frame: the mouse moves more often.

@@ -80,6 +80,7 @@ class BendTool : public HostEditTool {
     void solve(bool full);
 
     void takeNewHandle();
+    void trackMouse();
     void beginMarking(BendMarking::Kind kind);
     void brush();
     void endMarking();

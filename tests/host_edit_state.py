@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import host_edit
-from host_edit import MIDDLE, Filters, colors_of, load, mark_two_regions, memory, the_dialogs_are_those_of_2020, tube, tube_with_ends, write_ply
+from host_edit import MIDDLE, Filters, colors_of, load, mark_two_regions, the_dialogs_are_those_of_2020, tube, tube_with_ends, write_ply
 from host_edit import window # noqa: F401, a fixture
 
 pytestmark = host_edit.pytestmark
@@ -169,6 +169,18 @@ def load_after(w, name, points):
     return np.linalg.norm(load(w.save(name))[0] - points, axis=1)
 
 
+def test_the_brush_is_seen_before_it_marks(window, tmp_path):
+    w, _, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("b")
+    for place in ((X - 100, Y - 200), (X + 100, Y - 220)): # on the dark ground above the tube
+        w.do("mousemove", *place, pause=0.4)
+        light = w.seen()[300 + place[1] - Y - 30:300 + place[1] - Y + 30, 270 + place[0] - X - 30:270 + place[0] - X + 30].min(-1) > 200
+        rows, columns = np.nonzero(light)
+        assert len(rows) > 60 and abs(rows.mean() - 30) < 3 and abs(columns.mean() - 30) < 3
+    w.shot("brush")
+
+
 def write_textured(folder, points, faces):
     """Squares in red and green."""
     square = (np.indices((256, 256)) // 32).sum(0) % 2
@@ -282,23 +294,6 @@ def test_the_panel_goes_with_its_document(window, tmp_path):
     assert np.array_equal(load(w.save("still.ply"))[0], posed)
 
 
-def test_memory_goes_with_the_document(window, tmp_path):
-    points, faces = tube(1000, 400)
-    w = window(write_ply(tmp_path / "large.ply", points, faces))
-    loaded = memory(w.meshlab)
-    w.start_tool()
-    for pull in PULL, PULL_ON:
-        w.drag(*pull)
-        time.sleep(1)
-    bent = memory(w.meshlab)
-    assert bent > loaded + 30 # what is prepared
-    w.key("ctrl+w", pause=1.5)
-    w.key("Left", "Return", pause=2) # Yes, without saving
-    w.shot("closed")
-    print("megabytes", loaded, bent, memory(w.meshlab))
-    assert memory(w.meshlab) < loaded
-
-
 class Monkey:
     """What it may do to two layers, and what each of these is then."""
 
@@ -314,15 +309,17 @@ class Monkey:
 
     def bends(self):
         w, rng = self.w, self.rng
+        width, height, middle = (200, 40, 52) if self.layer == 0 else (60, 12, -94) # where the layer is in the view
+        on = lambda: (X + rng.randint(-width, width), Y + middle + rng.randint(-height, height))
         place = lambda: (X + rng.randint(-200, 200), Y + rng.randint(-120, 120))
         for _ in range(rng.randint(2, 8)):
             what = rng.random()
             if what < 0.5:
                 w.key("m", pause=0.05)
-                w.drag(place(), place())
+                w.drag(on(), place())
             elif what < 0.6:
                 w.key(rng.choice("bv"), rng.choice("fuho"), pause=0.05)
-                w.drag(place(), place())
+                w.drag(on(), place())
             elif what < 0.7:
                 w.key("m", rng.choice("grs"), rng.choice("xyz"), "1", "Return", pause=0.05) # Escape would hand the mouse to the camera
             else:
@@ -347,10 +344,10 @@ class Monkey:
         self.on = False
 
     def smooth(self):
-        dialog = self.filters.dialog("Laplacian Smooth")
-        count = self.w.text().count("Applied filter Laplacian Smooth")
+        dialog = self.filters.dialog("Taubin Smooth")
+        count = self.w.text().count("Applied filter Taubin Smooth")
         self.filters.apply(dialog)
-        self.w.wait("Applied filter Laplacian Smooth", count + 1)
+        self.w.wait("Applied filter Taubin Smooth", count + 1)
         self.filters.finish(dialog)
         self.filters.back()
         self.on = False
