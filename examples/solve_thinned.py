@@ -5,7 +5,7 @@
 
 A line of the landmarks is x, y, z and where that is to go, x, y, z; what stays is a landmark that goes where it is. Of the tiles,
 read in chunks, a point is kept in each cube with sides of SPACING, a fraction of the distance between landmarks: some ten thousand
-points are plenty. Needs laspy, pymeshlab_fcd and a pymeshlab that it knows."""
+points are plenty. Needs laspy and pymeshlab_fcd."""
 import sys
 
 import laspy
@@ -30,8 +30,8 @@ def thinned(tiles, spacing, chunk=1_000_000):
 
 def main(landmarks, target, spacing, *tiles):
     points = thinned(tiles, float(spacing))
-    everywhere = np.ones(len(points), int)  # free
-    bend = pymeshlab_fcd.deformation(points, None, everywhere, {}, point_handles_file=landmarks)
+    table = np.loadtxt(landmarks, delimiter=",", ndmin=2)
+    bend = pymeshlab_fcd.deformation(points, points=table[:, :3], landmarks=table[:, 3:])
     bend.save(target)
     print(len(points), "points kept,", bend)
 

@@ -167,8 +167,9 @@ environment() {
 environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 [ "$codename" != bookworm ] || environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
 environment "$build/venv-tools" clang-tidy==23.1.4 mkdocs==1.6.1
-environment "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0
-environment "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 pytest==9.2.0
+environment "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2
+environment "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 pyvista==0.49.1 vtk==9.7.2 tqdm==4.70.1 \
+    mypy==2.4.1 "pyright[nodejs]==1.1.414" pytest==9.2.0
 if [ -n "${FCD_PEERS:-}" ]; then # for tests/peers.sh
     environment "$build/venv-peers" pymeshlab==2025.7.post1 numpy==2.4.6 open3d-cpu==0.20.0 libigl==2.6.3 matplotlib==3.11.2
 fi

@@ -7,6 +7,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 namespace vcg {
 namespace fcd {
@@ -49,9 +50,32 @@ float DegreesOf(const Eigen::Vector4d &q) {
     return float(2 * std::atan2(q.tail<3>().norm(), std::abs(q[0])) * 180 / EIGEN_PI);
 }
 
-/// Stretch and rotation of the surface at each vertex, from its edges; what they leave open is as the patch turned.
-void Measure(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier, const Progress &progress,
-             DeformationResult &result) {
+/// The deformation graph before and after, in \p result.
+void ShowGraph(const NormalOf &normal, const Deformer &deformer, const Deformer::Pose &pose, const Progress &progress,
+               DeformationResult &result) {
+    const SurfaceGraph &surface = deformer.surface;
+    const DeformationGraph &graph = deformer.graph;
+    const double scale = surface.frame.scale;
+    result.rest = GeometryOf(normal, surface, deformer.patches, graph, progress);
+    result.rest.energy =
+        Eigen::Map<const Eigen::VectorXd>(pose.graph.nodeEnergy.data(), graph.Size()) * (scale * scale);
+    result.deformed = result.rest;
+    for (Index j = 0; j < graph.Size(); ++j) {
+        const Eigen::Vector3d middle = surface.graph.position.col(deformer.patches.center[j]).cast<double>(),
+                              way = middle - graph.graph.position.col(j).cast<double>();
+        result.deformed.position.col(j) =
+            surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(j) + pose.graph.linear[j] * way));
+        const Eigen::Matrix3d map =
+            graph.IsHeld(j) ? Eigen::Matrix3d(pose.nodeMotion[j].linear()) : pose.graph.linear[j];
+        result.deformed.normal.col(j) = Cofactors(map) * result.rest.normal.col(j);
+    }
+}
+
+} // namespace
+
+// From the edges; what they leave open is as the patch turned.
+SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
+                           const PositionsRef &position, const Progress &progress) {
     const SurfaceGraph &surface = deformer.surface;
     const Patches &patches = deformer.patches;
     const std::size_t slots = surface.nodeOf.size();
@@ -60,7 +84,7 @@ void Measure(const Deformer &deformer, const Deformer::Pose &pose, const Carrier
     for (std::size_t i = 0; i < slots; ++i)
         if (surface.nodeOf[i] >= 0)
             posed.col(surface.nodeOf[i]) =
-                surface.frame.ToFrame(Eigen::Vector3d(result.position.col(i))).template cast<float>();
+                surface.frame.ToFrame(Eigen::Vector3d(position.col(i))).template cast<float>();
     std::vector<float> stretch(n), rotation(n);
     ParallelFor(progress, "Measuring the deformation", n, 1 << 12, [&](std::size_t first, std::size_t last) {
         for (std::size_t u = first; u < last; ++u) {
@@ -84,6 +108,7 @@ void Measure(const Deformer &deformer, const Deformer::Pose &pose, const Carrier
             rotation[u] = DegreesOf(q);
         }
     });
+    SurfaceMeasure result;
     result.stretch.assign(slots, 1);
     result.rotation.assign(slots, 0);
     for (std::size_t i = 0; i < slots; ++i)
@@ -97,11 +122,11 @@ void Measure(const Deformer &deformer, const Deformer::Pose &pose, const Carrier
             result.stretch[i] = float(linear.norm() / std::sqrt(3.0));
             result.rotation[i] = DegreesOf(detail::FitQuaternion(linear.transpose()));
         }
+    return result;
 }
 
-/// What in the deformation of a mesh is probably not meant. \param position 3 x slots, deformed
-DeformationCheck Check(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
-                       const Deformer::Pose &pose, const Eigen::Matrix3Xd &position, const Progress &progress) {
+DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
+                           const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress) {
     const SurfaceGraph &surface = deformer.surface;
     DeformationCheck check;
     check.rigid = detail::MovesAsOne(deformer.held.tag, pose.given.motion);
@@ -114,29 +139,6 @@ DeformationCheck Check(const SurfaceView &mesh, const Handles &handles, const De
     check.flipped = detail::CountFlipped(mesh, surface, deformer.patches.patchOf, turns, position, progress);
     return check;
 }
-
-/// The deformation graph before and after, in \p result.
-void ShowGraph(const NormalOf &normal, const Deformer &deformer, const Deformer::Pose &pose, const Progress &progress,
-               DeformationResult &result) {
-    const SurfaceGraph &surface = deformer.surface;
-    const DeformationGraph &graph = deformer.graph;
-    const double scale = surface.frame.scale;
-    result.rest = GeometryOf(normal, surface, deformer.patches, graph, progress);
-    result.rest.energy =
-        Eigen::Map<const Eigen::VectorXd>(pose.graph.nodeEnergy.data(), graph.Size()) * (scale * scale);
-    result.deformed = result.rest;
-    for (Index j = 0; j < graph.Size(); ++j) {
-        const Eigen::Vector3d middle = surface.graph.position.col(deformer.patches.center[j]).cast<double>(),
-                              way = middle - graph.graph.position.col(j).cast<double>();
-        result.deformed.position.col(j) =
-            surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(j) + pose.graph.linear[j] * way));
-        const Eigen::Matrix3d map =
-            graph.IsHeld(j) ? Eigen::Matrix3d(pose.nodeMotion[j].linear()) : pose.graph.linear[j];
-        result.deformed.normal.col(j) = Cofactors(map) * result.rest.normal.col(j);
-    }
-}
-
-} // namespace
 
 CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
                                      const Progress &progress, const Eigen::Matrix3d &metric) {
@@ -192,9 +194,12 @@ void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles 
     watch = {};
     const Carrier carrier(deformer, pose);
     carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.4, 0.8));
-    result.check = Check(mesh, handles, deformer, pose, result.position, progress.Slice(0.8, 0.9));
-    if (param.measure)
-        Measure(deformer, pose, carrier, progress.Slice(0.9, 0.96), result);
+    result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.8, 0.9));
+    if (param.measure) {
+        SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.9, 0.96));
+        result.stretch = std::move(measure.stretch);
+        result.rotation = std::move(measure.rotation);
+    }
     result.secondsMap = watch.Seconds();
     ShowGraph(normal, deformer, pose, progress.Slice(0.96, 1), result);
     progress(1, "Mapping to the mesh");

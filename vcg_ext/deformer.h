@@ -157,10 +157,8 @@ struct DeformationResult {
     /// Per vertex slot, if wanted: how the surface around it turns and stretches, mesh units. Directions follow it,
     /// normals its Cofactors.
     std::vector<Eigen::Matrix3f> linear;
-    GraphGeometry rest, deformed; ///< the deformation graph before and after
-    std::vector<float> stretch;  ///< per vertex slot, if measured: root mean square length of the edges there over that
-                                 ///< at rest; 1 = not stretched
-    std::vector<float> rotation; ///< per vertex slot, if measured: degrees the surface turned there, [0, 180]
+    GraphGeometry rest, deformed;         ///< the deformation graph before and after
+    std::vector<float> stretch, rotation; ///< if measured: as in SurfaceMeasure
     TagCount tags;
     int iterations = 0; ///< of the solver
     bool converged = false;
@@ -183,6 +181,23 @@ using NormalOf = std::function<Eigen::Vector3d(std::size_t slot)>;
 CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
                                      const Progress &progress = {},
                                      const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
+
+/// What in a pose of a surface is probably not meant.
+/// \param mesh the surface at rest that \p deformer was prepared from, with \p handles
+/// \param position 3 x vertex slots, mesh units: that of the pose \throw Cancelled
+DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
+                           const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress = {});
+
+/// How a pose stretches and turns the surface around each vertex, one per vertex slot.
+struct SurfaceMeasure {
+    std::vector<float> stretch;  ///< root mean square length of the edges there over that at rest; 1 = not stretched
+    std::vector<float> rotation; ///< degrees the surface turned there, [0, 180]
+};
+
+/// Measures a pose. \param carrier of the pose \param position 3 x vertex slots, mesh units: that of the pose
+/// \throw Cancelled
+SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
+                           const PositionsRef &position, const Progress &progress = {});
 
 /// Poses a prepared surface.
 /// \param mesh the surface at rest that \p deformer was prepared from

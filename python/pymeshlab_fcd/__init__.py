@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fast centroidal deformation of meshes and point clouds, for PyMeshLab and numpy.
+"""Fast centroidal deformation of meshes and point clouds, on numpy's arrays.
 
-On import, the filters of the plugin become methods of pymeshlab.MeshSet (where pymeshlab is one of VERSIONS). Deformation
-needs no pymeshlab.
+Where the extra `meshlab` is installed, the filters of the plugin become methods of pymeshlab.MeshSet on import; nothing else needs
+pymeshlab.
 """
-from ._deform import deform, deform_layer, deformation
+from ._deform import deform, deformation
 from ._deformation import Deformation
-from ._plugin import VERSIONS
+from ._deformer import Deformer, Graph, Transforms, SurfaceInfo, Weights
+from ._meshlab import VERSIONS, deform_layer
+from ._motion import Motion
+from ._pose import DeformationWarning, Pose, PoseInfo
+from ._progress import Progress
 
-__all__ = ["Deformation", "VERSIONS", "deform", "deform_layer", "deformation"]
+__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "Motion", "Transforms", "Pose", "PoseInfo", "Progress", "SurfaceInfo", "VERSIONS",
+           "Weights", "deform", "deform_layer", "deformation"]

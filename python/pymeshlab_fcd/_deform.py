@@ -1,101 +1,158 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deforming meshes: numpy, or a MeshSet, to pymeshlab's filters."""
+"""Deforming in one call."""
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _plugin
-from ._deformation import Deformation, Points, _rows
-
-if TYPE_CHECKING:
-    import pymeshlab
-
-
-def _tags(tags: ArrayLike, vertices: int) -> np.ndarray:
-    given = np.asarray(tags)
-    whole = given.astype(np.int64) if given.size else given
-    if given.shape != (vertices,) or not np.array_equal(whole, given):
-        raise ValueError(f"tags must be {vertices} whole numbers, one for each vertex: 0 fixed, 1 free, 2 and up handles, "
-                         "negative outside")
-    return whole
+from ._deformation import Deformation
+from ._deformer import Deformer, GraphWeights, LooseParts, Transforms, Weighing
+from ._inputs import Points
+from ._pose import Pose
+from ._progress import Progress, report, shared
 
 
-def _text(transforms: Mapping[int, ArrayLike]) -> str:
-    """The text that the filter's parameter takes."""
-    clauses = []
-    for tag, matrix in transforms.items():
-        m = np.asarray(matrix, dtype=np.float64)
-        if m.shape != (4, 4) or not np.isfinite(m).all():
-            raise ValueError(f"the transform of handle {tag} must be a 4 x 4 matrix of finite numbers")
-        clauses.append(f"{int(tag)}: matrix " + " ".join(repr(float(x)) for x in m.ravel()))
-    return "; ".join(clauses)
+def _posed(vertices: object, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None, landmarks: ArrayLike | None,
+           percent: float, steps: int, progress: Progress, points: ArrayLike | None, parameters: dict[str, object]) -> Pose:
+    told = shared(progress)
+    deformer = Deformer(vertices, faces, tags, points, progress=report(told, 0, 75), **parameters)  # type: ignore[arg-type]
+    return deformer._pose(transforms, landmarks, percent, steps, None, None, None, True, report(told, 75, 100), 5)
 
 
-def deform_layer(ms: pymeshlab.MeshSet, tags: ArrayLike | None, transforms: Mapping[int, ArrayLike], **parameters: Any) -> dict[str, Any]:
-    """Deforms the current layer of a MeshSet; the deformed layers become new ones, the last of them the current one.
+def deform(
+    vertices: ArrayLike | object,
+    faces: ArrayLike | None = None,
+    tags: ArrayLike | None = None,
+    transforms: Transforms | None = None,
+    points: ArrayLike | None = None,
+    *,
+    landmarks: ArrayLike | None = None,
+    percent: float = 100.0,
+    steps: int = 1,
+    smoothness: float = 0.0058,
+    patches: int = 300,
+    target_radius: float = 0.0,
+    seed: int = 1,
+    nodes: ArrayLike | None = None,
+    graph_weights: GraphWeights = "border",
+    weights: Weighing = "surface",
+    influence: float = 4.0,
+    loose_parts: LooseParts = "follow",
+    weld_distance: float = 1e-6,
+    max_iterations: int = 1000,
+    tolerance: float = 1e-5,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Points:
+    """Deforms a mesh or a cloud in one call: what [Deformer][pymeshlab_fcd.Deformer] and its
+    [pose][pymeshlab_fcd.Deformer.pose] do, where all parameters are explained.
 
-    tags: a whole number per vertex (0 fixed, 1 free, 2 and up handles, negative outside), or None where the layer has them as
-    vertex quality. transforms: {tag: 4 x 4 matrix}, column vectors, world coordinates. parameters: those of the filter
-    generate_fcd_deformed_mesh. Returns what the filter returns.
+    Args:
+        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
+        transforms: `{tag: 4 x 4 matrix or Motion}`; other handles stay.
+        points: Landmarks: k numbers of free vertices, or k x 3 places.
+        landmarks: k x 3, where the points go.
+        percent: How much of all motions is carried out.
+        steps: The pose is reached over so many.
+        smoothness: 0.001 is loose, 0.1 is stiff.
+        patches: How many patches to begin with.
+        target_radius: How far a patch may reach; 0: automatic.
+        seed: Chooses where the first patches are.
+        nodes: k x 3, centres of patches to use instead.
+        graph_weights: `border`, `uniform`, `paper` or `printed`.
+        weights: `surface` or `euclidean`.
+        influence: How far a node reaches, in radii of its patch.
+        loose_parts: `follow` or `stay`.
+        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
+        max_iterations: The shape is improved at most this often.
+        tolerance: When it is at rest, a fraction of the diagonal.
+        threads: How many to use; 0 is one a core.
+        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Raises RuntimeError where there is no pymeshlab that this package knows, ValueError for arrays of another shape, and
-    pymeshlab.PyMeshLabException, which says what is wrong, for what cannot be deformed. The MeshSet is then as it was.
+    Returns:
+        The positions, n x 3: the same bits as those of the filter `generate_fcd_deformed_mesh`.
+
+    Raises:
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+
+    Warns:
+        DeformationWarning: What is probably not meant: nothing moves, triangles turned over, the shape did not come to rest.
     """
-    if _plugin.missing:
-        raise RuntimeError(_plugin.missing)
-    text = _text(transforms)
-    if tags is None:
-        return ms.apply_filter("generate_fcd_deformed_mesh", transforms=text, **parameters)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "tags.sel"
-        np.savetxt(file, _tags(tags, ms.current_mesh().vertex_number()), fmt="%d")
-        return ms.apply_filter("generate_fcd_deformed_mesh", handles=3, tag_file=str(file), transforms=text, **parameters)
+    return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
+        smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
+        tolerance=tolerance, threads=threads)).vertices
 
 
-def _deformed(vertices, faces, tags, transforms, parameters):
-    if _plugin.missing:
-        raise RuntimeError(_plugin.missing)
-    import pymeshlab
+def deformation(
+    vertices: ArrayLike | object,
+    faces: ArrayLike | None = None,
+    tags: ArrayLike | None = None,
+    transforms: Transforms | None = None,
+    points: ArrayLike | None = None,
+    *,
+    landmarks: ArrayLike | None = None,
+    percent: float = 100.0,
+    steps: int = 1,
+    smoothness: float = 0.0058,
+    patches: int = 300,
+    target_radius: float = 0.0,
+    seed: int = 1,
+    nodes: ArrayLike | None = None,
+    graph_weights: GraphWeights = "border",
+    weights: Weighing = "surface",
+    influence: float = 4.0,
+    loose_parts: LooseParts = "follow",
+    weld_distance: float = 1e-6,
+    max_iterations: int = 1000,
+    tolerance: float = 1e-5,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Deformation:
+    """The same as [deform][pymeshlab_fcd.deform] as a deformation of space, to be applied to other points: deform a thinned scan,
+    then all of it.
 
-    points = _rows("vertices", vertices)
-    corners = np.zeros((0, 3), np.int32) if faces is None else np.ascontiguousarray(faces)
-    if corners.size == 0:
-        mesh = pymeshlab.Mesh(points)
-    else:
-        if corners.ndim != 2 or corners.shape[1] != 3 or not np.issubdtype(corners.dtype, np.integer):
-            raise ValueError("faces must be m x 3 whole numbers, the vertices at the corners of triangles; None for a cloud")
-        if corners.min() < 0 or corners.max() >= len(points):
-            raise ValueError(f"faces must hold numbers of vertices, 0 to {len(points) - 1}")
-        mesh = pymeshlab.Mesh(points, corners.astype(np.int32))
-    _tags(tags, len(points))
-    ms = pymeshlab.MeshSet()
-    ms.add_mesh(mesh, "mesh")
-    deform_layer(ms, tags, transforms, **parameters)
-    return ms
+    Args:
+        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
+        transforms: `{tag: 4 x 4 matrix or Motion}`; other handles stay.
+        points: Landmarks: k numbers of free vertices, or k x 3 places.
+        landmarks: k x 3, where the points go.
+        percent: How much of all motions is carried out.
+        steps: The pose is reached over so many.
+        smoothness: 0.001 is loose, 0.1 is stiff.
+        patches: How many patches to begin with.
+        target_radius: How far a patch may reach; 0: automatic.
+        seed: Chooses where the first patches are.
+        nodes: k x 3, centres of patches to use instead.
+        graph_weights: `border`, `uniform`, `paper` or `printed`.
+        weights: `surface` or `euclidean`.
+        influence: How far a node reaches, in radii of its patch.
+        loose_parts: `follow` or `stay`.
+        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
+        max_iterations: The shape is improved at most this often.
+        tolerance: When it is at rest, a fraction of the diagonal.
+        threads: How many to use; 0 is one a core.
+        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
+    Returns:
+        What `save_fcd_deformation` saves of the same, to the bit. Its `largest_difference` tells how far a vertex is off at most.
 
-def deform(vertices: ArrayLike, faces: ArrayLike | None, tags: ArrayLike, transforms: Mapping[int, ArrayLike], **parameters: Any) -> Points:
-    """The positions (n x 3, float64) of the vertices of a mesh, or of a point cloud, after a deformation.
+    Raises:
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
 
-    vertices: n x 3. faces: m x 3 vertex numbers, None for a cloud. tags: n whole numbers (0 fixed, 1 free, 2 and up handles,
-    negative outside). transforms: {tag: 4 x 4 matrix} moves the handles; column vectors. parameters: those of the filter
-    generate_fcd_deformed_mesh, as initial_patches=600. Errors as of deform_layer.
+    Warns:
+        DeformationWarning: As of [deform][pymeshlab_fcd.deform], and where vertices are off by more than a ten-thousandth.
     """
-    ms = _deformed(vertices, faces, tags, transforms, {"graph_layers": False, **parameters})  # must outlive its meshes
-    return ms.current_mesh().vertex_matrix()
-
-
-def deformation(vertices: ArrayLike, faces: ArrayLike | None, tags: ArrayLike, transforms: Mapping[int, ArrayLike], **parameters: Any) -> Deformation:
-    """The same as a deformation to be applied to other points in the same space: deform a thinned scan, then all of it."""
-    ms = _deformed(vertices, faces, tags, transforms, {**parameters, "graph_layers": True})
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "deformation.ply")
-        ms.apply_filter("save_fcd_deformation", source_layer=0, rest_graph=1, deformed_graph=2, deformation_file=path)
-        return Deformation.load(path)
+    told = shared(progress)
+    pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
+        smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
+        tolerance=tolerance, threads=threads))
+    return pose._deformation(report(told, 60, 100), 3)

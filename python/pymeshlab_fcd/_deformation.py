@@ -9,19 +9,12 @@ import shutil
 import uuid
 from typing import overload
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ._field import Field
-
-Points = NDArray[np.float64]
-
-
-def _rows(name: str, values: ArrayLike) -> Points:
-    rows = np.ascontiguousarray(values, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ValueError(f"{name} must be n x 3, one row per point; it is {' x '.join(map(str, rows.shape)) or 'a number'}")
-    return rows
+from . import _inputs
+from ._core import Field
+from ._inputs import Points
+from ._progress import Progress, report
 
 
 def _write(path: str, content: bytes) -> None:
@@ -45,47 +38,89 @@ def _write(path: str, content: bytes) -> None:
 
 
 class Deformation:
-    """A deformation of space, as ``save_fcd_deformation`` writes it.
+    """A deformation of space, as `save_fcd_deformation` and [Pose.deformation][pymeshlab_fcd.Pose.deformation] make it.
 
     Call it with points in world coordinates. Each point goes with the nearest place of the surface that was deformed, for
     itself: the bits do not depend on how points are cut into pieces, on their order, or on threads. Any number of threads may
-    use one object at a time; it can be pickled, and is a megabyte or so then.
+    use one object at a time; it can be pickled, and is a megabyte or so then. Two are equal where they are the same to the bit.
+
+    Args:
+        content: That of a file.
+        name: What messages call it.
+
+    Raises:
+        TypeError: The content is no bytes.
+        ValueError: It is no saved deformation; the message says what is wrong.
     """
 
     __slots__ = ("_field",)
 
     def __init__(self, content: bytes, name: str = "deformation") -> None:
-        """From the content of a file. Raises ValueError, which says what is wrong, where it is no saved deformation."""
+        if not isinstance(content, (bytes, bytearray, memoryview)):
+            raise TypeError(f"content must be the bytes of a file; it is a {type(content).__name__}. Deformation.load(path) reads a file")
         self._field = Field(bytes(content), name)
 
     @classmethod
+    def _of(cls, field: Field) -> Deformation:
+        made = cls.__new__(cls)
+        made._field = field
+        return made
+
+    @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Deformation:
-        """From a file. Raises OSError or, where it is no saved deformation, ValueError."""
+        """From a file.
+
+        Args:
+            path: Of a file that `save_fcd_deformation` or [save][pymeshlab_fcd.Deformation.save] has written.
+
+        Raises:
+            OSError: It cannot be read.
+            ValueError: It is no saved deformation; the message says what is wrong.
+        """
         with open(path, "rb") as file:
-            return cls(file.read(), os.fspath(path))
+            return cls(file.read(), os.fsdecode(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """To a file. What is there is replaced at once, when all is on the disk, and otherwise stays."""
+        """To a file. What is there is replaced at once, when all is on the disk, and otherwise stays.
+
+        Args:
+            path: Where it goes.
+
+        Raises:
+            OSError: It cannot be written, as where the disk is full.
+        """
         _write(os.path.realpath(os.fsdecode(path)), self._field.content())
 
     @overload
-    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1) -> Points: ...
+    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1, progress: Progress = None) -> Points: ...
     @overload
-    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 1) -> tuple[Points, Points]: ...
-    def __call__(self, xyz, normals=None, *, threads=1):
-        """The positions of points, n x 3 (float64), and, where their normals are given, these (as long as they were).
+    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 1, progress: Progress = None) -> tuple[Points, Points]: ...
+    def __call__(self, xyz: ArrayLike, normals: ArrayLike | None = None, *, threads: int = 1,
+                 progress: Progress = None) -> Points | tuple[Points, Points]:
+        """Carries points.
 
-        threads: how many to use, 0 for one a core. Python's lock is released meanwhile. Points that are not finite stay as
-        they are, and so does, to the bit, what is nearest to something that was fixed.
+        Args:
+            xyz: n x 3, world coordinates. Points that are not finite, or beyond 1e100, stay as they are, and so does, to the bit,
+                what is nearest to something that was fixed.
+            normals: n x 3, of any length.
+            threads: How many to use, 0 for one a core. Python's lock is free meanwhile.
+            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Returns:
+            The positions, n x 3, and, where normals are given, these, too, as long as they were.
+
+        Raises:
+            TypeError: Something is of another kind than what is asked for here.
+            ValueError: It has another shape.
         """
-        if threads < 0:
-            raise ValueError("threads must be 0 (one a core) or more")
-        positions, turned = self._field.apply(_rows("xyz", xyz), None if normals is None else _rows("normals", normals), threads)
-        return positions if normals is None else (positions, turned)
+        rows = _inputs.rows("xyz", xyz)
+        beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point")
+        positions, turned = self._field.apply(rows, beside, _inputs.whole("threads", threads, 0, 1024), report(progress))
+        return positions if turned is None else (positions, turned)
 
     @property
     def samples(self) -> Points:
-        """Where it was sampled, at rest, k x 3: the thinned surface. Far from it, no answer makes sense."""
+        """k x 3, where it was sampled, at rest: the thinned surface. Far from it, no answer makes sense."""
         return self._field.positions()
 
     @property
@@ -95,8 +130,15 @@ class Deformation:
         largest = self._field.largest_difference
         return None if math.isnan(largest) else largest
 
-    def __reduce__(self):
+    def __eq__(self, other: object) -> bool:
+        return self._field.content() == other._field.content() if isinstance(other, Deformation) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._field.content())
+
+    def __reduce__(self) -> tuple[type[Deformation], tuple[bytes]]:
         return Deformation, (self._field.content(),)
 
     def __repr__(self) -> str:
-        return f"<Deformation of {self._field.samples} samples>"
+        largest = self.largest_difference
+        return f"<Deformation of {self._field.samples} samples, off by {'an unknown amount' if largest is None else f'{largest:g} at most'}>"

@@ -10,20 +10,11 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
+from shapes import bar, same
 
 import pymeshlab_fcd
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-def bar(n=101, m=15):
-    """A bumpy bar along x, its tags, and a matrix that lifts the end."""
-    x, y = np.meshgrid(np.linspace(0, 10, n), np.linspace(0, 1, m), indexing="ij")
-    vertices = np.stack([x.ravel(), y.ravel(), 0.1 * np.sin(5 * x.ravel())], 1)
-    i = np.arange(n * m).reshape(n, m)[:-1, :-1].ravel()
-    faces = np.concatenate([np.stack([i, i + m, i + 1], 1), np.stack([i + 1, i + m, i + m + 1], 1)])
-    tags = np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] > 9, 2, 1))
-    return vertices, faces, tags, np.array([[0, 0, -1, 7], [0, 1, 0, 0], [1, 0, 0, -4], [0, 0, 0, 1.0]])
 
 
 @pytest.fixture(scope="module")
@@ -32,17 +23,13 @@ def bend():
     return pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift})
 
 
-def same(a, b):
-    return a.shape == b.shape and a.tobytes() == b.tobytes()
-
-
 # --- with pymeshlab -------------------------------------------------------------------------------------------------------
 
 
 def test_it_is_the_installed_package_and_knows_this_pymeshlab():
     assert "site-packages" in pymeshlab_fcd.__file__ and ROOT / "python" not in Path(pymeshlab_fcd.__file__).parents
     assert {"generate_fcd_deformed_mesh", "generate_fcd_deformed_copy", "save_fcd_deformation", "apply_coord_fcd_deformation"} <= set(
-        pymeshlab_fcd._plugin.METHODS)
+        pymeshlab_fcd._meshlab.METHODS)
 
 
 def test_filters_are_methods_and_arrays_give_the_same():
@@ -70,23 +57,59 @@ def test_a_layer_with_given_tags_or_its_own():
     assert same(ms.mesh(1).vertex_matrix(), ms.mesh(3).vertex_matrix())
 
 
-def test_a_cloud_and_parameters():
-    vertices, _, tags, lift = bar()
-    cloud = pymeshlab_fcd.deform(vertices, None, tags, {2: lift})
-    half = pymeshlab_fcd.deform(vertices, None, tags, {2: lift}, pose=50.0)
-    assert same(cloud[tags == 0], vertices[tags == 0]) and np.abs(cloud - half).max() > 1
-    with pytest.raises(pymeshlab.PyMeshLabException, match="no handle"):
-        pymeshlab_fcd.deform(vertices, None, np.minimum(tags, 1), {})
+def filtered(vertices, faces, tags, **parameters):
+    """What the filter makes of them."""
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(vertices, faces, v_scalar_array=tags.astype(float)) if faces is not None else
+                pymeshlab.Mesh(vertices, v_scalar_array=tags.astype(float)))
+    result = ms.generate_fcd_deformed_mesh(graph_layers=False, **parameters)
+    return ms.current_mesh().vertex_matrix(), result
 
 
-@pytest.mark.parametrize("change, words", [
-    (dict(vertices=np.zeros(3)), "vertices must be n x 3"), (dict(faces=[[0, 1, 9999]]), "0 to 1514"), (dict(faces=[[0, 1]]), "m x 3"),
-    (dict(faces=[[0.0, 1, 2]]), "whole numbers"), (dict(tags=[0, 1]), "tags must be 1515 whole numbers"), (dict(tags=np.full(1515, 0.5)), "whole numbers"),
-    (dict(transforms={2: np.eye(3)}), "handle 2 must be a 4 x 4"), (dict(transforms={3: np.full((4, 4), np.nan)}), "handle 3")])
-def test_arrays_of_other_shapes(change, words):
+@pytest.mark.parametrize("ours, its", [
+    ({}, {}), (dict(patches=100), dict(initial_patches=100)), (dict(smoothness=0.05, tolerance=1e-4), dict(smoothness=0.05, tolerance=1e-4)),
+    (dict(percent=40), dict(pose=40.0)), (dict(steps=3), dict(pose_steps=3)), (dict(seed=5, max_iterations=30), dict(random_seed=5, max_iterations=30)),
+    (dict(graph_weights="uniform", weights="euclidean"), dict(graph_weights=1, weights=1)), (dict(graph_weights="paper"), dict(graph_weights=2)),
+    (dict(graph_weights="printed"), dict(graph_weights=3)), (dict(influence=3, loose_parts="stay"), dict(influence=3.0, loose_parts=1)),
+    (dict(target_radius=0.4, weld_distance=1e-4), dict(target_radius=pymeshlab.PureValue(0.4), weld_distance=1e-4))])
+@pytest.mark.parametrize("cloud", [False, True])
+@pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")
+def test_the_filter_gives_the_same_bits(ours, its, cloud):
     vertices, faces, tags, lift = bar()
-    with pytest.raises(ValueError, match=words):
-        pymeshlab_fcd.deform(**{**dict(vertices=vertices, faces=faces, tags=tags, transforms={2: lift}), **change})
+    faces = None if cloud else faces
+    mine = pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, **ours)
+    theirs, result = filtered(vertices, faces, tags, transformmatrix=lift, **its)
+    assert same(mine, theirs)
+    of_poses = ("percent", "steps")
+    deformer = pymeshlab_fcd.Deformer(vertices, faces, tags, **{name: value for name, value in ours.items() if name not in of_poses})
+    pose = deformer.pose({2: lift}, **{name: value for name, value in ours.items() if name in of_poses})
+    assert (pose.info.nodes, pose.info.iterations, pose.info.converged, pose.info.folded) == tuple(
+        result[name] for name in ("nodes", "iterations", "converged", "folded_triangles"))
+    assert (deformer.info.components, deformer.info.fixed, deformer.info.handle, deformer.info.free) == tuple(
+        result[name] for name in ("components", "fixed_vertices", "handle_vertices", "free_vertices"))
+
+
+def test_the_filter_gives_the_same_bits_for_steps_and_landmarks(tmp_path):
+    vertices, faces, tags, _ = bar()
+    turn = pymeshlab_fcd.Motion.rotate([0, 1, 0], -250, about=[9, 0, 0]).then(pymeshlab_fcd.Motion.translate([0.1, 0, 2]))
+    mine = pymeshlab_fcd.deform(vertices, faces, tags, {2: turn}, percent=30)
+    assert same(mine, filtered(vertices, faces, tags, pose=30.0, transforms="2: rotate 0 1 0 -250 about 9 0 0 translate 0.1 0 2")[0])
+    start = vertices[-8] + [0.001, 0.002, 0]
+    (tmp_path / "points.csv").write_text(", ".join(map(repr, map(float, [*start, *(start + [0, 0, 3])]))))
+    left = np.where(tags == 0, 0, 1)
+    mine = pymeshlab_fcd.deform(vertices, faces, left, points=[start], landmarks=[start + [0, 0, 3]])
+    assert same(mine, filtered(vertices, faces, left, point_handles_file=str(tmp_path / "points.csv"))[0])
+
+
+def test_stretch_and_deformation_are_those_of_the_filters(tmp_path):
+    vertices, faces, tags, lift = bar()
+    pose = pymeshlab_fcd.Deformer(vertices, faces, tags).pose({2: lift})
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(vertices, faces, v_scalar_array=tags.astype(float)))
+    ms.generate_fcd_deformed_mesh(transformmatrix=lift, deformed_quality=1)
+    assert (ms.current_mesh().vertex_scalar_array() == pose.stretch()).all()
+    ms.save_fcd_deformation(source_layer=0, rest_graph=1, deformed_graph=2, deformation_file=str(tmp_path / "bend.ply"))
+    assert pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply") == pose.deformation()
 
 
 def test_what_the_readme_says(tmp_path):
@@ -155,7 +178,7 @@ def test_odd_input(bend):
     moved = bend(odd)
     assert same(moved[:2], odd[:2]) and moved[2, 2] > 1
     assert same(bend(np.asfortranarray(odd)), moved)
-    for arguments, words in (((np.zeros(3),), "xyz must be n x 3"), ((np.zeros((2, 3)), np.zeros((3, 3))), "as many rows"), ((np.zeros((2, 2)),), "it is 2 x 2")):
+    for arguments, words in (((np.zeros(3),), "xyz must be n x 3"), ((np.zeros((2, 3)), np.zeros((3, 3))), "normals must have 2 rows"), ((np.zeros((2, 2)),), "it is 2 x 2")):
         with pytest.raises(ValueError, match=words):
             bend(*arguments)
     with pytest.raises(ValueError, match="threads"):
@@ -228,8 +251,13 @@ with warnings.catch_warnings(record=True) as told:
 import numpy as np
 print(len(told), *[str(w.message) for w in told])
 print(pymeshlab_fcd.Deformation.load({path!r})(np.array([[9.5, 0.5, 0]]))[0, 2] > 1)
+x = np.arange(30.0)
+lift = np.eye(4)
+lift[2, 3] = 1
+moved = pymeshlab_fcd.deform(np.stack([x, x % 3, 0 * x], 1), None, np.where(x < 4, 0, np.where(x > 25, 2, 1)), {{2: lift}})
+assert (moved[:4, 2] == 0).all() and abs(moved[26:, 2] - 1).max() < 1e-9
 try:
-    pymeshlab_fcd.deform(np.eye(3), None, [0, 1, 2], {{}})
+    pymeshlab_fcd.deform_layer(None, [0, 1, 2], {{}})
 except RuntimeError as error:
     print("RuntimeError:", error)
 """
@@ -238,7 +266,9 @@ except RuntimeError as error:
 @pytest.mark.parametrize("before, warned, words", [
     ("sys.modules['pymeshlab'] = None", 0, "pymeshlab cannot be imported"),
     ("import importlib.metadata as m; v = m.version; m.version = lambda name: '2031.1' if name == 'pymeshlab' else v(name)", 1,
-     "pymeshlab 2031.1 is installed, and pymeshlab_fcd has plugins for 2022.2 and 2025.7")])
+     "pymeshlab 2031.1 is installed, and there are filters for 2022.2 and 2025.7"),
+    ("import importlib.util as u; f = u.find_spec; u.find_spec = lambda name, *a: None if name == 'pymeshlab_fcd_plugin' else f(name, *a)", 0,
+     "MeshLab's filters are not installed: pip install 'pymeshlab-fcd[meshlab]'")])
 def test_without_a_pymeshlab_that_is_known(bend, tmp_path, before, warned, words):
     bend.save(tmp_path / "bend.ply")
     done = subprocess.run([sys.executable, "-c", USE.format(before=before, path=str(tmp_path / "bend.ply"))], text=True, timeout=300,
@@ -246,4 +276,4 @@ def test_without_a_pymeshlab_that_is_known(bend, tmp_path, before, warned, words
     assert done.returncode == 0, done.stderr[-2000:]
     first, works, error = done.stdout.splitlines()
     assert first.startswith(str(warned)) and (words in first) == bool(warned) and works == "True"
-    assert error.startswith("RuntimeError: ") and words in error and "2022.2 and 2025.7" in error
+    assert error.startswith("RuntimeError: ") and words in error

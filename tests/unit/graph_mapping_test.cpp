@@ -424,3 +424,42 @@ TEST(GraphMapping, CanBeCancelledAnywhere) {
         EXPECT_THROW(prepare(log), Cancelled);
     }
 }
+
+TEST(GraphMapping, InfluencesAreTheWeightsOfTheBlend) {
+    const Rig rig = RoundTubeRig();
+    Motions motion = Bend();
+    motion[2] = Eigen::Translation3d(0, 0, 1);
+    for (const bool printed : {false, true}) {
+        const BeyondPaper beyond(printed ? GraphWeights::Printed : GraphWeights::Border);
+        const GraphMapping mapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
+                                   rig.param.targetRadius, {}, {}, beyond);
+        // Each node goes somewhere, and none turns or stretches the surface: then all is linear in the weights.
+        GraphPose pose = PoseOf(rig, Affine3d::Identity());
+        for (Index j = 0; j < rig.graph.Size(); ++j)
+            pose.position.col(j) += Vector3d(std::sin(j), std::cos(3 * j), 0.1 * (j % 7));
+        const auto map = mapping.At(pose, motion);
+        GraphMapping::Influences influences;
+        std::size_t runInto = 0;
+        for (Index u = 0; u < rig.surface.graph.Size(); ++u) {
+            if (rig.tag[u] != 1)
+                continue;
+            mapping.InfluencesAt(u, influences);
+            const Vector3d p = rig.surface.graph.position.col(u).cast<double>();
+            Vector3d expected = p;
+            double sum = 0;
+            for (const auto &[j, weight] : influences.nodes) {
+                EXPECT_GT(weight, 0);
+                expected += double(weight) * (pose.position.col(j) - rig.graph.graph.position.col(j).cast<double>());
+                sum += double(weight);
+            }
+            for (const auto &[tag, weight] : influences.held) {
+                expected += double(weight) * (motion.at(tag) * p - p);
+                sum += double(weight);
+            }
+            runInto += !influences.held.empty();
+            ASSERT_NEAR(sum, 1, 1e-6);
+            ASSERT_LE((map(u, p) - expected).norm(), 1e-5);
+        }
+        EXPECT_EQ(runInto > 0, !printed);
+    }
+}

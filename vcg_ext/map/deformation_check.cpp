@@ -31,7 +31,7 @@ Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag) {
 }
 
 void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
-                           const std::vector<std::array<std::uint32_t, 2>> &apart, const Eigen::Matrix3Xd &position,
+                           const std::vector<std::array<std::uint32_t, 2>> &apart, const PositionsRef &position,
                            DeformationCheck &check) {
     for (const auto &edge : apart) {
         const Eigen::Vector3d rest = frame.metric * (mesh.At(edge[0]) - mesh.At(edge[1])),
@@ -46,8 +46,7 @@ void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
 }
 
 Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
-                   const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
-                   const Progress &progress) {
+                   const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress) {
     using Eigen::Vector3d;
     std::vector<Eigen::Matrix3d> turn;
     turn.reserve(linear.size());

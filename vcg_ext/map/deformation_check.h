@@ -32,14 +32,13 @@ Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag);
 /// What lies between the ends of such an edge is the edge alone, hence nothing can make up for their motions.
 /// \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
 void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
-                           const std::vector<std::array<std::uint32_t, 2>> &apart, const Eigen::Matrix3Xd &position,
+                           const std::vector<std::array<std::uint32_t, 2>> &apart, const PositionsRef &position,
                            DeformationCheck &check);
 
 /// A triangle has turned over when its normal points away from where the patches of its corners turn it. Needles, whose
 /// normals are noise, do not count.
 Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
-                   const std::vector<Eigen::Matrix3d> &linear, const Eigen::Matrix3Xd &position,
-                   const Progress &progress);
+                   const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress);
 
 } // namespace detail
 } // namespace fcd

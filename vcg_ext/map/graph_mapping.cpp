@@ -35,6 +35,51 @@ GraphMapping::GraphMapping(const Graph &surface, const std::vector<Index> &tag, 
 
 GraphMapping::~GraphMapping() = default;
 
+void GraphMapping::InfluencesAt(Index node, Influences &influences) const {
+    influences.nodes.clear();
+    influences.held.clear();
+    const Index patch = patches.patchOf[node];
+    const auto x = surface.position.col(node);
+    if (!isSmooth) {
+        for (std::uint32_t c = candidates->nodes.begin[patch]; c < candidates->nodes.begin[patch + 1]; ++c) {
+            const detail::Ball &ball = candidates->ball[c];
+            const double left =
+                1 -
+                std::sqrt(double((x - Eigen::Map<const Eigen::Vector3f>(ball.center)).squaredNorm()) * ball.inverse);
+            if (left > 0)
+                influences.nodes.emplace_back(ball.node, float(left * left));
+        }
+    } else {
+        thread_local Posed::Scratch scratch;
+        PutCandidates(patch, scratch);
+        detail::Blending &b = scratch.blending;
+        std::vector<float> &none = scratch.strainTerm; // the weights alone are wanted
+        none.assign(b.n * detail::terms, 0);
+        b.term = reinterpret_cast<const float(*)[detail::terms]>(none.data());
+        for (int l = 0; l < detail::lanes; ++l)
+            for (int d = 0; d < 3; ++d)
+                b.x[d][l] = x[d];
+        detail::Blend(b);
+        for (std::size_t a = 0; a < b.used; ++a)
+            if (b.weight[a][0] > 0)
+                influences.nodes.emplace_back(b.ball[b.active[a]].node, b.weight[a][0]);
+    }
+    if (influences.nodes.empty()) // its own node has all
+        influences.nodes.emplace_back(patch, 1.f);
+    double sum = 0, total = 1;
+    for (const auto &each : influences.nodes)
+        sum += double(each.second);
+    for (std::uint32_t h = constraintBlend->begin[node]; h < constraintBlend->begin[node + 1]; ++h) {
+        influences.held.emplace_back(constraintBlend->heldTag[constraintBlend->held[h].index],
+                                     constraintBlend->held[h].share);
+        total += double(constraintBlend->held[h].share);
+    }
+    for (auto &each : influences.nodes)
+        each.second = float(double(each.second) / sum / total);
+    for (auto &each : influences.held)
+        each.second = float(double(each.second) / total);
+}
+
 Eigen::Vector3d GraphMapping::Posed::operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3f *linear) const {
     if (mapping.tag[node] != 1) {
         const Eigen::Affine3d &held = motion.at(mapping.tag[node]);
@@ -59,8 +104,10 @@ void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch
             MapAsPrinted(node[std::min(l, count - 1)], l, linear, vertices);
         return;
     }
-    PutCandidates(patch, scratch);
+    mapping.PutCandidates(patch, scratch);
     detail::Blending &b = scratch.blending;
+    b.term = reinterpret_cast<const float(*)[detail::terms]>(
+        term.data() + std::size_t(mapping.candidates->nodes.begin[patch]) * detail::terms);
     for (int l = 0; l < detail::lanes; ++l)
         for (int d = 0; d < 3; ++d)
             b.x[d][l] = mapping.surface.position(d, node[std::min(l, count - 1)]);
@@ -106,12 +153,13 @@ void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail
         vertices.SetLinear(lane, (Eigen::Matrix3d::Identity() + turn / total).cast<float>());
 }
 
-void GraphMapping::Posed::PutCandidates(Index patch, Scratch &scratch) const {
-    const MappingCandidates &all = *mapping.candidates;
+/// All but the terms.
+void GraphMapping::PutCandidates(Index patch, Posed::Scratch &scratch) const {
+    using Scratch = Posed::Scratch;
+    const MappingCandidates &all = *candidates;
     const std::uint32_t first = all.nodes.begin[patch], end = all.nodes.begin[patch + 1];
     detail::Blending &b = scratch.blending;
     b.ball = all.ball.data() + first;
-    b.term = reinterpret_cast<const float(*)[detail::terms]>(term.data() + std::size_t(first) * detail::terms);
     b.n = end - first;
     b.whole = all.partial[patch] - first;
     b.shareBall = all.nearby[patch].data();

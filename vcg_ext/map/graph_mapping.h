@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace vcg {
@@ -46,6 +47,15 @@ class GraphMapping {
     ~GraphMapping();
     GraphMapping(const GraphMapping &) = delete;
     GraphMapping &operator=(const GraphMapping &) = delete;
+
+    /// What a free node of the surface follows.
+    struct Influences {
+        std::vector<std::pair<Index, float>> nodes; ///< of the graph, and their weights
+        std::vector<std::pair<Index, float>> held;  ///< tags whose motion it runs over into, and their weights
+    };
+
+    /// \param influences out: all weights are > 0 and their sum is 1
+    void InfluencesAt(Index node, Influences &influences) const;
 
     /// The mapping of one pose: from a place on the surface, and the position of a vertex there, to where that goes.
     class Posed {
@@ -86,7 +96,6 @@ class GraphMapping {
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
               const Frame &frame);
         void MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const;
-        void PutCandidates(Index patch, Scratch &scratch) const;
         void SumStrain(Scratch &scratch) const;
         void RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const;
         Eigen::Vector3d RestOf(Index j) const;
@@ -112,6 +121,8 @@ class GraphMapping {
     }
 
   private:
+    void PutCandidates(Index patch, Posed::Scratch &scratch) const;
+
     const Graph &surface;
     const std::vector<Index> &tag;
     const Patches &patches;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_ARRAYS_H
+#define PYMESHLAB_FCD_ARRAYS_H
+
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/map/normals.h>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstdint>
+#include <memory>
+
+/// \file
+/// Arrays of numpy, as the extension takes and gives them: C-contiguous, never copied here.
+
+namespace nb = nanobind;
+
+template <class T, class... Shape>
+using Given = nb::ndarray<const T, Shape..., nb::c_contig, nb::device::cpu>;
+
+using Rows = Given<double, nb::shape<-1, 3>>;
+using Corners = Given<std::uint32_t, nb::shape<-1, 3>>;
+using Written = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+/// A new array of numpy that owns its memory, which is left open. \param data out
+template <class T>
+nb::object newArray(std::initializer_list<std::size_t> shape, T *&data) {
+    std::size_t n = 1;
+    for (std::size_t each : shape)
+        n *= each;
+    std::unique_ptr<T[]> memory = vcg::fcd::LargeArray<T>(n);
+    data = memory.get();
+    nb::capsule owner(memory.release(), [](void *array) noexcept { delete[] static_cast<T *>(array); });
+    return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner));
+}
+
+inline Eigen::Map<const Eigen::Vector3d> rowOf(const double *rows, std::size_t i) {
+    return Eigen::Map<const Eigen::Vector3d>(rows + 3 * i);
+}
+inline Eigen::Map<Eigen::Vector3d> rowOf(double *rows, std::size_t i) {
+    return Eigen::Map<Eigen::Vector3d>(rows + 3 * i);
+}
+
+/// A normal after a map of points, in double, as long as it was; to the bit where the map is the identity.
+inline Eigen::Vector3d turnedNormal(const Eigen::Matrix3f &map, const Eigen::Vector3d &before) {
+    if (map == Eigen::Matrix3f::Identity())
+        return before;
+    const Eigen::Vector3d after = vcg::fcd::Cofactors(Eigen::Matrix3d(map.cast<double>())) * before;
+    return after.stableNormalized() * before.stableNorm();
+}
+
+#endif

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_FIELD_H
+#define PYMESHLAB_FCD_FIELD_H
+
+#include "arrays.h"
+#include "listener.h"
+
+#include <vcg_ext/field/deformation_file.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+/// A deformation that any number of threads may apply at a time.
+class Field {
+  public:
+    Field(const nb::bytes &content, const std::string &name)
+        : Field(vcg::fcd::ReadDeformationText(std::string(content.c_str(), content.size()), name)) {}
+    explicit Field(vcg::fcd::FieldSamples samples) : field(std::move(samples)) {}
+
+    nb::bytes content() const {
+        const std::string text = vcg::fcd::DeformationText(field.samples);
+        return nb::bytes(text.data(), text.size());
+    }
+    std::size_t samples() const { return std::size_t(field.samples.Size()); }
+
+    /// NaN where it is not known.
+    double largestDifference() const { return field.samples.largestDifference; }
+
+    nb::object positions() const {
+        double *data;
+        nb::object rows = newArray({samples(), 3}, data);
+        Eigen::Map<Eigen::Matrix3Xd>(data, 3, Eigen::Index(samples())) = field.samples.position;
+        return rows;
+    }
+
+    /// \return positions and, if there are \p normals, what these turn to, as long as they were
+    nb::tuple apply(const Rows &xyz, const std::optional<Rows> &normals, unsigned threads,
+                    const nb::object &report) const {
+        const std::size_t n = xyz.shape(0);
+        double *moved, *turned = nullptr;
+        const nb::object positions = newArray({n, 3}, moved);
+        const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
+        const double *from = xyz.data(), *direction = normals ? normals->data() : nullptr;
+        Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
+            ParallelFor(progress, "Mapping points", n, 1 << 12, [&](std::size_t first, std::size_t last) {
+                Eigen::Matrix3f linear;
+                for (std::size_t i = first; i < last; ++i) {
+                    const auto p = rowOf(from, i);
+                    rowOf(moved, i) = p + field(p, &linear);
+                    if (direction)
+                        rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
+                }
+            });
+        });
+        return nb::make_tuple(positions, others);
+    }
+
+  private:
+    const vcg::fcd::DeformationField field;
+};
+
+#endif

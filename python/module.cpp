@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The extension of pymeshlab_fcd: the method on numpy's arrays. What is called here has been looked at in Python:
+// kinds, shapes, layout.
+#include "field.h"
+#include "posed.h"
+#include "prepared.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <exception>
+
+namespace {
+
+/// Errors of the method as those of Python.
+void translate(const std::exception_ptr &thrown, void *) {
+    try {
+        std::rethrow_exception(thrown);
+    } catch (const vcg::fcd::BadInput &error) {
+        PyErr_SetString(PyExc_ValueError, error.what());
+    } catch (const vcg::fcd::Error &error) {
+        PyErr_SetString(PyExc_RuntimeError, error.what());
+    }
+}
+
+/// \param given names and values of the parameters
+vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
+    using namespace vcg::fcd;
+    DeformationParam param;
+    const auto number = [&](const char *name) { return nb::cast<double>(given[name]); };
+    const auto whole = [&](const char *name) { return nb::cast<int>(given[name]); };
+    param.graph.initialPatches = whole("patches");
+    param.graph.targetRadius = number("target_radius");
+    param.graph.randomSeed = nb::cast<unsigned>(given["seed"]);
+    param.graph.measure = nb::cast<bool>(given["by_vertices"]) ? PatchMeasure::Vertices : PatchMeasure::Area;
+    param.graphWeights = GraphWeights(whole("graph_weights"));
+    param.weights = MappingWeights(whole("weights"));
+    param.looseParts = LooseParts(whole("loose_parts"));
+    param.influence = number("influence");
+    param.weldDistance = number("weld_distance");
+    param.smoothness = number("smoothness");
+    param.maxIterations = whole("max_iterations");
+    param.tolerance = number("tolerance");
+    if (!given["nodes"].is_none()) {
+        const auto nodes = nb::cast<Rows>(given["nodes"]);
+        param.nodes = Eigen::Map<const Eigen::Matrix3Xd>(nodes.data(), 3, Eigen::Index(nodes.shape(0)));
+    }
+    return param;
+}
+
+std::shared_ptr<Prepared> prepare(const Rows &vertices, const std::optional<Corners> &faces,
+                                  const Given<std::int32_t, nb::ndim<1>> &tags,
+                                  const Given<std::int64_t, nb::ndim<1>> &points, const nb::dict &param,
+                                  unsigned threads, const nb::object &report) {
+    return std::make_shared<Prepared>(vertices, faces, tags, points, paramOf(param), threads, report);
+}
+
+std::unique_ptr<Posed> solve(const std::shared_ptr<Prepared> &prepared,
+                             std::vector<std::pair<int, std::string>> motions, const std::optional<Rows> &targets,
+                             double percent, int steps, const Posed *start, const nb::object &report) {
+    return std::make_unique<Posed>(prepared, PoseParam{std::move(motions), targets, percent, steps}, start, report);
+}
+
+} // namespace
+
+NB_MODULE(_core, module) {
+    using nb::arg;
+    nb::register_exception_translator(translate);
+    nb::class_<Field>(module, "Field")
+        .def(nb::init<const nb::bytes &, const std::string &>(), arg("content"), arg("name"))
+        .def("content", &Field::content)
+        .def_prop_ro("samples", &Field::samples)
+        .def_prop_ro("largest_difference", &Field::largestDifference)
+        .def("positions", &Field::positions)
+        .def("apply", &Field::apply, arg("xyz"), arg("normals").none(), arg("threads"), arg("report").none());
+    nb::class_<Prepared>(module, "Prepared")
+        .def("graph", &Prepared::graph)
+        .def("patch_of", &Prepared::patchOf)
+        .def("weights", &Prepared::weights, arg("report").none())
+        .def("report", &Prepared::report)
+        .def("centers", &Prepared::centers)
+        .def("normals_of", &Prepared::normalsOf, arg("positions"), arg("out").none());
+    nb::class_<Posed>(module, "Posed")
+        .def("write", &Posed::write, arg("vertices"), arg("normals").none(), arg("turned").none(), arg("report").none())
+        .def("check", &Posed::check, arg("vertices"), arg("report").none())
+        .def("stretch", &Posed::stretch, arg("vertices"), arg("report").none())
+        .def("map", &Posed::map, arg("points"), arg("normals").none(), arg("report").none())
+        .def("field", &Posed::field, arg("report").none())
+        .def("nodes", &Posed::nodes)
+        .def("info", &Posed::info);
+    module.def("prepare", &prepare, arg("vertices"), arg("faces").none(), arg("tags"), arg("points"), arg("param"),
+               arg("threads"), arg("report").none());
+    module.def("solve", &solve, arg("prepared"), arg("motions"), arg("targets").none(), arg("percent"), arg("steps"),
+               arg("start").none(), arg("report").none());
+    module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"));
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "posed.h"
+
+#include <vcg_ext/field/field_sampling.h>
+#include <vcg_ext/handles/motion_text.h>
+
+using vcg::fcd::Index;
+using vcg::fcd::ParallelFor;
+using vcg::fcd::Progress;
+using vcg::fcd::Stopwatch;
+
+Posed::Posed(std::shared_ptr<const Prepared> given, const PoseParam &param, const Posed *start,
+             const nb::object &report)
+    : prepared(std::move(given)) {
+    setMotions(param);
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) { solve(param, start, progress); });
+}
+
+void Posed::setMotions(const PoseParam &param) {
+    handles.point = prepared->handles.point;
+    for (const auto &[tag, text] : param.motions) {
+        const auto steps = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "the motion");
+        const vcg::fcd::Motion motion = vcg::fcd::ToMotion(steps.at(tag), prepared->deformer->center.at(tag));
+        anyMoves |= !motion.matrix.isIdentity(0) || !motion.turn.isZero(0);
+        handles.motion[tag] = motion;
+    }
+    for (std::size_t k = 0; k < handles.point.size(); ++k) {
+        const auto at = prepared->view.At(handles.point[k].vertex);
+        handles.point[k].target =
+            param.targets ? Eigen::Vector3d(rowOf(param.targets->data(), k)) : Eigen::Vector3d(at);
+        anyMoves |= handles.point[k].target != at;
+    }
+}
+
+void Posed::solve(const PoseParam &param, const Posed *start, const Progress &progress) {
+    const Stopwatch watch;
+    vcg::fcd::DeformationParam how = prepared->param;
+    how.pose = param.percent;
+    how.steps = param.steps;
+    how.Validate();
+    const vcg::fcd::Deformer &deformer = *prepared->deformer;
+    pose = start ? deformer.Solve(deformer.MotionsOf(handles, how.pose), how, &start->pose, progress)
+                 : deformer.Solve(handles, how, progress);
+    carrier = std::make_unique<const vcg::fcd::Carrier>(deformer, pose);
+    secondsSolve = watch.Seconds();
+}
+
+void Posed::write(const Written &vertices, const std::optional<Rows> &normals, const std::optional<Written> &turned,
+                  const nb::object &report) {
+    const double *rest = prepared->vertices.data(), *before = normals ? normals->data() : nullptr;
+    double *to = vertices.data(), *after = turned ? turned->data() : nullptr;
+    const std::vector<std::uint32_t> &still = prepared->still;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const Stopwatch watch;
+        ParallelFor(progress.Slice(0, 0.1), "Mapping to the mesh", still.size(), 1 << 16,
+                    [&](std::size_t first, std::size_t last) {
+                        for (std::size_t s = first; s < last; ++s) {
+                            rowOf(to, still[s]) = rowOf(rest, still[s]);
+                            if (after)
+                                rowOf(after, still[s]) = rowOf(before, still[s]);
+                        }
+                    });
+        const auto at = [&](std::size_t i) { return Eigen::Vector3d(rowOf(rest, i)); };
+        const auto ahead = [](std::size_t) {};
+        if (after)
+            carrier->ApplyWithNormals(
+                at, [&](std::size_t i) { return Eigen::Vector3d(rowOf(before, i)); },
+                [&] {
+                    return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Vector3d &normal) {
+                        rowOf(to, i) = p;
+                        rowOf(after, i) = normal;
+                    };
+                },
+                progress.Slice(0.1, 1), ahead);
+        else
+            carrier->Apply(
+                at,
+                [&] {
+                    return [&](std::size_t i, const Eigen::Vector3d &p, const Eigen::Matrix3f &) { rowOf(to, i) = p; };
+                },
+                false, progress.Slice(0.1, 1), ahead);
+        secondsMap = watch.Seconds();
+    });
+}
+
+namespace {
+
+Eigen::Map<const Eigen::Matrix3Xd> columnsOf(const Rows &rows) {
+    return Eigen::Map<const Eigen::Matrix3Xd>(rows.data(), 3, Eigen::Index(rows.shape(0)));
+}
+
+} // namespace
+
+nb::dict Posed::check(const Rows &vertices, const nb::object &report) const {
+    vcg::fcd::DeformationCheck found;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        found = vcg::fcd::CheckPose(prepared->view, prepared->handles, *prepared->deformer, pose, columnsOf(vertices),
+                                    progress);
+    });
+    nb::dict all;
+    all["rigid"] = found.rigid;
+    all["overruled"] = found.overruled;
+    all["strained"] = found.strained;
+    all["longest"] = found.longest;
+    all["folded"] = found.flipped;
+    return all;
+}
+
+nb::object Posed::stretch(const Rows &vertices, const nb::object &report) const {
+    vcg::fcd::SurfaceMeasure measure;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        measure = vcg::fcd::MeasurePose(*prepared->deformer, pose, *carrier, columnsOf(vertices), progress);
+    });
+    float *stretch;
+    nb::object all = newArray({measure.stretch.size()}, stretch);
+    std::copy(measure.stretch.begin(), measure.stretch.end(), stretch);
+    return all;
+}
+
+nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const {
+    const std::size_t n = points.shape(0);
+    double *moved, *turned = nullptr;
+    const nb::object positions = newArray({n, 3}, moved);
+    const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
+    const double *from = points.data(), *direction = normals ? normals->data() : nullptr;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const vcg::fcd::NearestPlace &places = prepared->places();
+        ParallelFor(progress, "Mapping points", n, 1 << 10, [&](std::size_t first, std::size_t last) {
+            Eigen::Matrix3f linear;
+            for (std::size_t i = first; i < last; ++i) {
+                const Eigen::Vector3d p = rowOf(from, i);
+                linear.setIdentity();
+                const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
+                rowOf(moved, i) = isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p), p, linear)) : p;
+                if (direction)
+                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
+            }
+        });
+    });
+    return nb::make_tuple(positions, others);
+}
+
+std::pair<std::unique_ptr<Field>, int> Posed::field(const nb::object &report) const {
+    vcg::fcd::SampledField sampled;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const Eigen::Matrix3Xd rest = prepared->view.Copy(prepared->threads);
+        Eigen::Matrix3Xd deformed = rest;
+        std::vector<Eigen::Matrix3f> linear;
+        carrier->Apply(deformed, &linear, progress.Slice(0, 0.1));
+        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
+    });
+    return {std::make_unique<Field>(std::move(sampled.samples)), int(sampled.off + sampled.stirred)};
+}
+
+nb::tuple Posed::nodes() const {
+    const auto k = std::size_t(prepared->deformer->graph.Size());
+    double *position, *linear;
+    nb::object positions = newArray({k, 3}, position), maps = newArray({k, 3, 3}, linear);
+    for (std::size_t j = 0; j < k; ++j) {
+        rowOf(position, j) =
+            prepared->deformer->surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(Eigen::Index(j))));
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(linear + 9 * j) = pose.graph.linear[j];
+    }
+    return nb::make_tuple(positions, maps);
+}
+
+nb::dict Posed::info() const {
+    const double scale = prepared->deformer->surface.frame.scale;
+    nb::dict all;
+    all["nodes"] = prepared->deformer->graph.Size();
+    all["iterations"] = pose.iterations;
+    all["converged"] = pose.graph.converged;
+    all["energy"] = pose.graph.energy * scale * scale;
+    all["moves"] = anyMoves;
+    all["seconds_solve"] = secondsSolve;
+    all["seconds_map"] = secondsMap;
+    return all;
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_POSED_H
+#define PYMESHLAB_FCD_POSED_H
+
+#include "field.h"
+#include "prepared.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// How a prepared surface is posed.
+struct PoseParam {
+    std::vector<std::pair<int, std::string>> motions; ///< of tags, as ReadMotionText reads their steps
+    std::optional<Rows> targets;                      ///< of the landmarks
+    double percent = 100;
+    int steps = 1;
+};
+
+/// A pose of a prepared surface.
+class Posed {
+  public:
+    /// Solved, but not yet mapped. \param start the pose to go on from
+    Posed(std::shared_ptr<const Prepared> prepared, const PoseParam &param, const Posed *start,
+          const nb::object &report);
+    Posed(const Posed &) = delete;
+    Posed &operator=(const Posed &) = delete;
+
+    /// Writes positions and, if \p normals at rest are given, what these turn to. What is in the arrays before is lost.
+    void write(const Written &vertices, const std::optional<Rows> &normals, const std::optional<Written> &turned,
+               const nb::object &report);
+
+    /// Counts what is probably not meant. \param vertices as written
+    nb::dict check(const Rows &vertices, const nb::object &report) const;
+    /// Stretch of the surface at each vertex.
+    nb::object stretch(const Rows &vertices, const nb::object &report) const;
+    /// Other points of the same space, and their normals.
+    nb::tuple map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const;
+    /// The same as a field that is sampled, and how many vertices are farther off than it is meant to be.
+    std::pair<std::unique_ptr<Field>, int> field(const nb::object &report) const;
+    /// Positions of the nodes, and their linear maps.
+    nb::tuple nodes() const;
+    nb::dict info() const;
+
+  private:
+    void solve(const PoseParam &param, const Posed *start, const vcg::fcd::Progress &progress);
+    void setMotions(const PoseParam &param);
+
+    const std::shared_ptr<const Prepared> prepared;
+    vcg::fcd::Handles handles; ///< motions and targets, no tags
+    bool anyMoves = false;     ///< whether any motion leads anywhere
+    vcg::fcd::SurfacePose pose;
+    std::unique_ptr<const vcg::fcd::Carrier> carrier;
+    double secondsSolve = 0, secondsMap = 0;
+};
+
+#endif

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "prepared.h"
+
+#include <vcg_ext/base/point_tree.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+using vcg::fcd::DeformationGraph;
+using vcg::fcd::Deformer;
+using vcg::fcd::HeldNodes;
+using vcg::fcd::Index;
+using vcg::fcd::ParallelFor;
+using vcg::fcd::Progress;
+
+Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
+                   const Given<std::int32_t, nb::ndim<1>> &tags, const Given<std::int64_t, nb::ndim<1>> &points,
+                   const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report)
+    : vertices(vertices), faces(faces), param(param), threads(threads) {
+    view.position = vertices.data();
+    view.vertexSlots = vertices.shape(0);
+    if (faces) {
+        view.corner = faces->data();
+        view.faces = faces->shape(0);
+    }
+    view.isCloud = view.faces == 0;
+    handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
+    for (std::size_t k = 0; k < points.shape(0); ++k)
+        handles.point.push_back({std::size_t(points.data()[k]), Eigen::Vector3d::Zero()});
+    Listener::Run(report, threads, [&](const Progress &progress) {
+        const vcg::fcd::Stopwatch watch;
+        param.Validate();
+        view.Validate(progress.Slice(0, 0.02));
+        this->tags = vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
+        deformer = vcg::fcd::PrepareDeformer(view, handles, param, progress.Slice(0.02, 1));
+        findStill();
+        seconds = watch.Seconds();
+    });
+}
+
+void Prepared::findStill() {
+    std::vector<char> moves(view.vertexSlots, 0);
+    deformer->ForMoving([&](std::size_t slot) { moves[slot] = 1; });
+    for (std::size_t i = 0; i < moves.size(); ++i)
+        if (!moves[i])
+            still.push_back(std::uint32_t(i));
+}
+
+nb::tuple Prepared::graph() const {
+    const vcg::fcd::Frame &frame = deformer->surface.frame;
+    const DeformationGraph &graph = deformer->graph;
+    const auto k = std::size_t(graph.Size());
+    double *node, *center, *radius;
+    nb::object nodes = newArray({k, 3}, node), centers = newArray({k, 3}, center), radii = newArray({k}, radius);
+    std::vector<std::array<std::int32_t, 2>> edge;
+    for (Index j = 0; j < graph.Size(); ++j) {
+        const Index at = deformer->patches.center[std::size_t(j)];
+        rowOf(node, std::size_t(j)) = frame.FromFrame(graph.graph.position.col(j).cast<double>());
+        rowOf(center, std::size_t(j)) = frame.FromFrame(deformer->surface.graph.position.col(at).cast<double>());
+        radius[j] = double(graph.radius[std::size_t(j)]) * frame.scale;
+        for (Index i : graph.graph.adjacency[j])
+            if (j < i)
+                edge.push_back({std::int32_t(j), std::int32_t(i)});
+    }
+    std::int32_t *pair;
+    nb::object edges = newArray({edge.size(), 2}, pair);
+    for (const auto &each : edge)
+        pair = std::copy(each.begin(), each.end(), pair);
+    return nb::make_tuple(nodes, edges, radii, centers);
+}
+
+nb::object Prepared::patchOf() const {
+    std::int32_t *patch;
+    nb::object patches = newArray({view.vertexSlots}, patch);
+    for (std::size_t i = 0; i < view.vertexSlots; ++i) {
+        const Index node = deformer->surface.nodeOf[i];
+        patch[i] = node < 0 ? -1 : std::int32_t(deformer->patches.patchOf[std::size_t(node)]);
+    }
+    return patches;
+}
+
+nb::tuple Prepared::weights(const nb::object &report) const {
+    // The columns: nodes, held tags (0 first), landmarks.
+    const HeldNodes &held = deformer->held;
+    std::set<Index> regions{0};
+    for (int tag : handles.tag)
+        if (tag != 1)
+            regions.insert(std::max(0, tag));
+    std::map<Index, std::int32_t> column;
+    std::int32_t next = std::int32_t(deformer->graph.Size());
+    for (Index tag : regions)
+        column[tag] = next++;
+    std::map<std::size_t, std::int32_t> ofPoint; // by slot
+    for (std::size_t p = 0; p < handles.point.size(); ++p, ++next) {
+        ofPoint[handles.point[p].vertex] = next;
+        if (HeldNodes::IsSingle(held.pointTag[p]))
+            column[held.pointTag[p]] = next;
+    }
+    for (std::size_t s = 0; s < held.original.size(); ++s)
+        if (held.original[s] >= 0)
+            column[-1 - Index(s)] = column.at(held.original[s]);
+
+    constexpr std::size_t grain = 1 << 12;
+    struct Part {
+        std::vector<std::int32_t> count, item;
+        std::vector<float> weight;
+    };
+    std::vector<Part> parts((view.vertexSlots + grain - 1) / grain);
+    const auto of = [&](std::size_t i, vcg::fcd::GraphMapping::Influences &influences, Part &part) {
+        const Index node = deformer->surface.nodeOf[i];
+        const std::size_t before = part.item.size();
+        const auto add = [&](std::int32_t item, float weight) {
+            part.item.push_back(item);
+            part.weight.push_back(weight);
+        };
+        if (node >= 0 && held.tag[std::size_t(node)] == 1) {
+            deformer->mapping->InfluencesAt(node, influences);
+            for (const auto &[j, weight] : influences.nodes)
+                add(std::int32_t(j), weight);
+            for (const auto &[tag, weight] : influences.held)
+                add(column.at(tag), weight);
+        } else if (node >= 0) {
+            add(column.at(held.tag[std::size_t(node)]), 1);
+        } else if (ofPoint.count(i) > 0) {
+            add(ofPoint.at(i), 1);
+        } else if (deformer->slotTag[i] != 1) {
+            add(column.at(std::max(0, deformer->slotTag[i])), 1);
+        }
+        part.count.push_back(std::int32_t(part.item.size() - before));
+    };
+    Listener::Run(report, threads, [&](const Progress &progress) {
+        ParallelFor(progress, "Weighing", view.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
+            vcg::fcd::GraphMapping::Influences influences;
+            for (std::size_t i = first; i < last; ++i)
+                of(i, influences, parts[first / grain]);
+        });
+    });
+    std::size_t items = 0;
+    for (const Part &part : parts)
+        items += part.item.size();
+    std::int64_t *begin;
+    std::int32_t *item;
+    float *weight;
+    nb::object begins = newArray({view.vertexSlots + 1}, begin), indices = newArray({items}, item),
+               values = newArray({items}, weight);
+    std::int64_t at = 0;
+    *begin++ = 0;
+    for (const Part &part : parts) {
+        for (std::int32_t count : part.count)
+            *begin++ = at += count;
+        item = std::copy(part.item.begin(), part.item.end(), item);
+        weight = std::copy(part.weight.begin(), part.weight.end(), weight);
+    }
+    nb::list tagsOfColumns;
+    for (Index tag : regions)
+        tagsOfColumns.append(int(tag));
+    return nb::make_tuple(begins, indices, values, tagsOfColumns);
+}
+
+nb::dict Prepared::report() const {
+    const vcg::fcd::SurfaceReport &surface = deformer->surface.report;
+    nb::dict all;
+    all["nodes"] = deformer->graph.Size();
+    all["fixed"] = tags.fixed;
+    all["handle"] = tags.handle;
+    all["free"] = tags.free;
+    all["outside"] = tags.outside;
+    all["components"] = deformer->loose.components;
+    all["loose_parts"] = deformer->loose.parts;
+    all["welded"] = surface.welded;
+    all["joined"] = surface.seams;
+    all["gaps"] = surface.gaps;
+    all["isolated"] = surface.isolated + deformer->loose.isolated;
+    all["non_manifold_edges"] = surface.nonManifoldEdges;
+    all["degenerate_faces"] = surface.degenerateFaces;
+    all["placed_nodes"] = deformer->placedNodes;
+    all["seconds"] = seconds;
+    return all;
+}
+
+nb::dict Prepared::centers() const {
+    nb::dict all;
+    for (const auto &[tag, middle] : deformer->center)
+        all[nb::int_(int(tag))] = nb::make_tuple(middle[0], middle[1], middle[2]);
+    return all;
+}
+
+const vcg::fcd::NearestPlace &Prepared::places() const {
+    std::call_once(placesMade, [this] {
+        rest = view.Copy(threads);
+        std::vector<std::array<Index, 3>> triangle(view.faces);
+        for (std::size_t f = 0; f < view.faces; ++f)
+            for (std::size_t k = 0; k < 3; ++k)
+                triangle[f][k] = Index(view.corner[3 * f + k]);
+        found =
+            std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle), std::vector<char>(view.vertexSlots, 1));
+    });
+    return *found;
+}
+
+nb::object nearestVertices(const Rows &vertices, const Rows &points) {
+    std::vector<std::int64_t> slot;
+    std::vector<Eigen::Vector3d> position;
+    for (std::size_t i = 0; i < vertices.shape(0); ++i)
+        if (const Eigen::Vector3d p = rowOf(vertices.data(), i); p.allFinite()) {
+            slot.push_back(std::int64_t(i));
+            position.push_back(p);
+        }
+    if (position.empty())
+        throw nb::value_error("vertices holds no finite coordinates, so no vertex is nearest to a point");
+    std::int64_t *number;
+    nb::object numbers = newArray({points.shape(0)}, number);
+    const nb::gil_scoped_release release;
+    const vcg::fcd::PointTree<double> tree(position);
+    for (std::size_t k = 0; k < points.shape(0); ++k)
+        number[k] = slot[std::size_t(tree.Nearest(rowOf(points.data(), k)))];
+    return numbers;
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_PREPARED_H
+#define PYMESHLAB_FCD_PREPARED_H
+
+#include "arrays.h"
+#include "listener.h"
+
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/surface/nearest_place.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+/// A surface of numpy's arrays that is prepared to be deformed. The arrays are referred to, not copied.
+class Prepared {
+  public:
+    /// \param tags one per vertex \param points vertices of the landmarks
+    Prepared(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
+             const Given<std::int64_t, nb::ndim<1>> &points, const vcg::fcd::DeformationParam &param, unsigned threads,
+             const nb::object &report);
+
+    // What Python is told of it; see Deformer and Graph there.
+    nb::tuple graph() const;
+    nb::object patchOf() const;
+    nb::tuple weights(const nb::object &report) const;
+    nb::dict report() const;
+    nb::dict centers() const;
+
+    /// The normals of \p positions, one per vertex: the sum of those of its faces, times their angles there; 0 without
+    /// a face.
+    nb::object normalsOf(const Rows &positions, const std::optional<Written> &out) const;
+
+    /// To find what is nearest to points; made when it is asked for first.
+    const vcg::fcd::NearestPlace &places() const;
+
+    const Rows vertices;
+    const std::optional<Corners> faces;
+    vcg::fcd::SurfaceView view;
+    vcg::fcd::Handles handles; ///< tags, and the vertices of points
+    const vcg::fcd::DeformationParam param;
+    const unsigned threads;
+    vcg::fcd::TagCount tags;
+    std::unique_ptr<vcg::fcd::Deformer> deformer;
+    std::vector<std::uint32_t> still; ///< slots that move in no pose
+    double seconds = 0;               ///< that it took
+
+  private:
+    void findStill();
+
+    mutable std::once_flag placesMade;
+    mutable Eigen::Matrix3Xd rest; ///< for places
+    mutable std::unique_ptr<vcg::fcd::NearestPlace> found;
+};
+
+/// The numbers of the vertices nearest to points.
+nb::object nearestVertices(const Rows &vertices, const Rows &points);
+
+#endif

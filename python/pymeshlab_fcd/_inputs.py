@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What callers may give, looked at once: each value is taken as it is, or an error says what to give instead."""
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._motion import Motion
+
+Points = NDArray[np.float64]
+TAGS: Final = "0 fixed, 1 free, 2 and up handles, negative outside"
+_LAST_INT32: Final = 2**31 - 1
+
+
+def plain(name: str, values: object) -> NDArray[Any]:
+    """An array of any kind of numbers, of any shape; the caller's own where it is one."""
+    if values is None:
+        raise TypeError(f"{name} is None; give an array of numbers")
+    if isinstance(values, np.ma.MaskedArray):
+        if np.ma.getmaskarray(values).any():
+            raise ValueError(f"{name} has masked values; give it without them, as values.compressed() or values.filled(...)")
+        values = values.data
+    try:
+        array = np.asarray(values)
+    except Exception as error:  # of another library
+        raise TypeError(f"{name} cannot be read as an array of numbers: {error}") from error
+    if array.dtype.kind not in "fiub":
+        raise TypeError(f"{name} must be an array of numbers; {_kind(values, array)} is none")
+    return array
+
+
+def _kind(values: object, array: NDArray[Any]) -> str:
+    return f"an array of {array.dtype}" if isinstance(values, np.ndarray) else f"a {type(values).__name__} that holds {array.dtype}"
+
+
+def _shape(array: NDArray[Any]) -> str:
+    return " x ".join(map(str, array.shape)) or "a single number"
+
+
+def rows(name: str, values: object, count: int | None = None, what: str = "one row per point") -> Points:
+    """n x 3 doubles, C-contiguous; the caller's own array where it is that."""
+    array = plain(name, values)
+    if array.dtype.kind == "b":
+        raise TypeError(f"{name} must be coordinates, not a mask")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} must be n x 3, {what}; it is {_shape(array)}")
+    if count is not None and len(array) != count:
+        raise ValueError(f"{name} must have {count} rows, {what}; it has {len(array)}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def normals(values: object, count: int) -> Points:
+    """Normals at rest: of any length that single precision can square, or 0."""
+    array = rows("normals", values, count, "one for each vertex")
+    largest = np.abs(array).max(axis=1, initial=0)
+    if not (((largest >= 1e-15) & (largest <= 1e15)) | (largest == 0)).all():
+        raise ValueError("normals must be finite, of lengths from 1e-15 to 1e15, or 0 where there is none; scale them to length 1")
+    return array
+
+
+def written(name: str, array: object, count: int) -> Points:
+    """An array of the caller's to write to."""
+    if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != (count, 3):
+        raise TypeError(f"{name} must be an array of numpy to write to, {count} x 3 doubles: np.empty(({count}, 3))")
+    if not (array.flags.c_contiguous and array.flags.writeable and array.dtype.isnative and array.flags.aligned):
+        raise ValueError(f"{name} must be C-contiguous, writeable and of this machine's byte order: np.empty(({count}, 3))")
+    return array
+
+
+def triangles(values: object, vertices: int) -> NDArray[np.uint32] | None:
+    """m x 3 numbers of vertices; None where there are none."""
+    if values is None:
+        return None
+    array = plain("faces", values)
+    if array.size == 0:
+        return None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"faces must be m x 3, the numbers of the vertices at the corners of triangles; it is {_shape(array)}. "
+                         "Split other polygons into triangles first; give None for a cloud")
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"faces must be whole numbers, those of the vertices at the corners; it holds {array.dtype}. "
+                        "Use faces.astype(np.int64)")
+    if array.min() < 0 or array.max() >= vertices:
+        raise ValueError(f"faces must hold numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
+    if array.dtype in (np.dtype(np.int32), np.dtype(np.uint32)):
+        return np.ascontiguousarray(array).view(np.uint32)
+    return np.ascontiguousarray(array, dtype=np.uint32)
+
+
+def tags(values: object, vertices: int) -> NDArray[np.int32]:
+    """A whole number per vertex."""
+    array = plain("tags", values)
+    if array.dtype.kind == "b":
+        raise TypeError(f"tags must be whole numbers ({TAGS}), not a mask; np.where(mask, 2, 1) makes handles of where it is true")
+    if array.shape != (vertices,):
+        raise ValueError(f"tags must be {vertices} whole numbers, one for each vertex ({TAGS}); it is {_shape(array)}")
+    if array.dtype.kind == "f":
+        odd = ~(array == np.rint(array))  # NaN, too
+        if odd.any():
+            raise ValueError(f"tags must be whole numbers ({TAGS}); that of vertex {odd.argmax()} is {array[odd.argmax()]}")
+    if vertices and array.max() > _LAST_INT32:
+        raise ValueError(f"tags must be below 2147483648; that of vertex {array.argmax()} is {array.max()}")
+    return np.ascontiguousarray(np.maximum(array, -1) if array.dtype.kind != "u" else array, dtype=np.int32)
+
+
+def number(name: str, value: object) -> float:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise TypeError(f"{name} must be a number; it is {value!r}")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{name} must be a number that a double holds; it is {value!r}") from None
+
+
+def single(name: str, value: object) -> float:
+    """A parameter as MeshLab's filters get it, in single precision: with any other digits the bits of results would be others."""
+    with np.errstate(over="ignore"):
+        return float(np.float32(number(name, value)))
+
+
+def whole(name: str, value: object, low: int, high: int = _LAST_INT32) -> int:
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        index = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number; it is {value!r}") from None
+    if not low <= index <= high:
+        raise ValueError(f"{name} must be from {low} to {high}; it is {index}")
+    return index
+
+
+def choice(name: str, value: object, options: Sequence[str]) -> int:
+    """The place of one of some words."""
+    if not isinstance(value, str) or value not in options:
+        kind = TypeError if not isinstance(value, str) else ValueError
+        raise kind(f"{name} must be one of {', '.join(map(repr, options))}; it is {value!r}")
+    return options.index(value)
+
+
+def _motion(tag: int, value: object) -> Motion:
+    if isinstance(value, Motion):
+        return value
+    as_matrix = getattr(value, "as_matrix", None)  # scipy's rigid transforms
+    given: Any = as_matrix() if callable(as_matrix) else value
+    try:
+        return Motion.affine(given)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"the motion of handle {tag}: {error}") from error
+
+
+def transforms(given: object, handles: Sequence[int] | None) -> list[tuple[int, str]]:
+    """The steps of the handles that move. handles: those that there are; None: not known."""
+    if given is None:
+        return []
+    if not isinstance(given, Mapping):
+        raise TypeError(f"transforms must be a mapping, {{tag: 4 x 4 matrix or Motion}}; it is a {type(given).__name__}")
+    steps = []
+    for key, value in given.items():
+        tag = whole("a key of transforms, the tag of a handle,", key, 2)
+        if handles is not None and tag not in handles:
+            known = f"the handles are {', '.join(map(str, handles[:20]))}" if handles else "no vertex has a tag of 2 or more"
+            raise ValueError(f"transforms moves handle {tag}, but no vertex has tag {tag}: {known}")
+        text = _motion(tag, value).text
+        if text:
+            steps.append((tag, text))
+    return steps
+
+
+def points(values: object, vertices: int) -> tuple[NDArray[np.int64] | None, Points | None]:
+    """Landmarks: numbers of vertices, or places (the other is None)."""
+    array = plain("points", values)
+    if array.ndim == 2 or array.dtype.kind == "f" and array.size:
+        return None, rows("points", array, what="a place for each landmark, or whole numbers of vertices")
+    if array.size == 0:
+        return np.zeros(0, np.int64), None
+    if array.dtype.kind not in "iu" or array.ndim != 1:
+        raise ValueError(f"points must be numbers of vertices, or k x 3 places; it is {_shape(array)} of {array.dtype}")
+    if array.min() < 0 or array.max() >= vertices:
+        raise ValueError(f"points must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
+    return np.ascontiguousarray(array, dtype=np.int64), None
+
+

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The filters in pymeshlab, where it and the package pymeshlab_fcd_plugin, which has the plugins, are installed."""
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import importlib.util
+import re
+import tempfile
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from . import _inputs
+from ._deformer import Transforms
+
+_INSTALL = "pip install 'pymeshlab-fcd[meshlab]'"
+
+
+def _plugins() -> Mapping[str, Path]:
+    """The plugin for each version of pymeshlab."""
+    found = importlib.util.find_spec("pymeshlab_fcd_plugin")
+    folders = [Path(each) for each in found.submodule_search_locations or []] if found else []
+    return {each.parent.name: each for folder in folders for each in sorted(folder.glob("*/libfilter_fcd.so"))}
+
+
+PLUGINS = _plugins()
+VERSIONS = sorted(PLUGINS, key=lambda name: [int(part) for part in name.split(".")])
+"""Of pymeshlab, that there is a plugin for."""
+METHODS: list[str] = []
+"""Filters that became methods of MeshSet."""
+
+
+def _load() -> str:
+    """Loads the plugin. Returns why there is none."""
+    if not PLUGINS:
+        return f"MeshLab's filters are not installed: {_INSTALL}. deform and Deformer need neither them nor pymeshlab."
+    known = " and ".join(VERSIONS)
+    try:
+        pymeshlab = importlib.import_module("pymeshlab")
+    except ImportError as error:
+        return f"pymeshlab cannot be imported ({error}); there are filters for {known}: {_INSTALL}. deform and Deformer work without."
+    found = importlib.metadata.version("pymeshlab")
+    version = ".".join(re.findall(r"\d+", found)[:2])
+    if version not in VERSIONS:
+        reason = (f"pymeshlab {found} is installed, and there are filters for {known}: install one of them. deform and Deformer work "
+                  "without.")
+        warnings.warn(reason, stacklevel=4)
+        return reason
+
+    def ours() -> list[str]:
+        return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")[1:]]  # 2022.2 lists titles, too
+
+    if not ours():  # someone may have loaded one before
+        pymeshlab.load_plugin(str(PLUGINS[version]))
+    for name in ours():
+        setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
+        METHODS.append(name)
+    return ""
+
+
+missing = _load()
+
+
+def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None = None, **parameters: Any) -> dict[str, Any]:
+    """Deforms the current layer of a MeshSet; the deformed layers become new ones, the last of them the current one. Colours, textures
+    and all else that the layer has come along. Needs the extra `meshlab`.
+
+    Args:
+        ms: A pymeshlab.MeshSet.
+        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: the layer has them as vertex quality.
+        transforms: `{tag: 4 x 4 matrix or Motion}`, world coordinates.
+        parameters: Those of the filter `generate_fcd_deformed_mesh`.
+
+    Returns:
+        What the filter returns.
+
+    Raises:
+        RuntimeError: There is no pymeshlab that there is a plugin for.
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: It has another shape or is out of range.
+        pymeshlab.PyMeshLabException: It cannot be deformed; the message says why. The MeshSet is then as it was.
+    """
+    if missing:
+        raise RuntimeError(missing)
+    text = "; ".join(f"{tag}: {steps}" for tag, steps in _inputs.transforms(transforms, None))
+    if tags is None:
+        return ms.apply_filter("generate_fcd_deformed_mesh", transforms=text, **parameters)  # type: ignore[no-any-return]
+    whole = _inputs.tags(tags, ms.current_mesh().vertex_number())
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "tags.sel"
+        file.write_text("\n".join(map(str, whole.tolist())) + "\n")
+        return ms.apply_filter("generate_fcd_deformed_mesh", handles=3, tag_file=str(file), transforms=text,  # type: ignore[no-any-return]
+                               **parameters)

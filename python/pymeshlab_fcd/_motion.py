@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a handle moves, where a matrix does not tell: turns of half a turn and more, and steps about the handle's middle."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
+    """Each to the bit."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{name} must be {' x '.join(map(str, shape))} numbers: {error}") from error
+    if array.shape != shape:
+        raise ValueError(f"{name} must be {' x '.join(map(str, shape))} numbers; it is {' x '.join(map(str, array.shape)) or 'one'}. "
+                         "A motion is a 4 x 4 matrix, or a Motion, as Motion.translate([0, 0, 5])")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite numbers")
+    return " ".join(repr(float(x)) for x in array.ravel())
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion of a handle, in steps that are carried out in the order in which they were added.
+
+    A 4 x 4 matrix does as well, but for rotations of half a turn or more: on the way to a matrix (`percent`), the shortest
+    rotation is taken, and a full turn is none. World coordinates; matrices act on column vectors.
+
+    ```python
+    Motion.rotate([0, 0, 1], 270).then(Motion.translate([0, 0, 5]))
+    ```
+    """
+
+    text: str = ""
+    """The steps, as the filters' parameter `transforms` takes them."""
+
+    @classmethod
+    def translate(cls, by: ArrayLike) -> Motion:
+        """Moves.
+
+        Args:
+            by: 3 numbers, the units of the vertices.
+
+        Raises:
+            TypeError: What is given is no numbers.
+            ValueError: It has another shape, or is not finite.
+        """
+        return cls("translate " + _numbers("by", by, (3,)))
+
+    @classmethod
+    def rotate(cls, axis: ArrayLike, degrees: float, about: ArrayLike | None = None) -> Motion:
+        """Turns, counterclockwise when the axis points at you.
+
+        Args:
+            axis: 3 numbers, of any length but 0.
+            degrees: Any angle; 360 is a full turn.
+            about: A point that stays where it is, 3 numbers. None: the mean of the handle's vertices, where the steps before
+                have put it.
+
+        Raises:
+            TypeError: What is given is no numbers.
+            ValueError: It has another shape, is not finite, or the axis has no length.
+        """
+        text = f"rotate {_numbers('axis', axis, (3,))} {_numbers('degrees', degrees, ())}"
+        if not np.any(np.asarray(axis, dtype=np.float64)):
+            raise ValueError("axis must have a length: [0, 0, 1] is the z axis")
+        return cls(text + ("" if about is None else " about " + _numbers("about", about, (3,))))
+
+    @classmethod
+    def scale(cls, factors: ArrayLike, about: ArrayLike | None = None) -> Motion:
+        """Scales.
+
+        Args:
+            factors: One number, or 3 for x, y and z; greater than 0.
+            about: As in [rotate][pymeshlab_fcd.Motion.rotate].
+
+        Raises:
+            TypeError: What is given is no numbers.
+            ValueError: It has another shape, is not finite, or not greater than 0.
+        """
+        one = np.ndim(factors) == 0
+        text = "scale " + _numbers("factors", factors, () if one else (3,))
+        if not (np.asarray(factors, dtype=np.float64) > 0).all():
+            raise ValueError("factors must be greater than 0: a motion neither mirrors nor flattens")
+        return cls(text + ("" if about is None else " about " + _numbers("about", about, (3,))))
+
+    @classmethod
+    def affine(cls, matrix: ArrayLike) -> Motion:
+        """Moves by a matrix.
+
+        Args:
+            matrix: 4 x 4, for column vectors; the last row is 0 0 0 1. It neither mirrors nor flattens (its determinant is
+                greater than 0).
+
+        Raises:
+            TypeError: What is given is no numbers.
+            ValueError: It has another shape, is not finite, or has another last row.
+        """
+        text = _numbers("the matrix", matrix, (4, 4))
+        if not np.array_equal(np.asarray(matrix, dtype=np.float64)[3], [0, 0, 0, 1]):
+            raise ValueError("the last row of the matrix must be 0 0 0 1: it is for column vectors, with the translation in its last "
+                             "column. Transpose a matrix for row vectors")
+        return cls("matrix " + text)
+
+    @classmethod
+    def parse(cls, text: str) -> Motion:
+        """From the steps that the filters' parameter `transforms` takes.
+
+        Args:
+            text: For example `rotate 0 0 1 135 about 0 0 0 translate 0 0 5`, without the tag. What is wrong in it is told where
+                the motion is used.
+
+        Raises:
+            TypeError: It is no text.
+            ValueError: It is for several handles.
+        """
+        if not isinstance(text, str):
+            raise TypeError(f"the steps must be a text, as 'translate 0 0 5'; it is a {type(text).__name__}")
+        if ":" in text or ";" in text:
+            raise ValueError("the steps must be those of one handle, without its tag: 'translate 0 0 5', not '2: translate 0 0 5'")
+        return cls(text.strip())
+
+    def then(self, other: Motion) -> Motion:
+        """The steps of this motion, and then those of another.
+
+        Args:
+            other: Carried out after this one.
+
+        Raises:
+            TypeError: It is no Motion.
+        """
+        if not isinstance(other, Motion):
+            raise TypeError(f"what follows must be a Motion, as Motion.affine(matrix); it is a {type(other).__name__}")
+        return Motion(f"{self.text} {other.text}".strip())

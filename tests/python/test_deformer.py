@@ -1,0 +1,411 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformer and Pose: arrays in, arrays out, without MeshLab."""
+import concurrent.futures
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+from shapes import bar, same
+
+import pymeshlab_fcd
+from pymeshlab_fcd import DeformationWarning, Deformer, Motion
+
+
+@pytest.fixture(scope="module")
+def bent():
+    vertices, faces, tags, lift = bar()
+    deformer = Deformer(vertices, faces, tags)
+    return deformer, deformer.pose({2: lift})
+
+
+def lifted(vertices, lift):
+    return vertices @ lift[:3, :3].T + lift[:3, 3]
+
+
+def face_normals(vertices, faces):
+    """Angle-weighted normals of vertices, another way."""
+    sums = np.zeros_like(vertices)
+    p = vertices[faces]
+    cross = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    unit = cross / np.linalg.norm(cross, axis=1, keepdims=True)
+    for k in range(3):
+        a, b = p[:, (k + 1) % 3] - p[:, k], p[:, (k + 2) % 3] - p[:, k]
+        angle = np.arccos(np.clip((a * b).sum(1) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1), -1, 1))
+        np.add.at(sums, faces[:, k], unit * angle[:, None])
+    return sums / np.linalg.norm(sums, axis=1, keepdims=True)
+
+
+# --- the method ---
+
+
+def test_import_needs_numpy_alone():
+    code = ("import sys; sys.modules['pymeshlab'] = None; before = set(sys.modules); import pymeshlab_fcd; "
+            "print(sorted({name.split('.')[0] for name in set(sys.modules) - before if hasattr(sys.modules[name], '__file__') and "
+            "'site-packages' in str(sys.modules[name].__file__)}))")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert set(eval(done.stdout)) <= {"numpy", "pymeshlab_fcd", "pymeshlab_fcd_plugin"}
+
+
+def test_what_is_held_is_exact_and_the_rest_follows(bent):
+    vertices, faces, tags, lift = bar()
+    deformer, pose = bent
+    assert same(pose.vertices[tags == 0], vertices[tags == 0])
+    assert np.abs(pose.vertices[tags == 2] - lifted(vertices[tags == 2], lift)).max() < 1e-12
+    assert pose.info.converged and pose.info.folded == 0 and pose.info.nodes == deformer.info.nodes > 300
+    assert 1 < pose.info.largest_stretch < 1.05 and pose.info.seconds > 0
+    assert (deformer.info.fixed, deformer.info.handle, deformer.info.free) == (150, 150, 1215)
+    assert same(pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}), pose.vertices)
+
+
+def test_arrays_are_referred_to_not_copied():
+    vertices, faces, tags, lift = bar()
+    vertices.setflags(write=False)
+    assert Deformer(vertices, faces, tags).vertices is vertices
+    corners = faces.astype(np.int32)
+    assert np.shares_memory(Deformer(vertices, corners, tags).faces, corners)
+
+
+@pytest.mark.parametrize("as_given", [
+    lambda v, f, t: (v.astype(">f8"), f.astype(">i4"), t.astype(">i2")), lambda v, f, t: (np.asfortranarray(v), np.asfortranarray(f), t.astype(float)),
+    lambda v, f, t: (np.repeat(v, 2, 0)[::2], f.astype(np.uint64), np.repeat(t, 3)[::3]), lambda v, f, t: (v.tolist(), f.tolist(), t.tolist()),
+    lambda v, f, t: (v[::-1], len(v) - 1 - f, t[::-1]), lambda v, f, t: (np.frombuffer(v.tobytes()).reshape(-1, 3), f.astype(np.int16), t.astype(np.int8))])
+def test_any_numbers_in_any_layout(as_given):
+    vertices, faces, tags, lift = bar()
+    pose = Deformer(*as_given(vertices, faces, tags)).pose({2: lift}).vertices
+    if same(np.asarray(as_given(vertices, faces, tags)[0], float)[0], vertices[0]):
+        assert same(pose, Deformer(vertices, faces, tags).pose({2: lift}).vertices)
+    else:  # another order: the same shape
+        assert np.abs(pose[::-1] - Deformer(vertices, faces, tags).pose({2: lift}).vertices).max() < 0.05
+
+
+def test_floats_of_single_precision():
+    vertices, faces, tags, lift = bar()
+    single = vertices.astype(np.float32)
+    assert same(pymeshlab_fcd.deform(single, faces, tags, {2: lift}), pymeshlab_fcd.deform(single.astype(float), faces, tags, {2: lift}))
+
+
+def test_a_cloud():
+    vertices, faces, tags, lift = bar()
+    deformer = Deformer(vertices, tags=tags, normals=np.tile([0, 0, 2.0], (len(vertices), 1)))
+    pose = deformer.pose({2: lift})
+    assert deformer.faces is None and same(pose.vertices[tags == 0], vertices[tags == 0])
+    assert np.abs(pose.normals[tags == 2] - 2 * lift[:3, 2]).max() < 1e-5
+    with pytest.raises(ValueError, match="a cloud has no normals of its own"):
+        Deformer(vertices, tags=tags).pose({2: lift}).normals
+
+
+# --- poses ---
+
+
+def test_any_pose_is_that_of_a_deformation_anew(bent):
+    vertices, faces, tags, lift = bar()
+    for percent in (0, 30, 100, -50, 30):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            assert same(bent[0].pose({2: lift}, percent=percent).vertices, pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, percent=percent))
+    assert same(bent[0].pose({2: lift}, percent=0).vertices, vertices)
+
+
+def test_motions_are_matrices_or_steps(bent):
+    vertices, _, tags, _ = bar()
+    turn = Motion.rotate([0, 0, 1], 30, about=[9, 0.5, 0]).then(Motion.translate([0, 0, 2]))
+    matrix = np.eye(4)
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    matrix[:2, :2] = [[c, -s], [s, c]]
+    matrix[:3, 3] = np.array([9, 0.5, 2]) - matrix[:3, :3] @ [9, 0.5, 0]
+    assert np.abs(bent[0].pose({2: turn}).vertices - bent[0].pose({2: matrix}).vertices).max() < 1e-6
+    whole = bent[0].pose({2: Motion.rotate([1, 0, 0], 360)}, percent=50).vertices
+    assert np.abs(whole[tags == 2][:, 1].mean() - 0.5) < 1e-9 and np.abs(whole - vertices).max() > 0.5
+    grown = bent[0].pose({2: Motion.scale(1.5)}).vertices[tags == 2]
+    assert abs(np.ptp(grown[:, 1]) - 1.5) < 1e-9
+    assert same(bent[0].pose({2: Motion.parse("translate 0 0 1")}).vertices, bent[0].pose({2: Motion.translate([0, 0, 1])}).vertices)
+    assert same(bent[0].pose({np.int64(2): Motion.affine(matrix)}).vertices, bent[0].pose({2: matrix.tolist()}).vertices)
+
+
+def test_landmarks_are_vertices_or_places():
+    vertices, faces, tags, _ = bar()
+    left = np.where(vertices[:, 0] < 1, 0, 1)
+    at = np.array([len(vertices) - 8])
+    to = vertices[at] + [0, 0, 3]
+    by_number = Deformer(vertices, faces, left, at).pose(landmarks=to).vertices
+    assert np.abs(by_number[at] - to).max() < 1e-12 and by_number[at[0] - 300, 2] > 0.5
+    beside = vertices[at] + [1e-3, 0, 0]
+    by_place = Deformer(vertices, faces, left, beside)
+    assert by_place.points.tolist() == at.tolist()
+    assert np.abs(by_place.pose(landmarks=beside + [0, 0, 3]).vertices - by_number).max() < 1e-12
+    alone = Deformer(vertices, faces, points=[0, len(vertices) - 1]).pose(landmarks=vertices[[0, -1]] + [[0, 0, 0], [0, 0, 1]])
+    assert np.abs(alone.vertices[-1] - vertices[-1] - [0, 0, 1]).max() < 1e-12 and np.abs(alone.vertices[0] - vertices[0]).max() < 1e-12
+
+
+def test_poses_go_on_from_others(bent):
+    _, _, _, lift = bar()
+    deformer, pose = bent
+    half = deformer.pose({2: lift}, percent=50)
+    on = deformer.pose({2: lift}, start=half)
+    assert on.info.iterations < pose.info.iterations + half.info.iterations
+    assert np.abs(on.vertices - pose.vertices).max() < 1e-3
+    assert same(deformer.pose({2: lift}, steps=2).vertices, on.vertices)
+
+
+def test_arrays_that_are_written_to(bent):
+    vertices, faces, tags, lift = bar()
+    up = np.tile([0, 0, 1.0], (len(vertices), 1))
+    deformer, out, normals = Deformer(vertices, faces, tags, normals=up), np.empty_like(vertices), np.empty_like(vertices)
+    pose = deformer.pose({2: lift}, out=out, out_normals=normals)
+    assert pose.vertices is out and pose.normals is normals and same(out, bent[1].vertices)
+    assert same(normals, deformer.pose({2: lift}).normals) and same(normals[tags == 0], up[tags == 0])
+    assert same(bent[0].pose({2: lift}, out_normals=normals).normals, bent[1].normals) and same(normals, bent[1].normals)
+    for wrong in (vertices, out[::-1], out[:-1], out.astype(np.float32), out.tolist()):
+        with pytest.raises((TypeError, ValueError), match="out must be"):
+            deformer.pose({2: lift}, out=wrong)
+
+
+def test_normals_are_those_of_the_faces_or_turned(bent):
+    vertices, faces, tags, lift = bar()
+    deformer, pose = bent
+    expected = face_normals(pose.vertices, faces)
+    assert np.abs(pose.normals - expected).max() < 1e-7
+    vertices, faces, tags, lift = bar(401, 61)  # patches of many faces
+    turned = Deformer(vertices, faces, tags, normals=face_normals(vertices, faces)).pose({2: lift})
+    degrees = np.degrees(np.arccos(np.clip((turned.normals * face_normals(turned.vertices, faces)).sum(1), -1, 1)))
+    assert np.median(degrees) < 0.5 and np.percentile(degrees, 99) < 6
+
+
+def test_other_points_and_their_normals(bent):
+    vertices, _, tags, lift = bar()
+    pose = bent[1]
+    assert np.abs(pose.map(vertices) - pose.vertices).max() < 1e-12
+    beside = vertices[tags == 2] + [0, 0, 0.01]
+    moved, normals = pose.map(beside, np.tile([0, 0, 3.0], (len(beside), 1)))
+    assert np.abs(moved - lifted(beside, lift)).max() < 1e-3 and np.abs(normals - 3 * lift[:3, 2]).max() < 1e-3
+    odd = np.array([[np.nan, 0, 0], [np.inf, 0, 0], [1e300, 0, 0], [0.2, 0.5, 0]])
+    assert same(pose.map(odd), odd)
+
+
+def test_stretch_is_that_of_the_surface():
+    vertices, faces, tags, _ = bar()
+    far = np.eye(4)
+    far[0, 3] = 8
+    pose = Deformer(vertices, faces, tags).pose({2: far})
+    stretch = pose.stretch()
+    assert (stretch[tags == 2] == 1).mean() > 0.8 and np.median(stretch[tags == 1]) > 1.3
+    assert pose.info.largest_stretch == stretch.max()
+
+
+# --- what it is made of ---
+
+
+def test_the_graph_and_what_vertices_follow(bent):
+    vertices, faces, tags, lift = bar()
+    deformer, pose = bent
+    graph, weights = deformer.graph, deformer.weights()
+    k = deformer.info.nodes
+    assert graph.nodes.shape == graph.centers.shape == (k, 3) and graph.radius.shape == (k,)
+    assert (graph.edges[:, 0] < graph.edges[:, 1]).all() and graph.edges.max() < k
+    patch = deformer.patch_of
+    assert set(patch[tags == 1]) <= set(range(k)) and (patch[tags == 0] == -1).any()
+    assert weights.shape == (len(vertices), k + 2) and weights.nodes == k and weights.tags == (0, 2)
+    assert weights.indptr[0] == 0 and weights.indptr[-1] == len(weights.data) == len(weights.indices)
+    sums = np.add.reduceat(weights.data.astype(float), weights.indptr[:-1])
+    assert np.abs(sums - 1).max() < 1e-6 and weights.data.min() > 0
+    dense = np.zeros(weights.shape)
+    dense[np.repeat(np.arange(len(vertices)), np.diff(weights.indptr)), weights.indices] = weights.data
+    assert (dense[tags == 0, k] == 1).all() and (dense[tags == 2, k + 1] == 1).all()
+    # Blending the motions of nodes and regions by them comes near to the pose.
+    moved = pose.nodes[None] + np.einsum("kij,nkj->nki", pose.node_maps, vertices[:, None] - graph.nodes[None])
+    regions = np.stack([vertices, lifted(vertices, lift)], 1)
+    blended = np.einsum("nk,nki->ni", dense[:, :k], moved) + np.einsum("nk,nki->ni", dense[:, k:], regions)
+    assert np.abs(blended - pose.vertices).max() < 0.02
+    again = Deformer(vertices, faces, tags, nodes=graph.centers[np.unique(patch[tags == 1])])
+    assert again.info.placed_nodes == len(np.unique(patch[tags == 1]))
+
+
+def test_weights_of_landmarks_and_loose_parts():
+    vertices, faces, tags, lift = bar()
+    other = vertices + [0, 5, 0]
+    deformer = Deformer(np.concatenate([vertices, other]), np.concatenate([faces, faces + len(vertices)]),
+                        np.concatenate([np.minimum(tags, 1), np.ones_like(tags)]), points=[len(vertices) - 8])
+    weights = deformer.weights()
+    assert deformer.info.loose_parts == 1 and weights.tags == (0,) and weights.shape[1] == weights.nodes + 2
+    counts = np.diff(weights.indptr)
+    assert (counts[len(vertices):] == 0).all() and (counts[:len(vertices)] > 0).all()
+    mine = slice(weights.indptr[len(vertices) - 8], weights.indptr[len(vertices) - 7])
+    assert weights.indices[mine].tolist() == [weights.nodes + 1] and weights.data[mine].tolist() == [1]
+    stays = Deformer(deformer.vertices, deformer.faces, np.concatenate([tags, np.ones_like(tags)]), loose_parts="stay").pose({2: lift})
+    assert same(stays.vertices[len(vertices):], other)
+
+
+@pytest.mark.parametrize("graph_weights", ["uniform", "paper", "printed"])
+def test_other_ways_to_deform(bent, graph_weights):
+    vertices, faces, tags, lift = bar()
+    deformer = Deformer(vertices, faces, tags, graph_weights=graph_weights, weights="euclidean")
+    pose = deformer.pose({2: lift})
+    assert 0 < np.abs(pose.vertices - bent[1].vertices).max() < 1
+    data = deformer.weights()
+    assert np.abs(np.add.reduceat(data.data.astype(float), data.indptr[:-1]) - 1).max() < 1e-6
+
+
+# --- what is told ---
+
+
+def test_what_is_probably_not_meant_is_told():
+    vertices, faces, tags, _ = bar()
+    flat, onto = vertices * [1, 1, 0], np.eye(4)
+    onto[0, 3] = -7.5
+    with pytest.warns(DeformationWarning, match=r"triangles? ha(s|ve) turned over"):
+        pose = Deformer(flat, faces, tags).pose({2: onto})
+    assert pose.info.folded > 0
+    with pytest.warns(DeformationWarning, match="No handle moves"):
+        Deformer(vertices, faces, tags).pose()
+    up = np.eye(4)
+    up[2, 3] = 1
+    with pytest.warns(DeformationWarning, match="moves rigidly"):
+        assert np.abs(Deformer(vertices, faces, np.maximum(tags, 1)).pose({2: up}).vertices - vertices - [0, 0, 1]).max() < 1e-6
+    with pytest.warns(DeformationWarning, match="did not come to rest: raise max_iterations"):
+        Deformer(vertices, faces, tags, max_iterations=1).pose({2: up})
+    with pytest.warns(DeformationWarning, match="straight from one held region|moves rigidly"):
+        Deformer(vertices, faces, np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] < 2, 2, 1))).pose({2: up})
+    with pytest.warns(DeformationWarning, match="at the same place as a fixed vertex"):
+        Deformer(np.concatenate([vertices, vertices[135:136]]), faces, np.append(tags, 2)).pose({2: up})
+    with pytest.warns(DeformationWarning, match="1 of the 2 nodes do not lie on the free surface"):
+        Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
+    with pytest.warns(DeformationWarning, match="such a slit may open"):
+        x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
+        sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
+        i = np.arange(441).reshape(21, 21)[:-1, :-1].ravel()
+        corners = np.concatenate([np.stack([i, i + 21, i + 1], 1), np.stack([i + 1, i + 21, i + 22], 1)])
+        Deformer(np.concatenate([sheet, sheet + [1.0002, 0, 0]]), np.concatenate([corners, corners + 441]),
+                 np.where(np.arange(882) < 21, 0, np.where(np.arange(882) >= 861, 2, 1)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pymeshlab_fcd.deform(vertices, faces, tags, {2: up})
+        Deformer(flat, faces, tags).pose({2: onto}, check=False)
+
+
+def test_warnings_name_the_line_that_asked():
+    vertices, faces, tags, _ = bar()
+    with pytest.warns(DeformationWarning) as told:
+        Deformer(vertices, faces, tags).pose()
+        pymeshlab_fcd.deform(vertices, faces, tags)
+        pymeshlab_fcd.deformation(vertices, faces, tags)
+        Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
+    assert len(told) == 4 and {each.filename for each in told} == {__file__}
+
+
+def test_progress_is_told():
+    vertices, faces, tags, lift = bar(601, 601)
+    heard = []
+    pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, progress=lambda percent, stage: heard.append((percent, stage)))
+    percents = [percent for percent, _ in heard]
+    assert percents == sorted(percents) and percents[-1] == 100 and len(heard) > 4 and all(isinstance(stage, str) for _, stage in heard)
+    tqdm = pytest.importorskip("tqdm")
+    with tqdm.tqdm(total=50, disable=None) as bar_of_fifty:
+        Deformer(vertices, faces, tags, progress=bar_of_fifty)
+        assert bar_of_fifty.n == 50 or bar_of_fifty.disable
+    Deformer(vertices, faces, tags, progress=tqdm.tqdm)
+    with pytest.raises(TypeError, match="progress must be callable"):
+        Deformer(vertices, faces, tags, progress=7)
+
+
+@pytest.mark.parametrize("call", [lambda p: Deformer(*bar(601, 601)[:3], progress=p), lambda p: Deformer(*bar(601, 601)[:3]).pose({2: bar()[3]}, progress=p),
+                                  lambda p: Deformer(*bar(601, 601)[:3]).pose({2: bar()[3]}).deformation(progress=p)])
+def test_an_exception_of_the_listener_ends_the_work(call):
+    class Enough(Exception):
+        pass
+
+    def enough(percent, stage):
+        raise Enough(stage)
+
+    with pytest.raises(Enough):
+        call(enough)
+
+
+INTERRUPT = """
+import os, signal, sys, threading, time
+import numpy as np
+sys.path.insert(0, sys.argv[1])
+from shapes import bar
+import pymeshlab_fcd
+vertices, faces, tags, lift = bar(1001, 1001)
+sent = []
+def send():
+    time.sleep(float(sys.argv[2]))
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+copy = vertices.copy()
+threading.Thread(target=send).start()
+try:
+    while True:
+        pymeshlab_fcd.Deformer(vertices, faces, tags).pose({2: lift}, check=True).deformation()
+except KeyboardInterrupt:
+    print(time.perf_counter() - sent[0])
+assert (copy == vertices).all()
+"""
+
+
+def test_it_can_be_interrupted():
+    waited = []
+    for delay in (0.15, 0.3, 0.45, 0.6, 1.0, 1.5):
+        done = subprocess.run([sys.executable, "-c", INTERRUPT, str(__file__).rpartition("/")[0], str(delay)], capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stderr[-2000:]
+        waited.append(float(done.stdout))
+    assert np.median(waited) < 0.2 and max(waited) < 1, waited  # on a machine that others use, too
+
+
+def test_the_lock_is_free_and_threads_share_a_deformer(bent):
+    _, _, _, lift = bar()
+    deformer, pose = bent
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        poses = list(pool.map(lambda percent: deformer.pose({2: lift}, percent=percent).vertices, [100, 50, 100, 20] * 5))
+    assert all(same(each, pose.vertices) for each in poses[::2])
+    vertices, faces, tags, lift = bar(601, 601)
+    counted, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before, begin = counted[0], time.perf_counter()
+    Deformer(vertices, faces, tags)
+    seconds, ran = time.perf_counter() - begin, counted[0] - before
+    stop.set()
+    thread.join()
+    assert ran > 50 * seconds
+
+
+def test_the_same_bits_for_any_number_of_threads(bent):
+    vertices, faces, tags, lift = bar(201, 31)
+    one, three = (Deformer(vertices, faces, tags, threads=threads).pose({2: lift}) for threads in (1, 3))
+    assert same(one.vertices, three.vertices) and same(one.normals, three.normals) and one.deformation() == three.deformation()
+
+
+def test_signal_handlers_of_others_are_left_alone(bent):
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+# --- saved ---
+
+
+def test_a_pose_as_a_deformation(bent, tmp_path):
+    vertices, faces, tags, lift = bar()
+    made = bent[1].deformation()
+    assert made == pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift}) and hash(made) == hash(bent[1].deformation())
+    assert made != bent[0].pose({2: lift}, percent=50).deformation() and made != 7
+    assert np.abs(made(vertices) - bent[1].vertices).max() <= made.largest_difference + 1e-9
+    made.save(tmp_path / "bend.ply")
+    assert pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply") == made
+
+
+def test_a_deformation_that_cannot_be_told_by_samples_says_so():
+    vertices, faces, tags, lift = bar()
+    two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
+    with pytest.warns(DeformationWarning, match="farther off than 0.01 percent"):
+        pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})
