@@ -7,7 +7,7 @@ namespace fcd {
 
 Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose)
     : moving(surface), pose(pose), mapped(moving.mapping->At(pose.graph, pose.motion, moving.surface.frame)),
-      looseMotion(LooseMotions()), moves(pose.given.Moves()) {}
+      looseMotion(LooseMotions()), moves(pose.given.Moves() || pose.isFitted) {}
 
 Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
     const Index node = moving.surface.nodeOf[slot];

@@ -29,6 +29,7 @@ struct SurfacePose {
     /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
     std::map<Index, Eigen::Affine3d> motion;
     int iterations = 0; ///< of the solver, with those of the poses on the way
+    bool isFitted = false; ///< the surface moves though nothing that holds it does: it was fitted to data
 };
 
 /// A surface with its deformation graph, and how each of its vertices follows the graph.
