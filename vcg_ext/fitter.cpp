@@ -34,6 +34,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
                const Progress &progress)
     : source(source), handles(handles), param(param) {
     param.Validate();
+    if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
+        throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.9));
     sample = EvenSample(*deformer, std::size_t(param.samples));
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
@@ -88,6 +90,10 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         place.push_back(frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || deformer->held.tag[std::size_t(node)] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
+        if (std::find(samples.surfaceNode.begin() + std::ptrdiff_t(matched), samples.surfaceNode.end(), node) !=
+            samples.surfaceNode.end())
+            throw BadInput("Landmark " + std::to_string(place.size()) +
+                           " is at the place of another one. Leave one of the two out.");
         samples.Add(*deformer, pose, node);
     }
 
@@ -138,7 +144,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
                 w *= std::clamp((cosine - edge) / (full - edge), 0.0, 1.0);
                 n = (n + turned[s]) / 2;
             }
-            if (distance[s] > farthest || (match[s].onBorder && distance[s] > 1.5 * median))
+            if (distance[s] > farthest || (match[s].onBorder && distance[s] > std::max(1.5 * median, least)))
                 w = 0;
             weight[s] = w;
             const double unit = w / double(matched);
