@@ -40,8 +40,9 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
             c[k] = surface.nodeOf[target.corner[3 * f + k]];
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
             continue;
-        const Eigen::Vector3d p = position.col(c[0]), across = (position.col(c[1]) - p).cross(position.col(c[2]) - p);
-        if (across.isZero(0))
+        const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
+                              across = one.cross(other);
+        if (across.norm() <= 1e-12 * one.norm() * other.norm()) // a line, but for rounding: no plane to speak of
             continue;
         triangle.push_back(c);
         for (std::size_t k = 0; k < 3; ++k) {
