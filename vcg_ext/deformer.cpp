@@ -257,7 +257,9 @@ std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles
     const Eigen::Matrix3d metric = handles.world.linear();
     SurfaceGraph surface = ReadFreeSurface(mesh, handles.tag, {}, metric, progress.Slice(0, 0.25), param.weldDistance);
     HeldNodes held = HoldNodes(surface, slotTag, point, progress.Slice(0.25, 0.25));
-    LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3));
+    const double patch = surface.area / param.graph.initialPatches;
+    LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3),
+                                   param.bendsUnheld ? patch : std::numeric_limits<double>::infinity());
     if (loose.isPartOfSurface) {
         surface =
             ReadFreeSurface(mesh, handles.tag, loose.partOf, metric, progress.Slice(0.3, 0.4), param.weldDistance);

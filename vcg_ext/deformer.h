@@ -44,6 +44,7 @@ struct DeformerParam {
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
+    bool bendsUnheld = false; ///< components as large as a patch bend though nothing holds them, as data may move them
     double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
     ShapeConstants shape;
 };

@@ -98,13 +98,22 @@ SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &ta
 }
 
 LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                       const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
+                       const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress,
+                       double least) {
     LooseSurface loose;
     std::vector<Index> componentOf(surface.graph.Size());
     loose.components = ConnectedComponents(surface.graph.adjacency, componentOf, progress);
     std::vector<char> isHeld(loose.components, 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
         isHeld[componentOf[u]] |= tag[u] != 1;
+    if (std::isfinite(least)) {
+        std::vector<double> area(loose.components, 0);
+        for (Index u = 0; u < surface.graph.Size(); ++u)
+            area[componentOf[u]] += surface.nodeArea[u];
+        const double largest = loose.components > 0 ? *std::max_element(area.begin(), area.end()) : 0;
+        for (Index c = 0; c < loose.components; ++c)
+            isHeld[c] |= area[c] >= std::min(least, largest);
+    }
     std::vector<Index> number(loose.components, -1);
     for (Index c = 0; c < loose.components; ++c)
         if (!isHeld[c])

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_system.h>
+#include <vcg_ext/fit/fit_target.h>
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+namespace {
+
+/// A sheet with bumps that are all different, so that every place of it is known by its surroundings.
+Vector3d Bumpy(double x, double y) {
+    return {x, y,
+            0.5 * std::sin(1.3 * x) * std::cos(0.9 * y + 0.4 * x) + 0.25 * std::sin(2.1 * y + 1) * std::cos(0.7 * x)};
+}
+Shape BumpySheet(int nx, int ny, double width = 10, double height = 6) {
+    Shape shape = Grid(nx, ny);
+    for (Vector3d &p : shape.position)
+        p = Bumpy(p[0] * width / (nx - 1), p[1] * height / (ny - 1));
+    return shape;
+}
+
+/// Rolls a sheet up and twists it a little: no map of any graph.
+Vector3d Rolled(const Vector3d &p, double curvature = 0.06) {
+    const double angle = curvature * p[0], twist = 0.02 * p[0], radius = 1 / curvature;
+    const Vector3d q(p[0], 3 + (p[1] - 3) * std::cos(twist) - p[2] * std::sin(twist),
+                     (p[1] - 3) * std::sin(twist) + p[2] * std::cos(twist));
+    return {(radius - q[2]) * std::sin(angle), q[1], radius - (radius - q[2]) * std::cos(angle)};
+}
+Shape Rolled(Shape shape, double curvature = 0.06) {
+    for (Vector3d &p : shape.position)
+        p = Rolled(p, curvature);
+    return shape;
+}
+
+struct Fitted {
+    Matrix3Xd position;
+    FitReport report;
+};
+
+Fitted Fit(const Shape &source, const Shape &target, FitParam param = {}, std::vector<int> tag = {},
+           const std::vector<Landmark> &landmark = {}, const NormalOf &normal = {}, unsigned threads = 0) {
+    const MeshD from(source), to(target);
+    const Arrays fromArrays = Read(from), toArrays = Read(to);
+    Handles handles;
+    handles.tag = tag.empty() ? std::vector<int>(source.position.size(), 1) : std::move(tag);
+    Progress progress;
+    progress.threads = threads;
+    const Fitter fitter(fromArrays.View(), {}, handles, param, progress);
+    Fitted fitted;
+    FitGoal goal;
+    goal.surface = toArrays.View();
+    goal.normal = normal;
+    const Deformer::Pose pose = fitter.Solve(goal, landmark, fitted.report, progress);
+    fitted.position = fromArrays.View().Copy();
+    Carrier(fitter.Surface(), pose).Apply(fitted.position);
+    return fitted;
+}
+
+/// Root mean square of the distances from where the vertices truly are, of the source's diagonal.
+template <class Counts>
+double Rms(const Fitted &fitted, const Shape &truth, const Counts &counts) {
+    double squares = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < truth.position.size(); ++i)
+        if (counts(i)) {
+            squares += (fitted.position.col(Eigen::Index(i)) - truth.position[i]).squaredNorm();
+            ++n;
+        }
+    return std::sqrt(squares / n) / std::hypot(10, 6);
+}
+double Rms(const Fitted &fitted, const Shape &truth) {
+    return Rms(fitted, truth, [](std::size_t) { return true; });
+}
+
+template <class Run>
+void ExpectError(const Run &run, const std::string &text) {
+    EXPECT_NE(MessageOf<BadInput>(run).find(text), std::string::npos) << text;
+}
+
+const Shape source = BumpySheet(60, 37), truth = Rolled(source), target = Rolled(BumpySheet(83, 47));
+
+} // namespace
+
+TEST(Fit, OntoItselfStays) {
+    const Fitted fitted = Fit(source, source);
+    EXPECT_LT(Rms(fitted, source), 1e-6);
+    EXPECT_TRUE(fitted.report.converged);
+    EXPECT_GT(fitted.report.matched, 0.99);
+}
+
+// Limits, of an edge of the source, which is 1.4 % of the diagonal: a fifth on a clean surface; three tenths on points,
+// which are half an edge from each other, and through noise of a tenth of one; one edge where landmarks lead far.
+TEST(Fit, FindsASurfaceInOtherTriangles) {
+    ASSERT_GT(Rms({PositionsOf(MeshD(source)), {}}, truth), 0.05);
+    const Fitted fitted = Fit(source, target);
+    EXPECT_LT(Rms(fitted, truth), 0.0028);
+    EXPECT_GT(fitted.report.matched, 0.95);
+    EXPECT_LT(fitted.report.median, 0.01);
+}
+
+TEST(Fit, FindsAnUnweldedSurfaceAsAWeldedOne) {
+    EXPECT_LT(Rms(Fit(source, Unwelded(target)), truth), 0.0028);
+    EXPECT_LT(Rms(Fit(Unwelded(source), target), Unwelded(truth)), 0.0028);
+}
+
+TEST(Fit, FindsPointsWithAndWithoutNormals) {
+    EXPECT_LT(Rms(Fit(source, Points(target)), truth), 0.0042);
+    const MeshD mesh(target);
+    const Arrays arrays = Read(mesh);
+    std::vector<Vector3d> normal(target.position.size(), Vector3d::Zero());
+    for (const auto &face : target.face) {
+        const auto at = [&](int k) { return target.position[std::size_t(face[std::size_t(k)])]; };
+        for (int k : face)
+            normal[std::size_t(k)] += (at(1) - at(0)).cross(at(2) - at(0));
+    }
+    EXPECT_LT(Rms(Fit(source, Points(target), {}, {}, {}, [&](std::size_t i) { return normal[i]; }), truth), 0.0042);
+    EXPECT_LT(Rms(Fit(Points(source), target), truth),
+              0.0056); // a cloud without normals takes wrong sides for right ones
+}
+
+TEST(Fit, FindsItThroughNoise) { EXPECT_LT(Rms(Fit(source, Jittered(target, 0.02)), truth), 0.0042); }
+
+// Half of the target is not there: what has no counterpart is carried along, and does not go to where the rest ends.
+TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
+    Shape half = Grid(42, 47);
+    for (Vector3d &p : half.position)
+        p = Rolled(Bumpy(p[0] * 10 / 82, p[1] * 6 / 46));
+    const Fitted fitted = Fit(source, half);
+    EXPECT_NEAR(fitted.report.matched, 0.5, 0.05);
+    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), 0.0028);
+    int edges = 0, stretched = 0;
+    for (const auto &face : source.face)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const int a = face[k], b = face[(k + 1) % 3];
+            if (source.position[std::size_t(a)][0] < 5.2)
+                continue;
+            const double stretch = (fitted.position.col(a) - fitted.position.col(b)).norm() /
+                                   (source.position[std::size_t(a)] - source.position[std::size_t(b)]).norm();
+            ++edges;
+            stretched += stretch < 0.8 || stretch > 1.25;
+        }
+    EXPECT_LE(100 * stretched, edges);
+}
+
+// Rolled so far that the nearest points are wrong ones.
+TEST(Fit, LandmarksLeadThere) {
+    const Shape far = Rolled(source, 0.3), goal = Rolled(BumpySheet(83, 47), 0.3);
+    std::vector<Landmark> landmark;
+    for (std::size_t i : {0u, 30u, 59u, 18u * 60u, 18u * 60u + 59u, 36u * 60u, 36u * 60u + 30u, 36u * 60u + 59u})
+        landmark.push_back({i, far.position[i]});
+    const Fitted fitted = Fit(source, goal, {}, {}, landmark);
+    EXPECT_LT(Rms(fitted, far), 0.014);
+    EXPECT_LT(fitted.report.landmarks, 1e-4);
+}
+
+TEST(Fit, WhatIsFixedKeepsItsBits) {
+    std::vector<int> tag;
+    for (const Vector3d &p : source.position)
+        tag.push_back(p[0] < 1.5 ? 0 : p[0] > 9 ? -1 : 1);
+    const Fitted fitted = Fit(source, target, {}, tag);
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (tag[i] < 1) {
+            EXPECT_EQ(fitted.position.col(Eigen::Index(i)), source.position[i]);
+        }
+}
+
+TEST(Fit, MatricesOfBothLayersCount) {
+    Eigen::Affine3d world = RandomRigid(3);
+    world.linear() *= 2;
+    const MeshD from(source), to(target);
+    const Arrays fromArrays = Read(from), toArrays = Read(to);
+    Handles handles;
+    handles.tag.assign(source.position.size(), 1);
+    handles.world = world;
+    FitGoal goal;
+    Matrix3Xd there = toArrays.View().Copy();
+    there = world * there;
+    goal.world = world * Eigen::Translation3d(0, 0, 1);
+    there.colwise() -= world.translation(); // back through another matrix
+    there = world.linear().inverse() * there;
+    there.row(2).array() -= 1;
+    goal.surface = toArrays.View().With(there);
+    FitReport report;
+    const Fitter fitter(fromArrays.View(), {}, handles, {});
+    Fitted fitted{fromArrays.View().Copy(), {}};
+    Carrier(fitter.Surface(), fitter.Solve(goal, {}, report)).Apply(fitted.position);
+    EXPECT_LT(Rms(fitted, truth), 0.0028);
+}
+
+TEST(Fit, TheSameBitsForAnyNumberOfThreads) {
+    const Fitted one = Fit(source, target, {}, {}, {}, {}, 1), four = Fit(source, target, {}, {}, {}, {}, 4);
+    EXPECT_TRUE(SameBits(one.position, four.position));
+}
+
+TEST(Fit, SaysWhatCannotBe) {
+    ExpectError([] { Fit(source, Points(Shape{})); }, "no vertices");
+    ExpectError([] { Fit(source, Shape{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}, {}}); }, "no triangle");
+    ExpectError([] { Fit(source, target, {}, {}, {{source.position.size(), {0, 0, 0}}}); }, "Landmark 1");
+    ExpectError([] { Fit(source, target, {}, {}, {{3, {0, 0, 0}}, {3, {1, 0, 0}}}); }, "Landmark 2");
+    std::vector<int> tag(source.position.size(), 1);
+    tag[5] = 0;
+    ExpectError([&] { Fit(source, target, {}, tag, {{5, {0, 0, 0}}}); }, "not free");
+    ExpectError([] { Fit(source, target, {}, std::vector<int>(source.position.size(), 0)); }, "free");
+    for (double FitParam::*value : {&FitParam::stiffness, &FitParam::largestDistance, &FitParam::largestAngle}) {
+        FitParam param;
+        param.*value = 0;
+        ExpectError([&] { Fit(source, target, param); }, "must be");
+    }
+    FitParam param;
+    param.fitSteps = 1;
+    ExpectError([&] { Fit(source, target, param); }, "steps");
+    param = {};
+    param.samples = 1;
+    ExpectError([&] { Fit(source, target, param); }, "places");
+}
+
+TEST(Fit, TargetTellsItsBorderAndItsNormals) {
+    const MeshD mesh(Grid(5, 5));
+    const Arrays arrays = Read(mesh);
+    const FitTarget plane(arrays.View(), {}, Eigen::Affine3d::Identity());
+    const FitTarget::Match inside = plane.Nearest({1.3, 2.2, 0.5}), outside = plane.Nearest({-1, 2.2, 0.5});
+    EXPECT_FALSE(inside.onBorder);
+    EXPECT_TRUE(outside.onBorder);
+    EXPECT_NEAR((inside.point - Vector3d(1.3, 2.2, 0)).norm(), 0, 1e-6);
+    EXPECT_NEAR(std::abs(inside.normal[2]), 1, 1e-6);
+    EXPECT_TRUE(inside.isOriented);
+    const MeshD points(Points(Grid(5, 5)));
+    const Arrays pointArrays = Read(points);
+    const FitTarget cloud(pointArrays.View(), {}, Eigen::Affine3d::Identity());
+    EXPECT_FALSE(cloud.Nearest({1.3, 2.2, 0.5}).isOriented);
+    EXPECT_NEAR(std::abs(cloud.Nearest({1.3, 2.2, 0.5}).normal[2]), 1, 1e-6);
+}
+
+// The step of Gauss and Newton is that of the energy, by differences.
+TEST(Fit, StepsAreThoseOfTheEnergy) {
+    const MeshD mesh(BumpySheet(20, 12));
+    const Arrays arrays = Read(mesh);
+    Handles handles;
+    handles.tag.assign(mesh.vert.size(), 1);
+    FitParam param;
+    param.graph.initialPatches = 12;
+    const Fitter fitter(arrays.View(), {}, handles, param);
+    const Deformer &deformer = fitter.Surface();
+    const Deformer::Pose rest = deformer.Solve(handles, param);
+    FitSamples samples;
+    for (Index u : EvenSample(deformer, 100))
+        samples.Add(deformer, rest, u);
+    GraphPose pose = rest.solved;
+    std::mt19937 random(5);
+    for (Index j = 0; j < deformer.graph.Size(); ++j) {
+        pose.position.col(j) += 0.03 * RandomVector(random);
+        pose.linear[std::size_t(j)] = Eigen::AngleAxisd(0.2, RandomVector(random).normalized()).toRotationMatrix();
+    }
+    std::vector<FitSystem::Pull> pull(samples.Size());
+    std::vector<Vector3d> place;
+    const Eigen::Matrix3d form = Eigen::Vector3d(1, 0.3, 0.1).asDiagonal();
+    for (std::size_t s = 0; s < samples.Size(); ++s) {
+        place.push_back(samples.At(s, pose) + 0.05 * RandomVector(random));
+        pull[s].form = form / double(samples.Size());
+        pull[s].gradient = pull[s].form * (samples.At(s, pose) - place[s]);
+    }
+    const double stiffness = 0.01, smoothness = 0.05, area = deformer.surface.area;
+    const auto energy = [&](const GraphPose &at) {
+        double sum = 0;
+        for (std::size_t s = 0; s < samples.Size(); ++s) {
+            const Vector3d way = samples.At(s, at) - place[s];
+            sum += way.dot(pull[s].form * way);
+        }
+        for (Index i = 0; i < deformer.graph.Size(); ++i)
+            for (std::uint32_t item = deformer.graph.graph.adjacency.begin[std::size_t(i)];
+                 item < deformer.graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+                const Index j = deformer.graph.graph.adjacency.item[item];
+                const Vector3d e =
+                    (deformer.graph.graph.position.col(j) - deformer.graph.graph.position.col(i)).cast<double>();
+                const double w = stiffness * double(deformer.graph.weight[item]) / area;
+                sum += w * (at.position.col(i) + at.linear[std::size_t(i)] * e - at.position.col(j)).squaredNorm();
+                sum +=
+                    0.5 * w * smoothness * area * (at.linear[std::size_t(i)] - at.linear[std::size_t(j)]).squaredNorm();
+            }
+        return sum;
+    };
+    std::vector<char> isFree(std::size_t(deformer.graph.Size()), 1);
+    FitSystem system(deformer, isFree, samples, smoothness);
+    const auto step = system.Step(pose, pull, stiffness);
+    const auto moved = [&](double t) {
+        GraphPose at = pose;
+        for (Index j = 0; j < deformer.graph.Size(); ++j) {
+            const Vector3d w = t * step.col(j).head<3>();
+            if (w.norm() > 0)
+                at.linear[std::size_t(j)] =
+                    Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * at.linear[std::size_t(j)];
+            at.position.col(j) += t * step.col(j).tail<3>();
+        }
+        return energy(at);
+    };
+    const double t = 1e-5, slope = (moved(t) - moved(-t)) / (2 * t),
+                 curve = (moved(t) - 2 * moved(0) + moved(-t)) / (t * t);
+    EXPECT_LT(slope, 0);
+    // Along the step, g^T x = -x^T H x: the slope is -2 x^T H x, and the second difference 2 x^T H x and what Gauss and
+    // Newton leave out.
+    EXPECT_NEAR(curve / -slope, 1, 0.3);
+    EXPECT_LT(moved(1), 0.7 * moved(0));
+    EXPECT_LT(system.Step(pose, pull, stiffness).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_H
+#define VCG_FCD_FIT_H
+
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/fit/fit_samples.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <vector>
+
+/// \file
+/// Lays one surface onto another: deforms it as rigidly as possible until it lies on triangles or points, with pairs of
+/// landmarks or without. What has no counterpart is carried along.
+
+namespace vcg {
+namespace fcd {
+
+/// A pair of landmarks.
+struct Landmark {
+    std::size_t vertex;     ///< slot of a vertex of the source
+    Eigen::Vector3d target; ///< where it belongs, in the world
+};
+
+/// What a surface is fitted to.
+struct FitGoal {
+    SurfaceView surface;                                 ///< triangles; or points, where it has none
+    NormalOf normal;                                     ///< of points; may be empty
+    Eigen::Affine3d world = Eigen::Affine3d::Identity(); ///< the matrix of its layer
+};
+
+/// How a surface is fitted.
+struct FitParam : DeformationParam {
+    FitParam();
+
+    double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
+    double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
+    double largestAngle = 70; ///< of matches, degrees between the normals, (0, 180]
+    int fitSteps = 100;       ///< from stiff to soft, >= 2
+    int samples = 4000;       ///< places of the source that are matched, >= 100
+
+    /// \throw BadInput naming the value that is out of range
+    void Validate() const;
+};
+
+/// How well a surface fits, over its samples.
+struct FitReport {
+    double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
+    double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
+    double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
+    int steps = 0;
+    bool converged = false; ///< the last step moved no node by more than a ten thousandth of the diagonal
+};
+
+/// A surface that is prepared to be fitted, with its regions: fixed vertices stay, handles move as they are told.
+class Fitter {
+  public:
+    /// \param source must outlive this \param normal of a source that is a cloud; may be empty
+    /// \param handles at least one free vertex; may have no handle
+    /// \throw BadInput as PrepareDeformer; a parameter out of range \throw Cancelled
+    Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
+           const Progress &progress = {});
+
+    /// Fits it, from its pose at rest. \throw BadInput a goal without vertices; landmarks that are no vertices, or
+    /// twice at one place \throw Unsolvable \throw Cancelled
+    Deformer::Pose Solve(const FitGoal &goal, const std::vector<Landmark> &landmark, FitReport &report,
+                         const Progress &progress = {}) const;
+
+    const Deformer &Surface() const { return *deformer; }
+
+  private:
+    const SurfaceView source;
+    const Handles handles;
+    const FitParam param;
+    std::unique_ptr<Deformer> deformer;
+    std::vector<Index> sample;
+    std::vector<Eigen::Vector3d> sampleNormal;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

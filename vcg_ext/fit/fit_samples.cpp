@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_samples.h>
+
+#include <Eigen/Geometry>
+
+namespace vcg {
+namespace fcd {
+
+void FitSamples::Add(const Deformer &deformer, const Deformer::Pose &pose, Index node) {
+    GraphMapping::Influences influences;
+    deformer.mapping->InfluencesAt(node, influences);
+    const Eigen::Vector3d p = deformer.surface.graph.position.col(node).cast<double>();
+    const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
+    double sum = 0;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto &each : influences.nodes) {
+        sum += double(each.second);
+        middle += double(each.second) * rest(each.first);
+    }
+    middle /= sum;
+    for (const auto &each : influences.nodes)
+        term.push_back({each.first, double(each.second), p - 0.5 * (rest(each.first) + middle)});
+    begin.push_back(std::uint32_t(term.size()));
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();
+    for (const auto &each : influences.held)
+        held += double(each.second) * (pose.motion.at(each.first) * p);
+    fixed.push_back(held);
+    normal.emplace_back(Eigen::Vector3d::Zero());
+    surfaceNode.push_back(node);
+}
+
+Eigen::Vector3d FitSamples::At(std::size_t s, const GraphPose &pose) const {
+    Eigen::Vector3d x = fixed[s];
+    for (std::uint32_t t = begin[s]; t < begin[s + 1]; ++t)
+        x +=
+            term[t].weight * (pose.linear[std::size_t(term[t].node)] * term[t].lever + pose.position.col(term[t].node));
+    return x;
+}
+
+Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const {
+    Eigen::Vector3d n = Eigen::Vector3d::Zero();
+    for (std::uint32_t t = begin[s]; t < begin[s + 1]; ++t)
+        n += term[t].weight * (pose.linear[std::size_t(term[t].node)] * normal[s]);
+    const double length = n.norm();
+    return length > 0 ? Eigen::Vector3d(n / length) : n;
+}
+
+std::vector<Index> EvenSample(const Deformer &deformer, std::size_t wanted) {
+    const SurfaceGraph &surface = deformer.surface;
+    double area = 0;
+    std::size_t count = 0;
+    const auto isFree = [&](Index u) {
+        return deformer.held.tag[std::size_t(u)] == 1 && deformer.patches.patchOf[std::size_t(u)] >= 0;
+    };
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (isFree(u)) {
+            area += double(surface.nodeArea[std::size_t(u)]);
+            ++count;
+        }
+    std::vector<Index> sample;
+    double passed = 0;
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (isFree(u)) {
+            // In the nodes' order, which goes along a curve that fills space, whenever that much area has been passed.
+            passed += area > 0 ? double(surface.nodeArea[std::size_t(u)]) / area : 1 / double(count);
+            if (passed * double(wanted) >= double(sample.size()) + 0.5 || count <= wanted)
+                sample.push_back(u);
+        }
+    return sample;
+}
+
+std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
+                                            const std::vector<Index> &node) {
+    const SurfaceGraph &surface = deformer.surface;
+    std::vector<Index> number(std::size_t(surface.graph.Size()), -1);
+    for (std::size_t i = 0; i < node.size(); ++i)
+        number[std::size_t(node[i])] = Index(i);
+    std::vector<Eigen::Vector3d> sum(node.size(), Eigen::Vector3d::Zero());
+    if (mesh.isCloud) {
+        const Eigen::Matrix3d turn = surface.frame.inverseMetric.transpose();
+        for (std::size_t i = 0; normal && i < mesh.vertexSlots; ++i)
+            if (const Index u = surface.nodeOf[i]; u >= 0 && number[std::size_t(u)] >= 0)
+                sum[std::size_t(number[std::size_t(u)])] = turn * normal(i);
+    }
+    for (std::size_t f = 0; f < mesh.faces; ++f) {
+        if (!mesh.IsFace(f))
+            continue;
+        Index u[3];
+        bool isSampled = false;
+        for (int k = 0; k < 3; ++k) {
+            u[k] = surface.nodeOf[mesh.corner[3 * f + std::size_t(k)]];
+            isSampled = isSampled || (u[k] >= 0 && number[std::size_t(u[k])] >= 0);
+        }
+        if (!isSampled || u[0] < 0 || u[1] < 0 || u[2] < 0)
+            continue;
+        const auto at = [&](int k) { return surface.graph.position.col(u[k]).cast<double>(); };
+        const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p, across = a.cross(b);
+        for (int k = 0; k < 3; ++k)
+            if (const Index i = number[std::size_t(u[k])]; i >= 0)
+                sum[std::size_t(i)] += across;
+    }
+    for (Eigen::Vector3d &n : sum) {
+        const double length = n.stableNorm();
+        n = length > 0 ? Eigen::Vector3d(n / length) : Eigen::Vector3d::Zero();
+    }
+    return sum;
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_SAMPLES_H
+#define VCG_FCD_FIT_SAMPLES_H
+
+#include <vcg_ext/deformer.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Where in a pose some nodes of a surface are, and how that depends on the nodes of its deformation graph, in the
+/// frame: x = fixed + sum_k weight_k (R_k lever_k + c'_k). It is the mapping of GraphMapping, in which R(p) is a sum,
+/// too.
+struct FitSamples {
+    struct Term {
+        Index node; ///< of the deformation graph
+        double weight;
+        Eigen::Vector3d lever;
+    };
+    std::vector<Index> surfaceNode;
+    std::vector<std::uint32_t> begin{0}; ///< of the terms of each
+    std::vector<Term> term;
+    std::vector<Eigen::Vector3d> fixed;  ///< what held regions nearby give
+    std::vector<Eigen::Vector3d> normal; ///< at rest, of length 1; 0 where it is not known
+
+    std::size_t Size() const { return surfaceNode.size(); }
+
+    /// \param pose gives the motions of what is held
+    void Add(const Deformer &deformer, const Deformer::Pose &pose, Index node);
+    Eigen::Vector3d At(std::size_t s, const GraphPose &pose) const;
+    /// The normal in a pose, of length 1; 0 where it is not known.
+    Eigen::Vector3d NormalAt(std::size_t s, const GraphPose &pose) const;
+};
+
+/// Free nodes of a surface that stand for the same area each. \param wanted how many, about
+std::vector<Index> EvenSample(const Deformer &deformer, std::size_t wanted);
+
+/// The normals of the surface at nodes, from the faces, or where there are none, from \p normal; in the frame.
+std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
+                                            const std::vector<Index> &node);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_SYSTEM_H
+#define VCG_FCD_FIT_SYSTEM_H
+
+#include <vcg_ext/fit/fit_samples.h>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// The Gauss-Newton step of a fit: turns w_k and shifts d_k of the free nodes of a deformation graph that minimise
+/// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose, where m_s is a quadratic form.
+class FitSystem {
+  public:
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+    /// What a sample is drawn to: the form and its gradient at the pose, in the sample's position.
+    struct Pull {
+        Eigen::Matrix3d form = Eigen::Matrix3d::Zero();
+        Eigen::Vector3d gradient = Eigen::Vector3d::Zero(); ///< form times (x - q)
+    };
+
+    /// \param isFree flags of the graph's nodes \param samples which the pulls will be of, in this order
+    FitSystem(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &samples, double smoothness);
+
+    /// The step from \p pose. \return 6 x nodes: w_k in radians, d_k in frame units; 0 for those that are not free
+    /// \throw Unsolvable
+    Eigen::Matrix<double, 6, Eigen::Dynamic> Step(const GraphPose &pose, const std::vector<Pull> &pull,
+                                                  double stiffness, unsigned threads = 0);
+
+  private:
+    void AddSamples(Index row, const GraphPose &pose, const std::vector<Pull> &pull, std::vector<Matrix6> &block,
+                    Vector6 &gradient) const;
+    void AddEdges(Index row, const GraphPose &pose, double stiffness, std::vector<Matrix6> &block,
+                  Vector6 &gradient) const;
+    Eigen::VectorXd Solve(const Eigen::VectorXd &right);
+    std::size_t Place(Index row, Index column) const;
+
+    const Deformer &deformer;
+    const FitSamples &samples;
+    double smoothness, area;
+    std::vector<Index> node;                ///< of each unknown
+    std::vector<Index> unknown;             ///< of each node, -1 for none
+    std::vector<std::vector<Index>> beside; ///< of each unknown: those from it on that share a sample or an edge
+    struct Use {
+        std::uint32_t sample, term;
+    };
+    std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples that it is in
+    Eigen::SparseMatrix<double> matrix; ///< the lower half
+    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
+    bool isFactored = false;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

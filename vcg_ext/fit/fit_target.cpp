@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_target.h>
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+
+namespace vcg {
+namespace fcd {
+
+FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
+                     const Eigen::Affine3d &toFrame, const Progress &progress) {
+    if (target.isCloud)
+        ReadPoints(target, normalOf, toFrame);
+    else
+        ReadTriangles(target, toFrame, progress);
+}
+
+/// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
+void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress) {
+    const SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
+    const std::size_t n = std::size_t(surface.graph.Size());
+    position.resize(3, Eigen::Index(n));
+    for (std::size_t i = 0; i < target.vertexSlots; ++i)
+        if (surface.nodeOf[i] >= 0)
+            position.col(surface.nodeOf[i]) = toFrame * target.At(i);
+    normal = Eigen::Matrix3Xd::Zero(3, Eigen::Index(n));
+    std::vector<std::array<Index, 3>> triangle;
+    triangle.reserve(target.faces);
+    // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
+    std::vector<std::uint64_t> once(n, 0);
+    const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
+    for (std::size_t f = 0; f < target.faces; ++f) {
+        if (!target.IsFace(f))
+            continue;
+        std::array<Index, 3> c;
+        for (std::size_t k = 0; k < 3; ++k)
+            c[k] = surface.nodeOf[target.corner[3 * f + k]];
+        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
+            continue;
+        const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
+                              across = one.cross(other);
+        if (across.norm() <= 1e-12 * one.norm() * other.norm()) // a line, but for rounding: no plane to speak of
+            continue;
+        triangle.push_back(c);
+        for (std::size_t k = 0; k < 3; ++k) {
+            normal.col(c[k]) += across;
+            once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
+        }
+    }
+    for (Eigen::Index i = 0; i < normal.cols(); ++i)
+        normal.col(i).stableNormalize();
+    if (triangle.empty())
+        throw BadInput("The target has no triangle with an area.");
+    border.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+        border[i] = once[i] != 0;
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), std::vector<char>());
+}
+
+void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
+                           const Eigen::Affine3d &toFrame) {
+    std::vector<char> isPoint(target.vertexSlots, 0);
+    position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
+    if (normalOf)
+        normal = position;
+    std::size_t points = 0;
+    const Eigen::Matrix3d turn = toFrame.linear().inverse().transpose();
+    for (std::size_t i = 0; i < target.vertexSlots; ++i)
+        if (!target.IsDeleted(i)) {
+            if (!target.At(i).allFinite())
+                throw detail::NotFinite(i);
+            isPoint[i] = 1;
+            ++points;
+            position.col(Eigen::Index(i)) = toFrame * target.At(i);
+            if (normalOf)
+                normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized();
+        }
+    if (points == 0)
+        throw BadInput("The target has no vertices.");
+    place = std::make_unique<NearestPlace>(position, std::vector<std::array<Index, 3>>(), isPoint);
+}
+
+FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p) const {
+    const SurfacePlace at = (*place)(p);
+    Match match;
+    match.point.setZero();
+    bool isBorder = !border.empty();
+    for (int k = 0; k < at.count; ++k) {
+        match.point += at.weight[std::size_t(k)] * position.col(at.slot[std::size_t(k)]);
+        if (normal.cols() > 0)
+            match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]);
+        isBorder = isBorder && border[std::size_t(at.slot[std::size_t(k)])] != 0;
+    }
+    match.onBorder = isBorder && at.count < 3;
+    match.isOriented = true;
+    if (normal.cols() == 0 && at.count > 2) { // the plane through the points around
+        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (int k = 0; k < at.count; ++k)
+            middle += position.col(at.slot[std::size_t(k)]) / at.count;
+        for (int k = 0; k < at.count; ++k) {
+            const Eigen::Vector3d way = position.col(at.slot[std::size_t(k)]) - middle;
+            spread += way * way.transpose();
+        }
+        match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+        match.isOriented = false;
+    }
+    const double length = match.normal.norm();
+    match.normal = length > 0 ? Eigen::Vector3d(match.normal / length) : Eigen::Vector3d::Zero();
+    return match;
+}
+
+} // namespace fcd
+} // namespace vcg

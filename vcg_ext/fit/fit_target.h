@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_TARGET_H
+#define VCG_FCD_FIT_TARGET_H
+
+#include <vcg_ext/base/frame.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/surface/nearest_place.h>
+#include <vcg_ext/surface/surface_arrays.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// What a surface is fitted to: triangles, or points with or without normals. Any number of threads may ask.
+class FitTarget {
+  public:
+    /// Where it is nearest to a point.
+    struct Match {
+        Eigen::Vector3d point;
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0 where it is not known
+        bool isOriented = false;                          ///< the normal points outwards, and not perhaps inwards
+        bool onBorder = false;                            ///< of triangles: the surface ends there
+    };
+
+    /// \param target triangles, or points where it has none; in mesh units of its own, as \p toWorld says
+    /// \param normal of points, any length; may be empty, or 0 for some
+    /// \param toFrame from mesh units of the target to the frame that all is computed in
+    /// \throw BadInput no vertices, or a coordinate that is not finite \throw Cancelled
+    FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
+              const Eigen::Affine3d &toFrame, const Progress &progress = {});
+
+    Match Nearest(const Eigen::Vector3d &p) const;
+
+  private:
+    void ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress);
+    void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
+                    const Eigen::Affine3d &toFrame);
+
+    Eigen::Matrix3Xd position; // of nodes, or points
+    Eigen::Matrix3Xd normal;   // of each; 0 columns where there are none
+    std::vector<char> border;  // flags of nodes; empty for points
+    std::unique_ptr<NearestPlace> place;
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
