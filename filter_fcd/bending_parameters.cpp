@@ -53,12 +53,15 @@ vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
     return param;
 }
 
-void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
-    addParameter<RichFloat>(list, Shown::Always, "smoothness", Scalarm(deformation.smoothness),
-                            "Smoothness (0.001 loose, 0.1 stiff)",
+void addSmoothness(RichParameterList &list, Shown shown, double smoothness) {
+    addParameter<RichFloat>(list, shown, "smoothness", Scalarm(smoothness), "Smoothness (0.001 loose, 0.1 stiff)",
                             "How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff. <b>Raising "
                             "it</b> spreads bends over more of the surface and stiffens it; <b>lowering it</b> keeps "
                             "lengths better but lets bends become sharp near the handles.");
+}
+
+void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
+    addSmoothness(list, Shown::Always, deformation.smoothness);
     addParameter<RichInt>(
         list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
         "The shape is improved until it comes to rest, at most this often. <b>Raise it</b> when the log "

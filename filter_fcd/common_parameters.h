@@ -8,7 +8,9 @@
 /// What several filters ask for.
 
 // What moves, and how.
-void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document);
+/// \param shown what says how handles move, and which
+void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document,
+                host::Shown shown = host::Shown::Always);
 /// \throw vcg::fcd::Error when a value makes no sense
 HandleParam handleParam(const RichParameterList &list, const MeshDocument &document);
 
@@ -19,6 +21,7 @@ void addRandomSeed(RichParameterList &list, unsigned randomSeed);
 vcg::fcd::GraphParam graphParam(const RichParameterList &list);
 
 // How it bends.
+void addSmoothness(RichParameterList &list, host::Shown shown, double smoothness);
 /// \param all also what a filter may lack where scripts may not
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all);
 /// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense

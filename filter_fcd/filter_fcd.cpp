@@ -7,6 +7,7 @@
 #include <layer_fcd/graph_layer.h>
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_deformer.h>
+#include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 #include <layer_fcd/tagging.h>
@@ -37,7 +38,7 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation, TagSelection,
+    announce({BuildGraph, DeformMesh, FitMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation, TagSelection,
               TagsFromFiles, ClearTags, SaveTags});
 }
 
@@ -47,7 +48,7 @@ HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     // After a filter of textures the host shows those of the current layer, which is new.
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return id == DeformMesh || id == CopyDeformation ? FilterClass(both) : Smoothing;
+    return id == DeformMesh || id == FitMesh || id == CopyDeformation ? FilterClass(both) : Smoothing;
 }
 
 int FilterFcd::changes(int id) const {
@@ -99,6 +100,7 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     switch (id) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
+    case FitMesh: return toRichParameters(FitMeshParam(), document);
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
     case CopyDeformation: return toRichParameters(CopyParam(), document);
@@ -117,6 +119,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
+    case FitMesh: return fitMesh(parameters, document, callback);
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
@@ -211,6 +214,18 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                    {"seconds_solve", result.secondsSolve},
                    {"seconds_map", result.secondsMap}});
     return values;
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
+                                                    vcg::CallBackPos *callback) {
+    const FittedLayers made = fitLayer(
+        document, input(document), fitMeshParam(parameters, document),
+        [this](const std::string &line) { logLine(line); }, Progress(callback));
+    logLine(describe(made.result.surface));
+    logLine(describe(made));
+    for (const std::string &warning : warningsOf(made))
+        logLine(warning, GLLogStream::WARNING);
+    return valuesOf(made);
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,

@@ -17,6 +17,7 @@ class FilterFcd : public HostFilterPlugin {
     enum Filter {
         BuildGraph,
         DeformMesh,
+        FitMesh,
         PoseInPlace,
         ResetPose,
         CopyDeformation,
@@ -47,6 +48,7 @@ class FilterFcd : public HostFilterPlugin {
     static RichParameterList defaults(int id, const MeshDocument &document);
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues fitMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);

@@ -10,6 +10,7 @@
 /// Lengths are relative to the current layer, if there is one.
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const ResetPoseParam &param);
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
@@ -21,6 +22,7 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
 /// \throw vcg::fcd::Error when a value makes no sense
 BuildGraphParam buildGraphParam(const RichParameterList &list);
 DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document);
+FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document);
 PoseParam poseParam(const RichParameterList &given, const MeshDocument &document);
 ResetPoseParam resetPoseParam(const RichParameterList &list);
 CopyParam copyParam(const RichParameterList &list, const MeshDocument &document);

@@ -92,3 +92,58 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
                            "leave more free surface between them.");
     return warnings;
 }
+
+std::string describe(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    std::ostringstream line;
+    line << describe(made.result.tags) << "; " << made.result.rest.position.cols() << " nodes, " << report.steps
+         << " steps. " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
+         << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+    if (made.landmarks > 0)
+        line << " None of the " << made.landmarks << " landmarks is off by more than " << report.landmarks << ".";
+    line << " " << made.seconds << " s.";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
+    values.merge(valuesOf(made.result.tags));
+    values.insert({{"rms", report.rms},
+                   {"median", report.median},
+                   {"percentile_95", report.percentile95},
+                   {"matched", report.matched},
+                   {"folded_triangles", made.result.check.flipped},
+                   {"landmarks", int(made.landmarks)},
+                   {"landmark_residual", report.landmarks},
+                   {"nodes", int(made.result.rest.position.cols())},
+                   {"steps", report.steps},
+                   {"converged", report.converged},
+                   {"seconds", made.seconds}});
+    return values;
+}
+
+std::vector<std::string> warningsOf(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    std::vector<std::string> warnings;
+    if (report.matched < 0.3) { // then most of the shape is a guess
+        std::ostringstream line;
+        line << "Only " << 100 * report.matched
+             << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "
+                "first, give landmarks, or raise largest_distance or largest_angle.";
+        warnings.push_back(line.str());
+    }
+    if (made.result.check.flipped > 0)
+        warnings.push_back(std::to_string(made.result.check.flipped) +
+                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
+    if (report.landmarks > 0.01 * made.diagonal) { // farther than a hand misses a point
+        std::ostringstream line;
+        line << "A landmark is off by " << report.landmarks
+             << ": it contradicts the others or the target. Look for pairs that are mixed up, or lower stiffness.";
+        warnings.push_back(line.str());
+    }
+    if (!report.converged)
+        warnings.emplace_back("The fit did not come to rest: raise fit_steps.");
+    return warnings;
+}

@@ -5,6 +5,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include <layer_fcd/filter_host.h>
+#include <layer_fcd/layer_fitter.h>
 
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
 /// A sentence for each thing on the way to a pose that is worth knowing.
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
+
+/// How well a layer fits, in words and in numbers.
+std::string describe(const FittedLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
+/// A sentence for each thing for which a fit is not to be trusted.
+std::vector<std::string> warningsOf(const FittedLayers &made);
 
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);

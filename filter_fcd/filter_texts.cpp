@@ -15,6 +15,7 @@ QString FilterFcd::filterName(int id) const {
     switch (id) {
     case BuildGraph: return "FCD: Build Deformation Graph";
     case DeformMesh: return "FCD: Deform Mesh";
+    case FitMesh: return "FCD: Fit to Layer";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
@@ -31,6 +32,7 @@ QString FilterFcd::scriptName(int id) const {
     switch (id) {
     case BuildGraph: return "generate_fcd_deformation_graph";
     case DeformMesh: return "generate_fcd_deformed_mesh";
+    case FitMesh: return "generate_fcd_fitted_mesh";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
     case CopyDeformation: return "generate_fcd_deformed_copy";
@@ -69,6 +71,19 @@ QString FilterFcd::filterInfo(int id) const {
                    "they are (unwelded, non-manifold, in pieces) and on point clouds; the result is a new layer with "
                    "all that the mesh carries. Motions are in world coordinates. Pose, warp or bend a mesh; as rigid "
                    "as possible (ARAP).") +
+               reference;
+    case FitMesh:
+        return QString(
+                   "Lays the current layer onto another one: bends it, as rigidly as possible, until it lies on the "
+                   "target. A template onto a scan, last year's scan onto this year's, a decimated model onto the full "
+                   "cloud; with pairs of <b>landmarks</b> or without. What has no counterpart on the target is carried "
+                   "along smoothly.<br>"
+                   "The layers should lie roughly onto each other; their matrices count. Nothing has to be tagged; "
+                   "what is tagged as for 'FCD: Deform Mesh' stays, to the bit, or moves as it is told. Works on scans "
+                   "as they are, and on point clouds, as source and as target.<br>"
+                   "The result is a new layer with all that the source carries. The layers with the graph serve 'FCD: "
+                   "Apply Deformation to Layer' and 'FCD: Save Deformation'. Non-rigid registration (ICP), template "
+                   "fitting, shrink wrap, morph; as rigid as possible (ARAP).") +
                reference;
     case PoseInPlace:
         return QString(

@@ -5,8 +5,8 @@ using host::addParameter;
 using host::Shown;
 using vcg::fcd::Error;
 
-void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document) {
-    addParameter<RichEnum>(list, Shown::Always, "handles", int(handles.source),
+void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document, Shown shown) {
+    addParameter<RichEnum>(list, shown, "handles", int(handles.source),
                            QStringList() << "Vertex quality"
                                          << "Selection"
                                          << "Custom vertex attribute"
@@ -71,21 +71,19 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
         "where the surface is free; with them, a layer without tags is all free.");
 
     // How it moves.
-    addParameter<host::RichPositionParam>(list, Shown::Always, "translation", toPoint(handles.translation),
-                                          "Translation",
+    addParameter<host::RichPositionParam>(list, shown, "translation", toPoint(handles.translation), "Translation",
                                           "How far the handles move along x, y and z, in world units. Applied last.");
-    addParameter<host::RichDirectionParam>(list, Shown::Always, "rotation_axis", toPoint(handles.rotationAxis),
-                                           "Rotation axis",
+    addParameter<host::RichDirectionParam>(list, shown, "rotation_axis", toPoint(handles.rotationAxis), "Rotation axis",
                                            "Axis that the handles turn about; only its direction counts.");
     addParameter<RichFloat>(
-        list, Shown::Always, "rotation_angle", Scalarm(handles.rotationAngle), "Rotation angle (degrees)",
+        list, shown, "rotation_angle", Scalarm(handles.rotationAngle), "Rotation angle (degrees)",
         "How far the handles turn, in degrees, counterclockwise when the axis points at you. Applied "
         "before the translation. Any angle; the pose follows it: 270 degrees at pose 50 are 135 (with a matrix below "
         "that rotates, too, the handles take the shortest way). A turn is what it "
         "says: the surface between is twisted by 190 degrees one way, not by 170 the other, and by 360 once round. (A "
         "matrix alone cannot say so, and takes the shortest way.)");
     addParameter<RichEnum>(
-        list, Shown::Always, "rotation_center", int(handles.rotationCenter),
+        list, shown, "rotation_center", int(handles.rotationCenter),
         QStringList() << "Barycentre of the handle"
                       << "Origin"
                       << "Rotation point",

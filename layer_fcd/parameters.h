@@ -4,6 +4,7 @@
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/fit.h>
 
 #include "meshlab_host.h"
 
@@ -39,6 +40,7 @@ struct HandleParam {
     QString tagFile;                  ///< .sel (Files)
     QString transformFile;            ///< .def, may be empty; read with every source
     QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
+    bool mayLack = false;             ///< where no vertex has a tag, all are free
     QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
 
     // The motion of handles that neither of these moves: first as the layer, then matrix, rotation and translation.
@@ -64,6 +66,18 @@ struct DeformMeshParam {
     const MeshModel *graphLayer = nullptr;
     bool graphLayers = true; ///< keep the rest and the deformed graph as layers
     Quality quality = Input; ///< of the deformed layer
+};
+
+/// What "FCD: Fit to Layer" is asked for.
+struct FitMeshParam {
+    enum Quality { Input, Distance, Matched };
+
+    const MeshModel *target = nullptr;
+    HandleParam handles;     ///< regions that stay, or move as they are told
+    QString landmarkFile;    ///< .csv or .pp, may be empty
+    vcg::fcd::FitParam fit;  ///< without nodes
+    bool graphLayers = true; ///< keep the rest and the deformed graph as layers
+    Quality quality = Input; ///< of the fitted layer
 };
 
 /// What "FCD: Pose in Place" is asked for.

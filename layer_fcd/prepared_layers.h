@@ -16,7 +16,7 @@
 
 /// A layer that is prepared to be deformed.
 struct Prepared {
-    std::unique_ptr<vcg::fcd::Deformer> deformer;
+    std::shared_ptr<const vcg::fcd::Deformer> deformer;
     std::vector<char> moving;  ///< per vertex slot: whether it may move in some pose
     std::vector<char> turning; ///< and whether the normal of its faces may change
     vcg::fcd::TagCount tags;

@@ -142,7 +142,7 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 } // namespace
 
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
-    const bool freeIfNone = !param.pointFile.isEmpty();
+    const bool freeIfNone = param.mayLack || !param.pointFile.isEmpty();
     switch (param.source) {
     case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone);
     case HandleParam::Selection: return tagsFromSelection(layer, freeIfNone);

@@ -6,7 +6,8 @@
 
 #include <vector>
 
-/// The tags of \p layer, one per slot of its vertex vector. With point handles, all is free where nothing is tagged.
+/// The tags of \p layer, one per slot of its vertex vector. With point handles, or where tags may lack, all is
+/// free where nothing is tagged.
 /// \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
 

@@ -127,7 +127,7 @@ pymeshlab() {
         without "$(tail -n 1 "$results/$name.log")"
     else
         faults "pymeshlab-$1"
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_process.py
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_process.py
     fi
 }
 # sanitized_plugins HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/NAME. Their runtime has to be

@@ -172,37 +172,41 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
     return result;
 }
 
-void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
-                 const DeformationParam &param, const Progress &progress, DeformationResult &result) {
+void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
+               const DeformationParam &param, const Progress &progress, DeformationResult &result) {
     assert(mesh.vertexSlots == deformer.slotTag.size() && handles.tag.size() == mesh.vertexSlots);
     assert(result.position.cols() == Eigen::Index(mesh.vertexSlots));
-    const SurfaceGraph &surface = deformer.surface;
-    result.surface = surface.report;
+    result.surface = deformer.surface.report;
     result.surface.components = deformer.loose.components;
     result.surface.isolated += deformer.loose.isolated;
     result.looseParts = deformer.loose.parts;
     result.placedNodes = deformer.placedNodes;
 
-    Stopwatch watch;
-    result.pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    const Stopwatch watch;
     const Deformer::Pose &pose = result.pose;
-    result.iterations = pose.iterations;
-    result.converged = pose.graph.converged;
-    result.energy = pose.graph.energy * surface.frame.scale * surface.frame.scale;
-    result.secondsSolve = watch.Seconds();
-
-    watch = {};
     const Carrier carrier(deformer, pose);
-    carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0.4, 0.8));
-    result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.8, 0.9));
+    carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0, 0.66));
+    result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.66, 0.83));
     if (param.measure) {
-        SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.9, 0.96));
+        SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.83, 0.93));
         result.stretch = std::move(measure.stretch);
         result.rotation = std::move(measure.rotation);
     }
     result.secondsMap = watch.Seconds();
-    ShowGraph(normal, deformer, pose, progress.Slice(0.96, 1), result);
+    ShowGraph(normal, deformer, pose, progress.Slice(0.93, 1), result);
     progress(1, "Mapping to the mesh");
+}
+
+void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
+                 const DeformationParam &param, const Progress &progress, DeformationResult &result) {
+    const Stopwatch watch;
+    result.pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    result.iterations = result.pose.iterations;
+    result.converged = result.pose.graph.converged;
+    const double scale = deformer.surface.frame.scale;
+    result.energy = result.pose.graph.energy * scale * scale;
+    result.secondsSolve = watch.Seconds();
+    CarryPose(mesh, normal, handles, deformer, param, progress.Slice(0.4, 1), result);
 }
 
 DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles,

@@ -214,6 +214,11 @@ SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose,
 void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
                  const DeformationParam &param, const Progress &progress, DeformationResult &result);
 
+/// Carries result.pose, of \p deformer, to the surface: positions and, as \p param wants them, maps and measures, what
+/// is probably not meant, and the graph before and after. \param result as that of PoseSurface \throw Cancelled
+void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
+               const DeformationParam &param, const Progress &progress, DeformationResult &result);
+
 /// Deforms a surface: fixed vertices and vertices outside the region of influence keep their position to the bit,
 /// handle vertices are their motion of their rest position, the free ones follow as rigidly as possible. \throw
 /// BadInput no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a

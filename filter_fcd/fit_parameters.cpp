@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common_parameters.h"
+
+#include <limits>
+
+using host::addParameter;
+using host::Shown;
+
+namespace {
+
+/// The only other layer, or else the current one, which is no target.
+const MeshModel *likelyTarget(const MeshDocument &document) {
+    const std::vector<const MeshModel *> layers = host::layers(document);
+    const MeshModel *current = const_cast<MeshDocument &>(document).mm(); // which is not changed
+    if (layers.size() != 2)
+        return current;
+    return layers[0] == current ? layers[1] : layers[0];
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document) {
+    const vcg::fcd::FitParam &fit = param.fit;
+    RichParameterList list;
+    host::addLayerParameter(
+        list, Shown::Always, "target_layer", param.target ? param.target : likelyTarget(document), document, "Target",
+        "The layer that the current one is laid onto: triangles, or a point cloud. The normals of a "
+        "cloud, where it has some, tell its sides apart. It is not changed.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "landmarks_file", param.landmarkFile,
+        QStringList() << "*.csv"
+                      << "*.pp",
+        "File with landmarks (.csv, .pp)",
+        "Pairs of points that belong together, in world coordinates. Either a list with a line for each pair: "
+        "<i>vertex, x, y, z</i> (the number of a vertex of the current layer, from 0, and the place on the target) or "
+        "<i>x, y, z, x, y, z</i> (place on the current layer, place on the target), with commas, semicolons or blanks "
+        "between; lines that begin with # are comments. Or MeshLab's picked points (.pp): source, target, source, "
+        "target, and so on. A place that is no vertex stands for the vertex nearest to it. <b>Empty</b> (the default): "
+        "no landmarks; give some where limbs lie far from where they belong.");
+    addParameter<RichFloat>(
+        list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
+        "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "
+        "<b>lowering it</b> follows finer detail.");
+    addParameter<RichFloat>(
+        list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
+        "What is farther than this from the target, in world units, has no counterpart there and is carried along. "
+        "<b>0</b> (the default): no limit, the distances themselves tell what is too far. <b>Lower it</b> where the "
+        "target lacks parts that something else lies near to.");
+    addParameter<RichFloat>(
+        list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle), "Largest angle (degrees)",
+        "A place of the target whose normal is turned by more than this from that of the surface is no counterpart: "
+        "what keeps the two sides of something thin apart. <b>180</b>: normals do not count.");
+    addInitialPatches(list, fit.graph.initialPatches);
+    addSmoothness(list, Shown::Advanced, fit.smoothness);
+    addRandomSeed(list, fit.graph.randomSeed);
+    addParameter<RichInt>(list, Shown::Advanced, "samples", fit.samples, "Samples",
+                          "How many places of the surface are matched, evenly spread. <b>Raising it</b> takes longer, "
+                          "and helps where there are many patches.");
+    addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
+                          "The surface gets softer from step to step, over so many. <b>Raise it</b> where it has far "
+                          "to go, or when the log says that it did not come to rest.");
+    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
+                           "Also adds the deformation graph at rest and deformed, as two layers, which keep the "
+                           "deformation for 'FCD: Apply Deformation to Layer' and 'FCD: Save Deformation'.");
+    addParameter<RichEnum>(
+        list, Shown::Always, "fit_quality", int(param.quality),
+        QStringList() << "As the input"
+                      << "Distance to the target"
+                      << "Matched",
+        "Quality of the result",
+        "What the vertex quality of the fitted layer is, to be coloured ('Colorize by vertex Quality'), selected by or "
+        "saved: that of the input, the <b>distance</b> to the target in world units, or whether the vertex is "
+        "<b>matched</b>: 1 where it lies on the target, but for a distance that the fit leaves there, 0 where it has "
+        "no counterpart and was carried along.");
+    addHandles(list, param.handles, document, Shown::Advanced);
+    return list;
+}
+
+FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document) {
+    FitMeshParam param;
+    param.target = host::layerParameter(list, "target_layer", document);
+    param.landmarkFile = list.getOpenFileName("landmarks_file");
+    param.handles = handleParam(list, document);
+    param.handles.mayLack = true;
+    vcg::fcd::FitParam &fit = param.fit;
+    fit.stiffness = list.getFloat("stiffness");
+    fit.largestDistance = list.getFloat("largest_distance");
+    if (fit.largestDistance == 0)
+        fit.largestDistance = std::numeric_limits<double>::infinity();
+    fit.largestAngle = list.getFloat("largest_angle");
+    fit.graph.initialPatches = list.getInt("initial_patches");
+    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
+    fit.smoothness = list.getFloat("smoothness");
+    fit.samples = list.getInt("samples");
+    fit.fitSteps = list.getInt("fit_steps");
+    fit.Validate();
+    param.graphLayers = list.getBool("graph_layers");
+    param.quality = FitMeshParam::Quality(enumValue(list, "fit_quality", 3));
+    return param;
+}

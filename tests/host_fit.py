@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fitting a layer to another one, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import numpy as np
+import pymeshlab
+import pytest
+
+from conftest import transformed
+from host_pymeshlab import (COPY, DEFORM_DEFAULTS, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file,
+                            same_points, set_quality, snapshot)
+
+FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
+HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
+           "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
+FIT_DEFAULTS = {
+    "target_layer": 0, "landmarks_file": "", "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "initial_patches": 150,
+    "smoothness": 0.0058, "random_seed": 1, "samples": 4000, "fit_steps": 100, "graph_layers": True, "fit_quality": 0,
+    **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
+FIT_RETURNS = {
+    **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
+    "median": float, "percentile_95": float, "matched": float, "folded_triangles": int, "landmarks": int, "landmark_residual": float,
+    "nodes": int, "steps": int, "converged": bool, "seconds": float}
+LENGTH = 4.0
+DIAGONAL = np.sqrt(2 + LENGTH ** 2)
+PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
+OWN = np.array([[0.8, 0, 0.6, 0.1], [0, 1, 0, 0.2], [-0.6, 0, 0.8, 0.3], [0, 0, 0, 1.0]])
+
+
+def tube(rings=120, around=60, end=LENGTH, shift=0.0):
+    """A tube with bumps that tell each place of it from the others: (points, faces)."""
+    angle = 2 * np.pi * (np.arange(around) + shift) / around
+    z, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, end, rings), angle, indexing="ij")]
+    radius = 0.4 + 0.05 * np.cos(3 * a + 2 * z) + 0.06 * np.sin(2.5 * z) * np.cos(a)
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    faces = [face for r in range(rings - 1) for face in (
+        np.stack([here, beside, here + around], 1) + r * around, np.stack([beside, beside + around, here + around], 1) + r * around)]
+    return np.stack([radius * np.cos(a), radius * np.sin(a), z], 1), np.concatenate(faces).astype(np.int32)
+
+
+def bent(points, degrees=15.0):
+    """Along an arc, of so many degrees from end to end; the lower end stays."""
+    radius = LENGTH / np.radians(degrees)
+    turn = points[:, 2] / radius
+    return np.stack([radius - (radius - points[:, 0]) * np.cos(turn), points[:, 1], (radius - points[:, 0]) * np.sin(turn)], 1)
+
+
+def mesh_of(points, faces, **more):
+    return pymeshlab.Mesh(vertex_matrix=points, face_matrix=faces, **more) if faces is not None else pymeshlab.Mesh(vertex_matrix=points, **more)
+
+
+def pair(source=None, target=None, degrees=15.0):
+    """The tube, current, and a copy of it with other vertices that is bent: (set, where the tube's vertices belong)."""
+    source, target = source or tube(), target or tube(97, 53, shift=0.5)
+    ms = new_set()
+    ms.add_mesh(mesh_of(bent(target[0], degrees), target[1]), "target")
+    ms.add_mesh(mesh_of(*source), "tube")
+    return ms, bent(source[0], degrees)
+
+
+def rms(a, b):
+    """In percent of the diagonal."""
+    return 100 * np.sqrt(((a - b) ** 2).sum(1).mean()) / DIAGONAL
+
+
+def fit(ms, **parameters):
+    """(returned values, positions of the result)"""
+    result = ms.apply_filter(FIT, **{"target_layer": 0, **parameters})
+    return result, ms.current_mesh().vertex_matrix()
+
+
+def fit_logged(ms, capfd, **parameters):
+    """(returned values, log). After an error in any filter pymeshlab logs no more, hence these tests come first."""
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    result = fit(ms, **parameters)[0]
+    return result, capfd.readouterr().err
+
+
+def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
+    ms, _ = pair()
+    result, log = fit_logged(ms, capfd)
+    assert "percent have a counterpart" in log and "do not trust" not in log and "off by" not in log
+    ms, _ = pair(target=tube(10, 53, end=0.4))
+    result, log = fit_logged(ms, capfd, largest_distance=0.01 * DIAGONAL)
+    assert result["matched"] < 0.3 and "do not trust the rest" in log
+    ms, truth = pair()
+    chosen = np.array([600, 601])  # side by side, where one belongs at the other end
+    file = point_file(tmp_path / "mixed.csv", "index", chosen, None, truth[[600, 6600]])
+    result, log = fit_logged(ms, capfd, landmarks_file=file)
+    assert result["landmark_residual"] > 0.01 * DIAGONAL and "contradicts the others or the target" in log
+    assert result["folded_triangles"] > 0 and "turned over: the fit folds the surface there" in log
+    assert result["landmarks"] == 2 and "None of the 2 landmarks is off" in log
+    ms, _ = pair()
+    result, log = fit_logged(ms, capfd, fit_steps=2)
+    assert not result["converged"] and "did not come to rest: raise fit_steps" in log
+
+
+def test_parameters_names_order_and_defaults():
+    assert FIT in pymeshlab.filter_list()
+    ms, _ = pair()
+    values = ms.filter_parameter_values(FIT)
+    assert list(values) == list(FIT_DEFAULTS)
+    for key, value in {**FIT_DEFAULTS, "handle_layer": 1}.items():
+        if isinstance(value, (str, bool)):
+            assert values[key] == value and type(values[key]) is type(value), key
+        else:
+            assert np.allclose(values[key], value, rtol=1e-6, atol=0), key
+
+
+def test_an_untagged_layer_comes_near_the_truth():
+    ms, truth = pair()
+    before = [snapshot(ms.mesh(i)) for i in (0, 1)]
+    result, points = fit(ms)
+    check_returned(result, FIT_RETURNS)
+    assert rms(points, truth) < 0.5 and rms(ms.mesh(1).vertex_matrix(), truth) > 5
+    assert result["rms"] < 0.002 * DIAGONAL and result["median"] <= result["percentile_95"] < 0.005 * DIAGONAL
+    assert result["matched"] > 0.9 and result["folded_triangles"] == 0 and result["free_vertices"] == len(truth)
+    assert result["landmarks"] == 0 and result["landmark_residual"] == 0
+    assert [mesh.label() for mesh in ms] == ["target", "tube", "tube graph", "tube deformed graph", "tube fitted"]
+    for i, each in enumerate(before):
+        assert_unchanged(each, ms.mesh(i))
+    # The same bits again.
+    ms, _ = pair()
+    assert same_points(points, fit(ms, graph_layers=False)[1])
+    assert [mesh.label() for mesh in ms] == ["target", "tube", "tube fitted"]
+
+
+@pytest.mark.parametrize("kind", ["index", "coordinates", "picked"])
+def test_landmarks_lead_where_the_shape_alone_does_not(tmp_path, kind):
+    ms, truth = pair(degrees=60.0)
+    far = rms(fit(ms, graph_layers=False)[1], truth)
+    source = tube()[0]
+    chosen = np.arange(5, len(truth), len(truth) // 12)
+    file = point_file(tmp_path / ("p.pp" if kind == "picked" else "p.csv"), kind, chosen, source[chosen], truth[chosen])
+    ms.set_current_mesh(1)
+    result, points = fit(ms, landmarks_file=file)
+    assert result["landmarks"] == len(chosen) and result["landmark_residual"] < 0.01 * DIAGONAL
+    assert np.linalg.norm(points - truth, axis=1)[chosen].max() == pytest.approx(result["landmark_residual"], rel=1e-3, abs=1e-6)
+    assert rms(points, truth) < min(1, 0.25 * far)
+
+
+def stretches(before, after, faces):
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    return [np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1).reshape(3, -1).sum(0) for p in (before, after)]
+
+
+def test_what_has_no_counterpart_is_carried_along():
+    ms, truth = pair(target=tube(60, 53, end=0.6 * LENGTH, shift=0.5))
+    before, faces = tube()
+    result, points = fit(ms, fit_quality=2)
+    assert 0.4 < result["matched"] < 0.75
+    rest, now = stretches(before, points, faces)
+    assert np.mean((now / rest > 0.8) & (now / rest < 1.25)) > 0.99
+    has = before[:, 2] < 0.55 * LENGTH
+    assert rms(points[has], truth[has]) < 0.5
+    # What is matched is told vertex by vertex.
+    matched = ms.current_mesh().vertex_scalar_array()
+    assert set(np.unique(matched)) == {0, 1}
+    assert matched[has].mean() > 0.9 and matched[before[:, 2] > 0.65 * LENGTH].mean() < 0.05
+
+
+def test_the_distance_as_quality():
+    ms, _ = pair()
+    result, points = fit(ms, fit_quality=1)
+    target = bent(tube(400, 200)[0])
+    distance = ms.current_mesh().vertex_scalar_array()
+    some = np.arange(0, len(points), 61)
+    nearest = np.sqrt(((points[some, None] - target[None]) ** 2).sum(2).min(1))
+    assert np.all(distance >= 0) and np.abs(nearest - distance[some]).max() < 0.02
+    assert np.median(distance) == pytest.approx(result["median"], rel=0.3)
+
+
+@pytest.mark.parametrize("kind", ["target", "target with normals", "source", "both"])
+def test_clouds(kind):
+    source, target = tube(), tube(160, 80, shift=0.5)
+    ms, truth = pair((source[0], None) if kind in ("source", "both") else source, target if kind == "source" else (target[0], None))
+    if kind == "target with normals":
+        ms.set_current_mesh(0)
+        ms.apply_filter("compute_normal_for_point_clouds")
+        ms.set_current_mesh(1)
+    result, points = fit(ms)
+    # Points without normals do not tell how the surface slides along them.
+    assert rms(points, truth) < (1 if kind in ("target", "both") else 0.6) and result["matched"] > 0.8
+    assert (ms.current_mesh().face_number() == 0) == (kind in ("source", "both"))
+
+
+def test_fixed_vertices_keep_their_bits_and_handles_move_as_told():
+    ms, truth = pair()
+    set_quality(ms, f"z < 0.3 ? 0 : (z > {LENGTH - 0.01} ? 2 : 1)")
+    before = ms.current_mesh().vertex_matrix()
+    result, points = fit(ms, translation=np.array([0.5, 0, 0]))
+    fixed, handle = before[:, 2] < 0.3, before[:, 2] > LENGTH - 0.01
+    assert result["fixed_vertices"] == fixed.sum() and result["handle_vertices"] == handle.sum()
+    assert same_points(points[fixed], before[fixed])
+    assert np.abs(points[handle] - before[handle] - [0.5, 0, 0]).max() < 1e-12
+    middle = (before[:, 2] > 1) & (before[:, 2] < 3)
+    assert rms(points[middle], truth[middle]) < 1
+
+
+def test_matrices_of_the_layers_count():
+    ms, truth = pair()
+    plain, points = fit(ms, graph_layers=False)
+    matrix = PLACED @ OWN
+    ms = new_set()
+    target, faces = tube(97, 53, shift=0.5)
+    # The same pair in a world that is turned and twice as large: one by its matrix, the other by its coordinates.
+    ms.add_mesh(mesh_of(transformed(matrix, bent(target)), faces), "target")
+    ms.add_mesh(mesh_of(*tube()), "tube")
+    ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    result, placed = fit(ms, graph_layers=False, fit_quality=1)
+    assert rms(placed, points) < 0.2 and rms(placed, truth) < 0.5
+    assert result["rms"] == pytest.approx(2 * plain["rms"], rel=0.1)
+    assert np.median(ms.current_mesh().vertex_scalar_array()) == pytest.approx(result["median"], rel=0.3)
+
+
+def test_the_layer_with_the_graph_does_the_same_to_a_decimated_copy(tmp_path):
+    ms, _ = pair()
+    points = fit(ms)[1]
+    before, faces = tube(61, 30)
+    ms.add_mesh(mesh_of(before, faces), "coarse")
+    ms.apply_filter(COPY, source_layer=1, rest_graph=2, deformed_graph=3)
+    fine = tube()[0].reshape(120, 60, 3)
+    coarse = ms.current_mesh().vertex_matrix().reshape(61, 30, 3)
+    assert np.abs(fine[0, ::2] - before[:30]).max() < 1e-12
+    fitted = points.reshape(120, 60, 3)
+    for ring in 0, 60:  # those that both have
+        assert np.linalg.norm(coarse[ring] - fitted[0 if ring == 0 else 119, ::2], axis=1).max() < 1e-3 * DIAGONAL
+    # As the saved deformation does.
+    file = str(tmp_path / "fit.ply")
+    ms.apply_filter(SAVE, source_layer=1, rest_graph=2, deformed_graph=3, deformation_file=file)
+    ms.add_mesh(mesh_of(*tube()), "again")
+    ms.apply_filter(COPY, deformation_file=file)
+    assert rms(ms.current_mesh().vertex_matrix(), points) < 0.05
+
+
+def test_the_result_carries_what_the_source_does():
+    ms, _ = pair()
+    ms.compute_color_by_function_per_vertex(x="60 * z", y="100", z="50")
+    color = ms.current_mesh().vertex_color_matrix()
+    fit(ms)
+    result = ms.current_mesh()
+    assert same_points(result.vertex_color_matrix(), color)
+    normal = result.vertex_normal_matrix()
+    ms.apply_filter("compute_normal_per_vertex")
+    again = ms.current_mesh().vertex_normal_matrix()
+    length = np.linalg.norm(normal, axis=1) * np.linalg.norm(again, axis=1)
+    assert ((normal * again).sum(1) / length).min() > 0.99
+
+
+@pytest.mark.parametrize("name, value, word", [
+    ("target_layer", 1, "The target is the layer that is fitted itself"), ("target_layer", 77, "'target_layer' names no layer"),
+    ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
+    ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
+    ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"),
+    ("transforms", "2: translate 0 0 1", "no vertex has tag 2"), ("landmarks_file", "/no/such.csv", "Cannot open '/no/such.csv'")])
+def test_a_value_that_makes_no_sense_changes_nothing(name, value, word):
+    ms, _ = pair()
+    check_error(ms, word, **{name: value})
+
+
+def check_error(ms, word, **parameters):
+    before = [snapshot(mesh) for mesh in ms]
+    current = ms.current_mesh_id()
+    with pytest.raises(pymeshlab.PyMeshLabException) as error:
+        fit(ms, **parameters)
+    assert word in str(error.value), str(error.value)
+    assert ms.current_mesh_id() == current and len(list(ms)) == len(before)
+    for each, mesh in zip(before, list(ms)):
+        assert_unchanged(each, mesh)
+
+
+@pytest.mark.parametrize("text, word", [
+    ("3600 0 0 0\n3600 0 0 1\n", "Landmark 2 is at the place of another one"), ("3600 0 0 0\n0 0 0 0\n", "Landmark 2 is at a vertex that is not free"),
+    ("9999999 0 0 0\n", "names vertex 9999999"), ("1 2\n", "line 1: found 2 numbers")])
+def test_landmarks_that_make_no_sense(tmp_path, text, word):
+    ms, _ = pair()
+    set_quality(ms, "z < 0.3 ? 0 : 1")
+    (tmp_path / "p.csv").write_text(text)
+    check_error(ms, word, landmarks_file=str(tmp_path / "p.csv"))
+
+
+def test_a_layer_that_is_fixed_everywhere_and_one_without_vertices():
+    ms, _ = pair()
+    ms.apply_filter("compute_selection_by_condition_per_face", condselect="1")
+    check_error(ms, "There is nothing to fit", handles=1)
+    ms.add_mesh(pymeshlab.Mesh(np.eye(3)), "empty")
+    ms.apply_filter("set_selection_all")
+    ms.apply_filter("meshing_remove_selected_vertices")
+    ms.set_current_mesh(1)
+    check_error(ms, "The target 'empty' has no vertices", target_layer=2)
+    ms.set_current_mesh(2)
+    check_error(ms, "has no vertices. Make the mesh the current layer")
+    with pytest.raises(pymeshlab.PyMeshLabException):
+        new_set().apply_filter(FIT)
+
+
+def test_a_matrix_that_is_not_finite():
+    ms, _ = pair()
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([np.inf, 1, 1, 1]), freeze=False)
+    check_error(ms, "holds a number that is not finite")
