@@ -52,7 +52,7 @@ struct State {
     }
 };
 
-/// A sheet with tags in the quality and holes, and a second layer.
+/// A sheet with tags in the quality and holes, and a second layer: a cloud above it.
 static void fill(MeshDocument &document, int n) {
     CMeshO &mesh = document.addNewMesh("", "sheet")->cm;
     document.mm()->updateDataMask(MeshModel::MM_VERTQUALITY);
@@ -76,7 +76,11 @@ static void fill(MeshDocument &document, int n) {
     }
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
     vcg::tri::UpdateNormal<CMeshO>::PerVertexAngleWeighted(mesh);
-    document.addNewMesh("", "other", false);
+    CMeshO &other = document.addNewMesh("", "other", false)->cm;
+    for (const CVertexO &v : mesh.vert)
+        if (!v.IsD())
+            vcg::tri::Allocator<CMeshO>::AddVertex(other, v.cP() + Point3m(0, 0, 1));
+    vcg::tri::UpdateBounding<CMeshO>::Box(other);
 }
 
 /// Whether \p deformed has the live vertices and faces of \p rest, the fixed ones where they were.
@@ -98,6 +102,8 @@ static bool follows(const CMeshO &deformed, const CMeshO &rest) {
 
 static float angle; // degrees, of the handle
 static void bend(RichParameterList &parameters) {
+    if (parameters.hasParameter("fit_steps"))
+        parameters.setValue("fit_steps", IntValue(5)); // which are alike
     if (parameters.hasParameter("rotation_angle"))
         parameters.setValue("rotation_angle", FloatValue(angle));
 }
@@ -135,7 +141,8 @@ static void fail(const QAction *action, const std::string &what) {
 /// After all the faults, the filter must still do what it is for.
 static void checkResult(const QAction *action, const MeshDocument &document, const MeshModel *sheet) {
     for (const MeshModel *layer : host::layers(document))
-        if (layer->label() == "sheet patches" || layer->label() == "sheet deformed") {
+        if (layer->label() == "sheet patches" || layer->label() == "sheet deformed" ||
+            layer->label() == "sheet fitted") {
             if (!follows(layer->cm, sheet->cm))
                 fail(action, "a wrong layer");
             return;
@@ -222,7 +229,8 @@ int main(int argc, char **argv) {
     if (!plugin)
         return 2;
     for (QAction *action : plugin->actions())
-        if (action->text() == "FCD: Build Deformation Graph" || action->text() == "FCD: Deform Mesh") {
+        if (action->text() == "FCD: Build Deformation Graph" || action->text() == "FCD: Deform Mesh" ||
+            action->text() == "FCD: Fit to Layer") {
             cancel(*plugin, action); // the other filters take no time, and do not report progress
             runOutOfMemory(*plugin, action);
         } else if (action->text() == "FCD: Pose in Place") {

@@ -91,6 +91,18 @@ def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(
             parameter("Float", "pose", value=pose) + "</filter>")
 
 
+def fit_filter(target_layer, graph_layers=True, fit_quality=0):
+    handles, = re.findall(r'(<Param type="RichEnum" name="handles".*)<Param type="RichBool" name="use_graph_layer"',
+                          deform_filter(handle_layer=target_layer))  # the same parameters, which move nothing here
+    return ('<filter name="FCD: Fit to Layer">' + parameter("Mesh", "target_layer", value=target_layer) +
+            parameter("OpenFile", "landmarks_file", value="", exts_cardinality=2, exts_val0="*.csv", exts_val1="*.pp") +
+            parameter("Float", "stiffness", value=1) + parameter("Float", "largest_distance", value=0) +
+            parameter("Float", "largest_angle", value=70) + parameter("Int", "initial_patches", value=150) +
+            parameter("Float", "smoothness", value=0.0058) + parameter("Int", "random_seed", value=1) +
+            parameter("Int", "samples", value=4000) + parameter("Int", "fit_steps", value=100) + boolean("graph_layers", graph_layers) +
+            choice("fit_quality", fit_quality, 3) + handles + "</filter>")
+
+
 def reset_filter(keep_shape=False, to=None):
     """Scripts of before lack the first."""
     return ('<filter name="FCD: Reset Pose">' + ("" if to is None else choice("to", to, 2)) + boolean("keep_shape", keep_shape) +
@@ -162,6 +174,18 @@ def test_deformation(tmp_path):
     assert nodes == run.meshes["bonedeformedgraph"].vertex_number() == int(run.value("nodes"))
     assert int(run.value("fixed_vertices")) == (tags == 0).sum()
     assert run.value("converged") == "true"
+
+
+def test_fit_to_a_layer(tmp_path):
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(translation=(0, 0, 0.05), graph_layers=False), quality_filter("1"),
+              fit_filter(0, fit_quality=1))
+    assert run.code == 0, run.log
+    assert len(run.meshes) == 5 and run.value("converged") == "true", run.log
+    truth, start = run.meshes["bone"].vertex_matrix(), run.meshes["bonedeformed"].vertex_matrix()
+    result, = (mesh for name, mesh in run.meshes.items() if "fitted" in name)
+    off = [np.sqrt(((points - truth) ** 2).sum(1).mean()) for points in (start, result.vertex_matrix())]
+    assert off[1] < 0.1 * off[0]
+    assert float(run.value("matched")) > 0.95 and np.median(result.vertex_scalar_array()) < 0.1 * off[0]
 
 
 def test_files_and_graph_layer(tmp_path):

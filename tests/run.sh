@@ -150,7 +150,7 @@ sanitized_plugins() {
 sanitized_host() {
     sanitized_plugins pymeshlab-2025.7 filter_fcd || return
     FCD_PLUGIN=$build/$name/plugins/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw \
-        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py
+        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py
     check coverage-host bash tests/coverage.sh layer_fcd 80 "$build/$name/plugins/libfilter_fcd.so" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
 }

@@ -188,12 +188,12 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
     carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0, 0.66));
     result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.66, 0.83));
     if (param.measure) {
-        SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.83, 0.93));
+        SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.83, 0.94));
         result.stretch = std::move(measure.stretch);
         result.rotation = std::move(measure.rotation);
     }
     result.secondsMap = watch.Seconds();
-    ShowGraph(normal, deformer, pose, progress.Slice(0.93, 1), result);
+    ShowGraph(normal, deformer, pose, progress.Slice(0.94, 1), result);
     progress(1, "Mapping to the mesh");
 }
 

@@ -42,7 +42,7 @@ struct FitParam : DeformationParam {
     int samples = 4000;       ///< places of the source that are matched, >= 100
 
     /// \throw BadInput naming the value that is out of range
-    void Validate() const;
+    void ValidateFit() const;
 };
 
 /// How well a surface fits, over its samples.
@@ -51,7 +51,7 @@ struct FitReport {
     double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
     double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
     int steps = 0;
-    bool converged = false; ///< the last step moved no node by more than a ten thousandth of the diagonal
+    bool converged = false; ///< the last step moved no node by more than a thousandth of the diagonal
 };
 
 /// A surface that is prepared to be fitted, with its regions: fixed vertices stay, handles move as they are told.
