@@ -218,6 +218,12 @@ TEST(Fit, SaysWhatCannotBe) {
     ExpectError([&] { Fit(source, target, param); }, "places");
 }
 
+TEST(Fit, SaysWhatHasNoSolution) {
+    FitParam param;
+    param.smoothness = 1e307; // no number holds what follows from it
+    EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("no solution"), std::string::npos);
+}
+
 TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     const MeshD mesh(Grid(5, 5));
     const Arrays arrays = Read(mesh);
