@@ -36,12 +36,20 @@ Shape Rolled(Shape shape, double curvature = 0.06) {
     return shape;
 }
 
+/// For small sheets.
+FitParam Small() {
+    FitParam param;
+    param.graph.initialPatches = 60;
+    param.samples = 1200;
+    return param;
+}
+
 struct Fitted {
     Matrix3Xd position;
     FitReport report;
 };
 
-Fitted Fit(const Shape &source, const Shape &target, FitParam param = {}, std::vector<int> tag = {},
+Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Small(), std::vector<int> tag = {},
            const std::vector<Landmark> &landmark = {}, const NormalOf &normal = {}, unsigned threads = 0) {
     const MeshD from(source), to(target);
     const Arrays fromArrays = Read(from), toArrays = Read(to);
@@ -81,7 +89,7 @@ void ExpectError(const Run &run, const std::string &text) {
     EXPECT_NE(MessageOf<BadInput>(run).find(text), std::string::npos) << text;
 }
 
-const Shape source = BumpySheet(60, 37), truth = Rolled(source), target = Rolled(BumpySheet(83, 47));
+const Shape source = BumpySheet(40, 25), truth = Rolled(source), target = Rolled(BumpySheet(57, 33));
 
 } // namespace
 
@@ -92,23 +100,23 @@ TEST(Fit, OntoItselfStays) {
     EXPECT_GT(fitted.report.matched, 0.99);
 }
 
-// Limits, of an edge of the source, which is 1.4 % of the diagonal: a fifth on a clean surface; three tenths on points,
+// Limits, of an edge of the source, which is 2.1 % of the diagonal: a fifth on a clean surface; three tenths on points,
 // which are half an edge from each other, and through noise of a tenth of one; one edge where landmarks lead far.
 TEST(Fit, FindsASurfaceInOtherTriangles) {
     ASSERT_GT(Rms({PositionsOf(MeshD(source)), {}}, truth), 0.05);
     const Fitted fitted = Fit(source, target);
-    EXPECT_LT(Rms(fitted, truth), 0.0028);
-    EXPECT_GT(fitted.report.matched, 0.95);
+    EXPECT_LT(Rms(fitted, truth), 0.0042);
+    EXPECT_GT(fitted.report.matched, 0.9);
     EXPECT_LT(fitted.report.median, 0.01);
 }
 
 TEST(Fit, FindsAnUnweldedSurfaceAsAWeldedOne) {
-    EXPECT_LT(Rms(Fit(source, Unwelded(target)), truth), 0.0028);
-    EXPECT_LT(Rms(Fit(Unwelded(source), target), Unwelded(truth)), 0.0028);
+    EXPECT_LT(Rms(Fit(source, Unwelded(target)), truth), 0.0042);
+    EXPECT_LT(Rms(Fit(Unwelded(source), target), Unwelded(truth)), 0.0042);
 }
 
 TEST(Fit, FindsPointsWithAndWithoutNormals) {
-    EXPECT_LT(Rms(Fit(source, Points(target)), truth), 0.0042);
+    EXPECT_LT(Rms(Fit(source, Points(target)), truth), 0.0063);
     const MeshD mesh(target);
     const Arrays arrays = Read(mesh);
     std::vector<Vector3d> normal(target.position.size(), Vector3d::Zero());
@@ -117,21 +125,22 @@ TEST(Fit, FindsPointsWithAndWithoutNormals) {
         for (int k : face)
             normal[std::size_t(k)] += (at(1) - at(0)).cross(at(2) - at(0));
     }
-    EXPECT_LT(Rms(Fit(source, Points(target), {}, {}, {}, [&](std::size_t i) { return normal[i]; }), truth), 0.0042);
+    EXPECT_LT(Rms(Fit(source, Points(target), Small(), {}, {}, [&](std::size_t i) { return normal[i]; }), truth),
+              0.0063);
     EXPECT_LT(Rms(Fit(Points(source), target), truth),
-              0.0056); // a cloud without normals takes wrong sides for right ones
+              0.0084); // a cloud without normals takes wrong sides for right ones
 }
 
-TEST(Fit, FindsItThroughNoise) { EXPECT_LT(Rms(Fit(source, Jittered(target, 0.02)), truth), 0.0042); }
+TEST(Fit, FindsItThroughNoise) { EXPECT_LT(Rms(Fit(source, Jittered(target, 0.02)), truth), 0.0063); }
 
 // Half of the target is not there: what has no counterpart is carried along, and does not go to where the rest ends.
 TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
-    Shape half = Grid(42, 47);
+    Shape half = Grid(29, 33);
     for (Vector3d &p : half.position)
-        p = Rolled(Bumpy(p[0] * 10 / 82, p[1] * 6 / 46));
+        p = Rolled(Bumpy(p[0] * 10 / 56, p[1] * 6 / 32));
     const Fitted fitted = Fit(source, half);
     EXPECT_NEAR(fitted.report.matched, 0.5, 0.05);
-    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), 0.0028);
+    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), 0.0042);
     int edges = 0, stretched = 0;
     for (const auto &face : source.face)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -148,12 +157,12 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
 
 // Rolled so far that the nearest points are wrong ones.
 TEST(Fit, LandmarksLeadThere) {
-    const Shape far = Rolled(source, 0.3), goal = Rolled(BumpySheet(83, 47), 0.3);
+    const Shape far = Rolled(source, 0.3), goal = Rolled(BumpySheet(57, 33), 0.3);
     std::vector<Landmark> landmark;
-    for (std::size_t i : {0u, 30u, 59u, 18u * 60u, 18u * 60u + 59u, 36u * 60u, 36u * 60u + 30u, 36u * 60u + 59u})
+    for (std::size_t i : {0u, 20u, 39u, 12u * 40u, 12u * 40u + 39u, 24u * 40u, 24u * 40u + 20u, 24u * 40u + 39u})
         landmark.push_back({i, far.position[i]});
-    const Fitted fitted = Fit(source, goal, {}, {}, landmark);
-    EXPECT_LT(Rms(fitted, far), 0.014);
+    const Fitted fitted = Fit(source, goal, Small(), {}, landmark);
+    EXPECT_LT(Rms(fitted, far), 0.021);
     EXPECT_LT(fitted.report.landmarks, 1e-4);
 }
 
@@ -161,7 +170,7 @@ TEST(Fit, WhatIsFixedKeepsItsBits) {
     std::vector<int> tag;
     for (const Vector3d &p : source.position)
         tag.push_back(p[0] < 1.5 ? 0 : p[0] > 9 ? -1 : 1);
-    const Fitted fitted = Fit(source, target, {}, tag);
+    const Fitted fitted = Fit(source, target, Small(), tag);
     for (std::size_t i = 0; i < tag.size(); ++i)
         if (tag[i] < 1) {
             EXPECT_EQ(fitted.position.col(Eigen::Index(i)), source.position[i]);
@@ -185,28 +194,28 @@ TEST(Fit, MatricesOfBothLayersCount) {
     there.row(2).array() -= 1;
     goal.surface = toArrays.View().With(there);
     FitReport report;
-    const Fitter fitter(fromArrays.View(), {}, handles, {});
+    const Fitter fitter(fromArrays.View(), {}, handles, Small());
     Fitted fitted{fromArrays.View().Copy(), {}};
     Carrier(fitter.Surface(), fitter.Solve(goal, {}, report)).Apply(fitted.position);
-    EXPECT_LT(Rms(fitted, truth), 0.0028);
+    EXPECT_LT(Rms(fitted, truth), 0.0042);
 }
 
 TEST(Fit, TheSameBitsForAnyNumberOfThreads) {
-    const Fitted one = Fit(source, target, {}, {}, {}, {}, 1), four = Fit(source, target, {}, {}, {}, {}, 4);
+    const Fitted one = Fit(source, target, Small(), {}, {}, {}, 1), four = Fit(source, target, Small(), {}, {}, {}, 4);
     EXPECT_TRUE(SameBits(one.position, four.position));
 }
 
 TEST(Fit, SaysWhatCannotBe) {
     ExpectError([] { Fit(source, Points(Shape{})); }, "no vertices");
     ExpectError([] { Fit(source, Shape{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}, {}}); }, "no triangle");
-    ExpectError([] { Fit(source, target, {}, {}, {{source.position.size(), {0, 0, 0}}}); }, "Landmark 1");
-    ExpectError([] { Fit(source, target, {}, {}, {{3, {0, 0, 0}}, {3, {1, 0, 0}}}); }, "Landmark 2");
+    ExpectError([] { Fit(source, target, Small(), {}, {{source.position.size(), {0, 0, 0}}}); }, "Landmark 1");
+    ExpectError([] { Fit(source, target, Small(), {}, {{3, {0, 0, 0}}, {3, {1, 0, 0}}}); }, "Landmark 2");
     std::vector<int> tag(source.position.size(), 1);
     tag[5] = 0;
-    ExpectError([&] { Fit(source, target, {}, tag, {{5, {0, 0, 0}}}); }, "not free");
+    ExpectError([&] { Fit(source, target, Small(), tag, {{5, {0, 0, 0}}}); }, "not free");
     ExpectError([] { Fit(source, target, {}, std::vector<int>(source.position.size(), 0)); }, "free");
     for (double FitParam::*value : {&FitParam::stiffness, &FitParam::largestDistance, &FitParam::largestAngle}) {
-        FitParam param;
+        FitParam param = Small();
         param.*value = 0;
         ExpectError([&] { Fit(source, target, param); }, "must be");
     }
