@@ -96,6 +96,11 @@ def write_transforms(path, *matrices):
     return str(path)
 
 
+def pytest_collection_modifyitems(items):
+    """Tests that read the log first: after an error in any filter pymeshlab logs no more."""
+    items.sort(key=lambda item: "capfd" not in item.fixturenames)
+
+
 def check_faults(plugin, libraries):
     """Runs host_faults, built beside the plugin, with the libraries of the plugin's host."""
     program = plugin.parents[2] / "cmake" / plugin.parent.name / "host_faults"

@@ -138,9 +138,12 @@ Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &p
     Pose pose;
     for (int step = 1; step <= steps; ++step) {
         const bool isLast = step == steps, hasJumped = pose.way.jumps;
-        Pose next =
-            Solve(isLast ? std::move(motions) : MotionsOf(handles, param.pose * step / steps), isLast ? last : passing,
-                  step > 1 ? &pose : nullptr, progress.Slice(double(step - 1) / steps, double(step) / steps));
+        if (!isLast)
+            motions = MotionsOf(handles, param.pose * step / steps);
+        else if (steps > 1)
+            motions = MotionsOf(handles, param.pose);
+        Pose next = Solve(motions, isLast ? last : passing, step > 1 ? &pose : nullptr,
+                          progress.Slice(double(step - 1) / steps, double(step) / steps));
         next.iterations += pose.iterations;
         pose = std::move(next);
         pose.way = {steps, hasJumped || !pose.solved.followed, pose.solved.unstable};

@@ -108,7 +108,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     std::vector<double> distance(matched), weight(matched);
     const double least = 1e-4; // of the diagonal: nearer is as good as on it
     const double farthest = param.largestDistance / frame.scale;
-    const double edge = std::cos(param.largestAngle * EIGEN_PI / 180), full = edge + (1 - edge) / 2;
+    const double edge = std::cos(param.largestAngle * double(EIGEN_PI) / 180), full = edge + (1 - edge) / 2;
     // Of Eq. 2 over A against the mean square of the distances, chosen on pairs of an armadillo, a bunny and a head:
     // from where limbs are still drawn by what is far from them to where noise of a tenth of a percent does not dent
     // it.

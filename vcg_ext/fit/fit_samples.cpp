@@ -95,8 +95,8 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
             continue;
         const auto at = [&](int k) { return surface.graph.position.col(u[k]).cast<double>(); };
         const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p, across = a.cross(b);
-        for (int k = 0; k < 3; ++k)
-            if (const Index i = number[std::size_t(u[k])]; i >= 0)
+        for (Index each : u)
+            if (const Index i = number[std::size_t(each)]; i >= 0)
                 sum[std::size_t(i)] += across;
     }
     for (Eigen::Vector3d &n : sum) {

@@ -148,7 +148,7 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
 inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &position, const Csr &adjacency,
                                                      const Progress &progress) {
     const Index n = Index(position.cols());
-    std::vector<Index> first(n), componentOf; // the first point of its component
+    std::vector<Index> first(n), componentOf(n); // the first point of its component
     std::vector<Index> firstOf(ConnectedComponents(adjacency, componentOf, progress, findingNeighbours), -1);
     if (firstOf.size() < 2)
         return {};
