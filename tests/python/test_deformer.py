@@ -150,7 +150,7 @@ def test_poses_go_on_from_others(bent):
     on = deformer.pose({2: lift}, start=half)
     assert on.info.iterations < pose.info.iterations + half.info.iterations
     assert np.abs(on.vertices - pose.vertices).max() < 1e-3
-    assert same(deformer.pose({2: lift}, steps=2).vertices, on.vertices)
+    assert np.abs(deformer.pose({2: lift}, steps=2).vertices - on.vertices).max() < 1e-3  # which is not at rest half-way
 
 
 def test_arrays_that_are_written_to(bent):
