@@ -238,9 +238,9 @@ try:
         pass
 except KeyboardInterrupt:
     pass
-print(ms.mesh_number(), (ms.current_mesh().vertex_matrix() == points).all())
+print(sum(1 for _ in ms), (ms.current_mesh().vertex_matrix() == points).all())
 ms.apply_filter({name}, **dict(parameters, initial_patches=50))
-print(ms.mesh_number(), (ms.current_mesh().vertex_matrix() == points).all())
+print(sum(1 for _ in ms), (ms.current_mesh().vertex_matrix() == points).all())
 print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 """
     child = subprocess.Popen([sys.executable, "-c", PRELUDE + f"pymeshlab.load_plugin({str(PLUGIN)!r})\n" + code], text=True,
