@@ -36,11 +36,11 @@ void BendTool::toHost(QEvent *event) {
 /// Hands an event on to the camera, as one of the left button where it is of the right one.
 void BendTool::toCamera(QMouseEvent *event) {
     isCamera = event->type() != QEvent::MouseButtonRelease;
-    const auto left = [](Qt::MouseButtons buttons) {
+    const auto asLeft = [](Qt::MouseButtons buttons) {
         return (buttons & Qt::RightButton) != 0 ? (buttons & ~Qt::RightButton) | Qt::LeftButton : buttons;
     };
     QMouseEvent copy(event->type(), event->localPos(), event->windowPos(), event->screenPos(),
-                     event->button() == Qt::RightButton ? Qt::LeftButton : event->button(), left(event->buttons()),
+                     event->button() == Qt::RightButton ? Qt::LeftButton : event->button(), asLeft(event->buttons()),
                      event->modifiers() & ~Qt::AltModifier);
     toHost(&copy);
 }
