@@ -28,11 +28,11 @@ std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
     } catch (const Error &) { // no whole numbers
         return nullptr;
     }
-    std::set<int> tags;
-    for (auto tag = present->begin(); tag != present->end() && tags.size() <= mostTags; ++tag)
+    std::set<int> different;
+    for (auto tag = present->begin(); tag != present->end() && different.size() <= mostTags; ++tag)
         if (tag == present->begin() || *tag != *std::prev(tag))
-            tags.insert(*tag);
-    return tags.size() > mostTags || tags == std::set<int>{1} ? nullptr : present;
+            different.insert(*tag);
+    return different.size() > mostTags || different == std::set<int>{1} ? nullptr : present;
 }
 
 bool BendSession::isAsLeft() const {
@@ -97,12 +97,12 @@ std::vector<vcg::Color4b> BendSession::overlay() {
     std::vector<vcg::Color4b> color;
     if (!marking && !now.marks)
         return color;
-    const BendTags &tags = marking ? *marking : *now.marks;
-    color.assign(tags.size(), vcg::Color4b(0, 0, 0, 0));
-    ParallelFor(0, tags.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+    const BendTags &shown = marking ? *marking : *now.marks;
+    color.assign(shown.size(), vcg::Color4b(0, 0, 0, 0));
+    ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            if (tags[i] != 1) {
-                color[i] = colorOfTag(tags[i]);
+            if (shown[i] != 1) {
+                color[i] = colorOfTag(shown[i]);
                 color[i][3] = markOpacity;
             }
     });
