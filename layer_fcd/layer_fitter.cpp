@@ -12,7 +12,6 @@
 #include "tag_sources.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
 using vcg::fcd::Deformer;
@@ -39,20 +38,6 @@ const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target) 
         throw Error("The target " + inQuotes(*target) +
                     " has no vertices. Choose a layer with a surface, or with points, as 'target_layer'.");
     return *target;
-}
-
-/// The mean of the vertices of each handle, in the layer's coordinates.
-std::map<vcg::fcd::Index, Eigen::Vector3d> centersOf(const SurfaceView &surface, const std::vector<int> &tag) {
-    std::map<vcg::fcd::Index, Eigen::Vector3d> center;
-    std::map<vcg::fcd::Index, double> count;
-    for (std::size_t i = 0; i < tag.size(); ++i)
-        if (tag[i] >= 2 && !surface.IsDeleted(i)) {
-            center.emplace(tag[i], Eigen::Vector3d::Zero()).first->second += surface.At(i);
-            ++count[tag[i]];
-        }
-    for (auto &[handle, sum] : center)
-        sum /= count[handle];
-    return center;
 }
 
 std::vector<Landmark> readLandmarks(const MeshModel &layer, const Handles &handles, const QString &file) {
@@ -111,7 +96,8 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02)),
                                   targetSurface = vcg::tri::ReadSurface(target.cm, progress.Slice(0.02, 0.04));
     const SurfaceView view = surface.View();
-    readMotions(document, layer, nullptr, param.handles, centersOf(view, handles.tag), remark, handles);
+    const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return view.At(i); });
+    readMotions(document, layer, nullptr, param.handles, center, remark, handles);
 
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
     vcg::fcd::FitParam fit = param.fit;
