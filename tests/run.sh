@@ -98,7 +98,7 @@ unit() {
 sanitized() {
     taskset -pc "$(taskset -pc $BASHPID | grep -oE '[0-9]+$')" $BASHPID >"$results/core.log"
     LLVM_PROFILE_FILE=$results/%4m.profraw unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None \
-        "-DCMAKE_CXX_FLAGS=-O1 -g1 -fprofile-instr-generate -fcoverage-mapping -fprofile-list=$root/tests/coverage.txt" \
+        "-DCMAKE_CXX_FLAGS=-O1 -g1 -fprofile-instr-generate -fcoverage-mapping -fprofile-list=$root/tests/coverage.txt -fsanitize-ignorelist=$root/tests/ignored.txt" \
         -DFCD_SANITIZE=ON
     check coverage bash tests/coverage.sh vcg_ext 95 "$build/$name/tests/fcd_unit_tests" "$results"/*.profraw
     tail -n 1 "$results/coverage.log"

@@ -400,7 +400,7 @@ TEST(DeformCentroidal, PatchesOfFewVerticesAreNearToANodeAtEveryVertex) {
         const Case c = CaseOf(Tube(rings, segments), [](const Vector3d &p) { return TubeTag(p); });
         const Matrix3Xd limit = Deformed(c, Param(10 * c.shape.Size()));
         DeformationParam param = Param(c.shape.Size() / 4);
-        for (unsigned seed : {1, 2, 3}) {
+        for (unsigned seed : Rounds({1, 2, 3})) {
             param.graph.randomSeed = seed;
             param.shape.mostTensorChange = ShapeConstants().mostTensorChange;
             tensors += (Deformed(c, param) - limit).norm() / limit.norm();
@@ -466,16 +466,20 @@ static double PercentApart(const Matrix3Xd &x, const Matrix3Xd &y) {
 }
 
 TEST(DeformCentroidal, ScanLinesTwentyTimesDenserHaveTheShapeOfTheMesh) {
-    const int n = 41, dense = 20;
-    const auto height = [](double x, double y) { return 1.2 * std::sin(0.15 * x) * std::cos(0.2 * y); };
-    const auto tag = [](const Vector3d &p) { return p[0] < 6 ? 0 : p[0] > 34 ? 2 : 1; };
-    const Affine3d turned =
-        Eigen::Translation3d(30, 20, 8) * Eigen::AngleAxisd(-1, Vector3d::UnitY()) * Eigen::Translation3d(-36, -20, 0);
+    constexpr int n = sanitized ? 21 : 41, dense = 20;
+    constexpr double width = n - 1;
+    const auto height = [](double x, double y) {
+        return 0.03 * width * std::sin(6 / width * x) * std::cos(8 / width * y);
+    };
+    const auto tag = [](const Vector3d &p) { return p[0] < 0.15 * width ? 0 : p[0] > 0.85 * width ? 2 : 1; };
+    const Affine3d turned = Eigen::Translation3d(width * Vector3d(0.75, 0.5, 0.2)) *
+                            Eigen::AngleAxisd(-1, Vector3d::UnitY()) *
+                            Eigen::Translation3d(-width * Vector3d(0.9, 0.5, 0));
     Shape grid = Grid(n, n);
     for (Vector3d &p : grid.position)
         p[2] = height(p[0], p[1]);
     const Matrix3Xd expected = Deformed(CaseOf(grid, tag, turned), Param(300));
-    for (int along : {0, 1}) {
+    for (int along : Rounds({0, 1})) {
         Shape lines;
         std::vector<int> same; // the points at the grid's vertices
         for (int across = 0; across < n; ++across)
@@ -938,7 +942,7 @@ TEST(DeformCentroidal, ReachesItsPoseOverSteps) {
     DeformationParam param = Param();
     std::vector<double> jump;
     Matrix3Xd before;
-    for (double percent = threadSanitized ? 95 : 60; percent <= 100; percent += 2.5) {
+    for (double percent = sanitized ? 95 : 60; percent <= 100; percent += 2.5) {
         param.pose = percent;
         param.steps = int(percent / 2.5);
         const Matrix3Xd x = Deformed(c, param);

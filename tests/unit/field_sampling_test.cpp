@@ -147,7 +147,8 @@ TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
 
 TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
     // A surface of which each vertex goes its own way: nothing but all of them tells that.
-    const MeshD mesh(Grid(260, 260));
+    constexpr int n = sanitized ? 90 : 260;
+    const MeshD mesh(Grid(n, n));
     const Matrix3Xd rest = PositionsOf(mesh);
     Matrix3Xd deformed = rest;
     std::uint32_t random = 1;
@@ -157,7 +158,7 @@ TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
     const SampledField sampled = SampleField(Read(mesh), rest, deformed, linear);
     EXPECT_EQ(sampled.off, 0);
     EXPECT_LE(sampled.largest, 1e-4 * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
-    EXPECT_GT(sampled.samples.Size(), 60000);
+    EXPECT_GT(sampled.samples.Size(), 0.887 * n * n); // 60000
     EXPECT_LT(sampled.rounds, 20);
 }
 

@@ -40,7 +40,7 @@ Shape Rolled(Shape shape, double curvature = 0.06) {
 FitParam Small() {
     FitParam param;
     param.graph.initialPatches = 60;
-    param.samples = 1200;
+    param.samples = sanitized ? 400 : 1200;
     return param;
 }
 
@@ -102,6 +102,7 @@ TEST(Fit, OntoItselfStays) {
 
 // Limits, of an edge of the source, which is 2.1 % of the diagonal: a fifth on a clean surface; three tenths on points,
 // which are half an edge from each other, and through noise of a tenth of one; one edge where landmarks lead far.
+// With sanitizers, which take a third of the places, four tenths on points.
 TEST(Fit, FindsASurfaceInOtherTriangles) {
     ASSERT_GT(Rms({PositionsOf(MeshD(source)), {}}, truth), 0.05);
     const Fitted fitted = Fit(source, target);
@@ -116,7 +117,8 @@ TEST(Fit, FindsAnUnweldedSurfaceAsAWeldedOne) {
 }
 
 TEST(Fit, FindsPointsWithAndWithoutNormals) {
-    EXPECT_LT(Rms(Fit(source, Points(target)), truth), 0.0063);
+    const double limit = sanitized ? 0.0084 : 0.0063;
+    EXPECT_LT(Rms(Fit(source, Points(target)), truth), limit);
     const MeshD mesh(target);
     const Arrays arrays = Read(mesh);
     std::vector<Vector3d> normal(target.position.size(), Vector3d::Zero());
@@ -126,7 +128,7 @@ TEST(Fit, FindsPointsWithAndWithoutNormals) {
             normal[std::size_t(k)] += (at(1) - at(0)).cross(at(2) - at(0));
     }
     EXPECT_LT(Rms(Fit(source, Points(target), Small(), {}, {}, [&](std::size_t i) { return normal[i]; }), truth),
-              0.0063);
+              limit);
     EXPECT_LT(Rms(Fit(Points(source), target), truth),
               0.0084); // a cloud without normals takes wrong sides for right ones
 }

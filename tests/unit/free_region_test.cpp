@@ -86,7 +86,7 @@ TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
     std::mt19937 random(4);
     std::uniform_real_distribution<double> jitter(-0.3, 0.3); // no two points are a hair apart
     for (int lines : {140, 33}) {                             // of these, more than the nearest are looked at
-        const int n = 20000, each = n / lines;
+        const int n = sanitized ? 10000 : 20000, each = n / lines;
         Shape cloud;
         std::vector<int> tag;
         for (int i = 0; i < each * lines; ++i) {

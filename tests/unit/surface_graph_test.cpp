@@ -550,8 +550,8 @@ TEST(SurfaceGraph, PointsAtOnePlaceOrAHairFromItAreOne) {
     const Shape sheet = Points(Jittered(Grid(20, 20), 0.3));
     const SurfaceGraph once = BuildSurfaceGraph(Read(MeshD(sheet)));
     std::mt19937 random(2);
-    for (int times : {2, 8, 30})
-        for (double jitter : {0.0, 1e-6, 2e-5, 1e-4}) { // the sheet's diagonal is 27
+    for (int times : Rounds({8, 2, 30}))
+        for (double jitter : Rounds({2e-5, 0.0, 1e-6, 1e-4})) { // the sheet's diagonal is 27
             Shape many;
             for (int i = 0; i < times * sheet.Size(); ++i)
                 many.position.push_back(sheet.position[i / times] + (i % times ? jitter : 0) * RandomVector(random));
@@ -568,7 +568,7 @@ TEST(SurfaceGraph, ScanLinesAreASurface) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (double jitter : {0.0, 0.3})
-        for (int dense : {1, 3, 5, 7, 10, 20, 30}) {
+        for (int dense : Rounds({10, 1, 3, 5, 7, 20, 30})) {
             Shape lines;
             for (int y = 0; y < 12; ++y)
                 for (int x = 0; x <= 11 * dense; ++x)

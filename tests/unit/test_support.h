@@ -32,10 +32,10 @@ constexpr bool threadSanitized = true;
 constexpr bool threadSanitized = false;
 #endif
 
-/// What a test goes through; of that, ThreadSanitizer gets the first: the threads do the same with all of it.
+/// What a test goes through; of that, sanitizers get the first: the code that runs is the same with all of it.
 template <class T>
 std::vector<T> Rounds(std::initializer_list<T> all) {
-    return std::vector<T>(all.begin(), threadSanitized ? all.begin() + 1 : all.end());
+    return std::vector<T>(all.begin(), sanitized ? all.begin() + 1 : all.end());
 }
 
 /// The arrays of a mesh.
