@@ -46,13 +46,14 @@ class Field {
         const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
         const double *from = xyz.data(), *direction = normals ? normals->data() : nullptr;
         Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
-            forInSpaceOrder(from, n, box, progress, "Mapping points", [&](std::size_t i) {
-                Eigen::Matrix3f linear;
-                const auto p = rowOf(from, i);
-                rowOf(moved, i) = p + field(p, &linear);
-                if (direction)
-                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
-            });
+            forInSpaceOrder(from, n, box, progress, "Mapping points",
+                            [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
+                                Eigen::Matrix3f linear;
+                                const auto p = rowOf(from, i);
+                                rowOf(moved, i) = p + field(p, &linear, &hint);
+                                if (direction)
+                                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
+                            });
         });
         return nb::make_tuple(positions, others);
     }

@@ -5,15 +5,17 @@
 #include "arrays.h"
 
 #include <vcg_ext/base/morton.h>
+#include <vcg_ext/surface/nearest_place.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <memory>
 
-/// body(i) for each of \p n points, by all threads, neighbours in space one after the other: what they look up is then
-/// in the processor's cache, which halves the time for points in any order. Each point is for itself, so no bit depends
-/// on it. \param box of the surface that they are looked up on; what lies outside is sorted by its faces
+/// body(i, hint) for each of \p n points, by all threads, neighbours in space one after the other: what they look up is
+/// then in the processor's cache, which halves the time for points in any order. Each point is for itself, so no bit
+/// depends on it. The hint is that of the point before. \param box of the surface that they are looked up on; what lies
+/// outside is sorted by its faces
 template <class Body>
 void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBox3d &box,
                      const vcg::fcd::Progress &progress, const char *stage, const Body &body) {
@@ -36,8 +38,9 @@ void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBo
         sorting.threads = progress.threads;
         vcg::fcd::detail::RadixSortUpper30(items, count, sorting);
         vcg::fcd::ParallelFor(progress.Slice(from, to), stage, count, grain, [&](std::size_t first, std::size_t last) {
+            vcg::fcd::NearestPlace::Hint hint;
             for (std::size_t i = first; i < last; ++i)
-                body(begin + std::size_t(items[i] & 0xFFFFFFFF));
+                body(begin + std::size_t(items[i] & 0xFFFFFFFF), hint);
         });
     }
 }

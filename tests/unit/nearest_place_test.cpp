@@ -64,6 +64,29 @@ TEST(NearestPlace, OnTrianglesIsNoFartherThanAnyPointOfThem) {
     }
 }
 
+TEST(NearestPlace, AHintChangesNoBit) {
+    Eigen::Matrix3Xd position;
+    const auto triangle = Soup(position);
+    const NearestPlace nearest(position, triangle, {});
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> number(-1.5, 1.5);
+    NearestPlace::Hint last;
+    Vector3d p = Vector3d::Zero();
+    for (int i = 0; i < 5000; ++i) {
+        // Far from the last one, near to it, at a vertex, and at one of the triangle of the hint.
+        const Vector3d other(number(random), number(random), number(random));
+        const Index corner = i % 4 == 2 ? Index(i) % 600 : triangle[std::size_t(std::max(0, last.triangle))][i % 3];
+        p = i % 4 == 0 ? other : i % 4 == 1 ? Vector3d(p + 1e-3 * other) : Vector3d(position.col(corner));
+        const SurfacePlace alone = nearest(p), hinted = nearest(p, last);
+        ASSERT_EQ(hinted.count, alone.count);
+        for (int k = 0; k < alone.count; ++k) {
+            ASSERT_EQ(hinted.slot[k], alone.slot[k]);
+            ASSERT_EQ(hinted.weight[k], alone.weight[k]);
+        }
+        ASSERT_GE(last.triangle, 0);
+    }
+}
+
 TEST(NearestPlace, IsTheVertexAtAVertex) {
     Eigen::Matrix3Xd position;
     const auto triangle = Soup(position);

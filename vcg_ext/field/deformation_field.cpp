@@ -10,9 +10,11 @@ DeformationField::DeformationField(FieldSamples given)
     : samples(std::move(given)),
       places(samples.position, samples.triangle, std::vector<char>(std::size_t(samples.Size()), 1)) {}
 
-Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear) const {
+Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear,
+                                             NearestPlace::Hint *hint) const {
+    NearestPlace::Hint none;
     const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100;
-    const SurfacePlace place = isPlace ? places(p) : SurfacePlace();
+    const SurfacePlace place = isPlace ? places(p, hint ? *hint : none) : SurfacePlace();
     Eigen::Vector3d q = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();
     for (int k = 0; k < place.count; ++k)
         q += place.weight[k] * samples.position.col(place.slot[k]);

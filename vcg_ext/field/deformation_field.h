@@ -37,8 +37,9 @@ class DeformationField {
     explicit DeformationField(FieldSamples given);
 
     /// The displacement of \p p; 0 for a point that is not finite, or beyond 1e100. \param linear if given: how space
-    /// turns and stretches there
-    Eigen::Vector3d operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear = nullptr) const;
+    /// turns and stretches there \param hint if given: of a point near it, and then of this one; it changes no bit
+    Eigen::Vector3d operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear = nullptr,
+                               NearestPlace::Hint *hint = nullptr) const;
 
     const FieldSamples samples;
 

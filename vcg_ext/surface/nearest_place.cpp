@@ -22,12 +22,16 @@ class NearestPlace::Search {
         if (!this->triangle.empty()) {
             std::vector<Index> object(this->triangle.size());
             std::vector<Box> box(this->triangle.size());
+            Box all;
             for (std::size_t t = 0; t < object.size(); ++t) {
                 object[t] = Index(t);
                 for (Index i : this->triangle[t])
                     box[t].extend(Eigen::Vector3d(position.col(i)));
             }
+            for (const Box &each : box)
+                all.extend(each);
             triangles.init(object.begin(), object.end(), box.begin(), box.end());
+            largestSquare = all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).squaredNorm();
             return;
         }
         std::vector<Eigen::Vector3d> point;
@@ -39,14 +43,24 @@ class NearestPlace::Search {
         vertices = std::make_unique<PointTree<double>>(point);
     }
 
-    SurfacePlace operator()(const Eigen::Vector3d &p) const {
+    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const {
         SurfacePlace place;
         if (vertices) {
             Among(p, place);
             return place;
         }
         Descent search{*this, p, -1, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
+        // A bound above its distance by more than rounding (1e-10 of the coordinates): what may be nearest is looked at
+        // in the same order, whatever the bound.
+        if (hint.triangle >= 0)
+            search.least =
+                search.SquareOf(hint.triangle, search.weight) * (1 + 1e-7) + 1e-20 * (p.squaredNorm() + largestSquare);
         search.Run();
+        if (search.best < 0) { // the bound was no number, or below the least one
+            search.least = std::numeric_limits<double>::infinity();
+            search.Run();
+        }
+        hint.triangle = search.best;
         const double rounding = 1e-9; // at a vertex there is no other
         for (int k = 0; k < 3 && search.best >= 0; ++k)
             if (search.weight[k] > rounding) {
@@ -94,10 +108,15 @@ class NearestPlace::Search {
             }
         }
 
-        void Try(Index t) {
+        double SquareOf(Index t, Eigen::Vector3d &here) const {
             const auto corner = [&](int k) { return Eigen::Vector3d(places.position.col(places.triangle[t][k])); };
-            const Eigen::Vector3d here = WeightsOfNearest(corner(0), corner(1), corner(2), p);
-            const double square = (corner(0) * here[0] + corner(1) * here[1] + corner(2) * here[2] - p).squaredNorm();
+            here = WeightsOfNearest(corner(0), corner(1), corner(2), p);
+            return (corner(0) * here[0] + corner(1) * here[1] + corner(2) * here[2] - p).squaredNorm();
+        }
+
+        void Try(Index t) {
+            Eigen::Vector3d here;
+            const double square = SquareOf(t, here);
             if (square < least || (square == least && t < best)) {
                 least = square;
                 best = t;
@@ -165,6 +184,7 @@ class NearestPlace::Search {
     const Eigen::Matrix3Xd &position;
     std::vector<std::array<Index, 3>> triangle;
     Eigen::KdBVH<double, 3, Index> triangles;
+    double largestSquare = 0; ///< of the triangles' coordinates
     std::vector<Index> vertex;
     std::unique_ptr<PointTree<double>> vertices;
 };
@@ -175,7 +195,12 @@ NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::ar
 
 NearestPlace::~NearestPlace() = default;
 
-SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p) const { return (*search)(p); }
+SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p) const {
+    Hint none;
+    return (*search)(p, none);
+}
+
+SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint) const { return (*search)(p, hint); }
 
 } // namespace fcd
 } // namespace vcg
