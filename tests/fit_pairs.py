@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well FCD: Fit to Layer finds a surface whose truth is known: each mesh is bent, twisted and waved by a map that is none of any
-graph, and given new triangles; some get noise, holes, or lose their faces. Prints how far the vertices of the fitted mesh are from
-where they truly belong, in percent of the diagonal.
+"""How well FCD: Fit to Layer finds surfaces whose truth is known (tests/fit_recipes.py), with the default parameters. Prints for each pair,
+in percent of the diagonal of the truth: root mean square distance of the vertices from where they belong before the fit and after it, the
+median of that, and the root mean square distance from the surface that they belong on; the triangles that are turned over against the
+truth; and seconds. Where a part of the target is missing: the same for vertices with and without something there, and how many of the
+triangles without are stretched by 0.8 to 1.25 at most.
 
-    build/venv/bin/python tests/fit_pairs.py MESH...
-"""
+    build/venv/bin/python tests/fit_pairs.py [--half training] [--seeds 5] [--save FOLDER] [NAME=VALUE...] [PAIR...]
+
+NAME=VALUE are parameters of the filter. --seeds: the median and worst rms over so many random seeds. --save: the surfaces of each pair
+and of the fit, to look at. What is absent (the scans in ../shared, CGAL, see tests/peers.sh) is left out, and named."""
+import argparse
+import ast
 import sys
 import time
 from pathlib import Path
@@ -12,66 +18,140 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 
+from fit_recipes import RECIPES, made
+from fit_shapes import Absent, diagonal
+
 PLUGIN = Path(__file__).resolve().parents[1] / "build/plugins/pymeshlab-2025.7/libfilter_fcd.so"
+HALVES = {"training": "training", "held-out": "held out"}
 
 
-def bent(points, seed):
-    """Along its longest axis: bent by up to 40 degrees, twisted by up to 25, and waved."""
-    random = np.random.default_rng(seed)
-    middle, size = points.mean(0), np.linalg.norm(np.ptp(points, 0))
-    axes = np.linalg.svd((points - middle)[:: max(1, len(points) // 5000)], full_matrices=False)[2]
-    x, y, z = ((points - middle) @ axes.T / size).T
-    length = np.ptp(x)
-    twist, radius = x * random.uniform(0.2, 0.45) / length, length / random.uniform(0.3, 0.7)
-    y, z = np.cos(twist) * y - np.sin(twist) * z, np.sin(twist) * y + np.cos(twist) * z
-    x, y = (radius - y) * np.sin(x / radius), radius - (radius - y) * np.cos(x / radius)
-    out = np.column_stack([x, y, z])
-    waves, phase, amount = random.normal(size=(6, 3)) * 4, random.uniform(0, 6.28, 6), random.normal(size=(6, 3)) * 0.005
-    return (out + np.sin(out @ waves.T + phase) @ amount) @ axes * size + middle
+def mesh_of(points, faces, normals=()):
+    return pymeshlab.Mesh(points, faces, v_normals_matrix=normals) if len(normals) else pymeshlab.Mesh(points, faces)
 
 
-def without(points, faces, gone):
-    keep = ~gone
-    return points[keep], (np.cumsum(keep) - 1)[faces[keep[faces].all(1)]]
+def fitted(pair, **parameters):
+    """By the filter: (positions, what it returned, seconds)"""
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(mesh_of(pair.target, pair.target_faces, pair.normals), "target")
+    ms.add_mesh(mesh_of(pair.points, pair.faces), "source")
+    if len(pair.landmarks):
+        path = Path(__file__).resolve().parents[1] / "build" / "fit_pairs" / "landmarks.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(path, np.column_stack([pair.landmarks, pair.truth[pair.landmarks]]), ["%d"] + ["%.17g"] * 3)
+        parameters = {"landmarks_file": str(path), **parameters}
+    start = time.perf_counter()
+    result = ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, **parameters)
+    seconds = time.perf_counter() - start
+    return ms.current_mesh().vertex_matrix(), result, seconds
 
 
-def variants(points, faces):
-    """Of a target: its name, points and faces."""
-    random = np.random.default_rng(1)
-    size = np.linalg.norm(np.ptp(points, 0))
-    yield "clean", points, faces
-    yield "noise of 0.15 %", points + random.normal(size=points.shape) * 0.0015 * size / np.sqrt(3), faces
-    holes = points[random.choice(len(points), 8)]
-    near = np.min([np.linalg.norm(points - hole, axis=1) for hole in holes], axis=0)
-    yield "8 holes", *without(points, faces, near < 0.04 * size)
-    yield "cloud", points, np.zeros((0, 3), int)
+def rms(values):
+    return float(np.sqrt(np.mean(values ** 2))) if len(values) else float("nan")
 
 
-def main(files):
-    pymeshlab.load_plugin(str(PLUGIN))
-    print(f"{'mesh':24} {'target':16} {'vertices':>8} {'before':>7} {'rms':>6} {'median':>6} {'p99':>6} {'matched':>7} {'s':>5}")
-    for seed, file in enumerate(files):
-        meshes = pymeshlab.MeshSet()
-        meshes.load_new_mesh(file)
-        source = meshes.current_mesh()
-        points, faces = source.vertex_matrix(), source.face_matrix()
-        truth = bent(points, seed)
-        size = np.linalg.norm(np.ptp(truth, 0)) / 100
-        meshes.add_mesh(pymeshlab.Mesh(truth, faces))
-        meshes.apply_filter("meshing_isotropic_explicit_remeshing", targetlen=pymeshlab.PercentageValue(0.9), iterations=6)
-        for name, there, corners in variants(meshes.current_mesh().vertex_matrix(), meshes.current_mesh().face_matrix()):
-            pair = pymeshlab.MeshSet()
-            pair.add_mesh(pymeshlab.Mesh(points, faces))
-            pair.add_mesh(pymeshlab.Mesh(there, corners))
-            pair.set_current_mesh(0)
-            start = time.perf_counter()
-            result = pair.apply_filter("generate_fcd_fitted_mesh", target_layer=1, graph_layers=False)
-            seconds = time.perf_counter() - start
-            off = np.linalg.norm(pair.current_mesh().vertex_matrix() - truth, axis=1) / size
-            before = np.sqrt(np.mean(np.sum((points - truth) ** 2, 1))) / size
-            print(f"{Path(file).stem:24} {name:16} {len(points):8} {before:7.2f} {np.sqrt(np.mean(off ** 2)):6.3f} {np.median(off):6.3f} "
-                  f"{np.quantile(off, 0.99):6.2f} {result['matched']:7.2f} {seconds:5.2f}", flush=True)
+def crosses(points, faces):
+    return np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+
+
+def stretches(before, after, faces):
+    """Of each triangle: its least and largest stretch, m x 2; those without an area are left out."""
+    def plane(points):
+        a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+        length = np.linalg.norm(a, axis=1)
+        along = np.einsum("ij,ij->i", a, b) / length
+        return np.stack([np.stack([length, along], 1), np.stack([0 * length, np.linalg.norm(np.cross(a, b), axis=1) / length], 1)], 1)
+    with np.errstate(all="ignore"):
+        rest, now = plane(before), plane(after)
+        good = rest[:, 1, 1] > 0.02 * rest[:, 0, 0]  # of slivers, rounding decides
+        return np.linalg.svd(now[good] @ np.linalg.inv(rest[good]), compute_uv=False)
+
+
+def from_surface(points, surface, faces):
+    """The distances of points from a surface."""
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(surface, faces))
+    ms.add_mesh(pymeshlab.Mesh(points))
+    ms.apply_filter("compute_scalar_by_distance_from_another_mesh_per_vertex", measuremesh=1, refmesh=0, signeddist=False,
+                    maxdist=pymeshlab.PureValue(10 * diagonal(surface)))
+    return np.abs(ms.current_mesh().vertex_scalar_array())
+
+
+def measured(pair, positions):
+    """What a result is worth; lengths in percent of the diagonal."""
+    size = diagonal(pair.truth) / 100
+    off = np.linalg.norm(positions - pair.truth, axis=1) / size
+    said = {"before": rms(np.linalg.norm(pair.points - pair.truth, axis=1) / size), "rms": rms(off), "median": float(np.median(off)),
+            "surface": rms(from_surface(positions, pair.truth, pair.surface) / size), "folded": 0,
+            "landmarks": float(off[pair.landmarks].max()) if len(pair.landmarks) else float("nan"),
+            "has": rms(off[pair.has]), "not": rms(off[~pair.has]), "stretch": float("nan")}
+    true, now = crosses(pair.truth, pair.surface), crosses(positions, pair.surface)
+    said["folded"] = int(((true * now).sum(1) < 0).sum())
+    lonely = pair.surface[~pair.has[pair.surface].any(1)]
+    if len(lonely):
+        stretch = stretches(pair.points, positions, lonely)
+        said["stretch"] = 100 * float(np.mean((stretch.min(1) > 0.8) & (stretch.max(1) < 1.25)))
+    return said
+
+
+def saved(pair, positions, stem):
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    for name, points, faces in (("source", pair.points, pair.faces), ("target", pair.target, pair.target_faces),
+                                ("truth", pair.truth, pair.surface), ("fitted", positions, pair.surface)):
+        ms = pymeshlab.MeshSet()
+        ms.add_mesh(mesh_of(points, faces))
+        ms.save_current_mesh(f"{stem}_{name}.ply")
+
+
+def number(value):
+    return "" if value != value else f"{value:.3f}" if value < 10 else f"{value:.1f}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="*", metavar="PAIR or NAME=VALUE")
+    parser.add_argument("--half", choices=HALVES, help="only these")
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--save", type=Path)
+    parser.add_argument("--plugin", default=PLUGIN)
+    arguments = parser.parse_args()
+    given = [each for each in arguments.what if "=" not in each]
+    parameters = {name: ast.literal_eval(value) for name, _, value in (each.partition("=") for each in arguments.what if "=" in each)}
+    unknown = set(given) - RECIPES.keys()
+    if unknown:
+        parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(RECIPES)}")
+    pymeshlab.load_plugin(str(arguments.plugin))
+    print("| pair | half | vertices, onto | before | rms | median | to surface | folded | matched | s | notes |\n" + "|---" * 11 + "|")
+    means = {}
+    for name, (half, recipe) in RECIPES.items():
+        if given and name not in given or arguments.half and half != HALVES[arguments.half]:
+            continue
+        try:
+            pair = made(name)
+        except Absent as why:
+            print(f"{name} is left out: {why}", file=sys.stderr)
+            continue
+        runs = [fitted(pair, **({"random_seed": seed + 1} if arguments.seeds > 1 else {}), **parameters) for seed in range(arguments.seeds)]
+        worth = [measured(pair, positions) for positions, _, _ in runs]
+        middle = int(np.argsort([each["rms"] for each in worth])[len(worth) // 2])
+        positions, result, seconds = runs[middle]
+        one = worth[middle]
+        notes = []
+        if not pair.has.all():
+            notes.append(f"there {number(one['has'])}, not there {number(one['not'])}, {one['stretch']:.1f} % stretch by 0.8 to 1.25")
+        if len(pair.landmarks):
+            notes.append(f"landmarks {one['landmarks']:.1g}")
+        if arguments.seeds > 1:
+            notes.append(f"worst of {arguments.seeds} seeds {number(max(each['rms'] for each in worth))}")
+        print(f"| {name}: {recipe.__doc__} | {half} | {len(pair.points)}, {len(pair.target)} | {number(one['before'])} | {number(one['rms'])} | "
+              f"{number(one['median'])} | {number(one['surface'])} | {one['folded']} | {result['matched']:.2f} | {seconds:.2f} | "
+              f"{'; '.join(notes)} |", flush=True)
+        means.setdefault(half, []).append([one["rms"], one["surface"]])
+        if arguments.save:
+            saved(pair, positions, arguments.save / name)
+    for half, values in means.items():
+        both = np.exp(np.log(values).mean(0))
+        print(f"| geometric mean | {half} | | | {number(both[0])} | | {number(both[1])} | | | | {len(values)} pairs |")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
