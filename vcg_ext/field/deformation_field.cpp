@@ -12,7 +12,7 @@ DeformationField::DeformationField(FieldSamples given)
 
 Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear,
                                              NearestPlace::Hint *hint) const {
-    NearestPlace::Hint none;
+    NearestPlace::Hint none = {};
     const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100;
     const SurfacePlace place = isPlace ? places(p, hint ? *hint : none) : SurfacePlace();
     Eigen::Vector3d q = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();
