@@ -59,7 +59,7 @@ std::string BendSession::poseByFilter(const Remark &remark) {
     handOver();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
-        resetPose(layer, {true, ResetPoseParam::LastShape}); // poses begin with the shape that it has here
+        resetPose(layer, {true, ResetPoseParam::LastShape}, {}); // poses begin with the shape that it has here
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
     LayerDeformer(document, layer, solver.preparedLayers(), remark).pose(param, vcg::fcd::Progress());

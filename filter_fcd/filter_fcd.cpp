@@ -123,7 +123,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
-    case ResetPose: resetPose(input(document), resetPoseParam(parameters)); return {};
+    case ResetPose:
+        resetPose(input(document), resetPoseParam(parameters), [this](const std::string &line) { logLine(line); });
+        return {};
     case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
     case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
     case ClearTags: return clearTags(input(document));

@@ -190,18 +190,24 @@ CopyParam copyParam(const RichParameterList &list, const MeshDocument &document)
 RichParameterList toRichParameters(const ResetPoseParam &param) {
     RichParameterList list;
     addParameter<RichEnum>(
-        list, Shown::Always, "to", int(param.to), QStringList{"The shape before the last pose", "The shape as loaded"},
+        list, Shown::Always, "to", int(param.to),
+        QStringList{"The shape before the last pose", "The shape as loaded",
+                    "The shape before the last pose, whatever has moved it"},
         "Back to",
         "<b>The shape before the last pose</b> (0): one step; where the layer has that already, the one before. Steps "
         "are what 'Apply' in the tool 'FCD: Bend', or 'Keep the present shape', made of a pose.<br><b>The shape as "
-        "loaded</b> (1): that which the layer had before its first pose.");
+        "loaded</b> (1): that which the layer had before its first pose.<br><b>The shape before the last pose, "
+        "whatever has "
+        "moved it</b> (2): also where another filter has moved some vertices since (smoothed them, say), which is "
+        "undone "
+        "with the pose. New vertices, or other faces, have no place there.");
     addParameter<RichBool>(list, Shown::Always, "keep_shape", param.keepShape, "Keep the present shape",
                            "Ticked, the layer stays as it is, and later poses begin from this shape.");
     return list;
 }
 
 ResetPoseParam resetPoseParam(const RichParameterList &list) {
-    return {list.getBool("keep_shape"), ResetPoseParam::To(enumValue(list, "to", 2))};
+    return {list.getBool("keep_shape"), ResetPoseParam::To(enumValue(list, "to", 3))};
 }
 
 DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document) {

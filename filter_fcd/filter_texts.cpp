@@ -101,8 +101,10 @@ QString FilterFcd::filterInfo(int id) const {
         return "Brings a layer that 'FCD: Pose in Place' or the tool 'FCD: Bend' has bent back to the shape that it "
                "had "
                "before its last pose, or before its first, exactly; or keeps the shape that it has and lets later "
-               "poses begin from that. Where something else has moved vertices since, or made new ones, going back is "
-               "refused, and nothing is changed.";
+               "poses begin from that. Where something else has moved all of the layer alike since (turned it, scaled "
+               "it, "
+               "frozen its matrix), the shape that it goes back to is moved so, too. Where it has moved some vertices, "
+               "or made new ones, going back is refused, and nothing is changed.";
     case CopyDeformation:
         return QString(
                    "Does to the current layer what 'FCD: Deform Mesh' did to another one in the same space: deform a "

@@ -186,7 +186,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     if (!isFirst)
         RestShape(layer).checkVertices("A pose would undo that. Run 'FCD: Reset Pose' (apply_coord_fcd_reset) with "
                                        "'Keep the present shape' (keep_shape): poses then begin from the shape that "
-                                       "the layer has now.");
+                                       "the layer has now.",
+                                       remark);
     rest = isFirst ? nullptr : RestShape(layer).positions();
     readHandles(param.handles);
     const std::uint64_t faces = isFirst ? facesOf(mesh) : RestShape(layer).followFaces();

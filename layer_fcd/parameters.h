@@ -89,10 +89,12 @@ struct PoseParam {
 
 /// What "FCD: Reset Pose" is asked for.
 struct ResetPoseParam {
-    enum To { LastShape, Loaded };
+    enum To { LastShape, Loaded, InAnyCase };
 
     bool keepShape = false; ///< make the present shape the rest shape
-    To to = LastShape;      ///< otherwise: the shape before the last pose, or that which the layer was loaded with
+    /// Otherwise: the shape before the last pose; that which the layer was loaded with; or the first of these also where
+    /// something else has moved vertices since, which is undone with it.
+    To to = LastShape;
 };
 
 /// What "FCD: Apply Deformation to Layer" is asked for.

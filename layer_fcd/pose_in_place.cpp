@@ -117,7 +117,7 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
     return all.moved;
 }
 
-void resetPose(MeshModel &layer, const ResetPoseParam &param) {
+void resetPose(MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
     if (!RestShape::exists(layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");
@@ -126,8 +126,17 @@ void resetPose(MeshModel &layer, const ResetPoseParam &param) {
         return;
     }
     RestShape rest(layer);
-    rest.checkVertices("The rest shape has no place for these, and going back would tear the surface. Tick 'Keep the "
-                       "present shape' (keep_shape): poses then begin from that. Or open the layer's file again.");
+    const std::string keepIt = "'Keep the present shape' (keep_shape): poses then begin from that.";
+    if (!rest.isSameMesh())
+        rest.checkVertices("The rest shape has no place for these, and going back would tear the surface. Tick " +
+                               keepIt + " Or open the layer's file again.",
+                           remark);
+    else if (param.to != ResetPoseParam::InAnyCase)
+        rest.checkVertices(
+            "Going back would undo that, too. If that is meant, choose 'The shape before the last pose, whatever "
+            "has moved it' (to=2); if not, tick " +
+                keepIt,
+            remark);
     rest.followFaces();
     const std::vector<std::uint64_t> shapes = rest.shapes();
     std::size_t to = shapes.size() - 1;

@@ -2,6 +2,7 @@
 #include <vcg_ext/base/graph.h> // these before Qt
 #include <vcg_ext/surface/read_surface.h>
 
+#include "affine_map.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
@@ -11,8 +12,11 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cstring>
+#include <limits>
+#include <optional>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #define XXH_INLINE_ALL
@@ -22,8 +26,8 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const vertexName = "fcd_posed_1",
-                  *const posedName = "fcd_posed_layer_2";
+const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const vertexName = "fcd_posed_2",
+                  *const posedName = "fcd_posed_layer_3";
 static_assert(std::is_trivial<PosedVertex>::value && std::is_trivially_copyable<Posed>::value,
               "plain data, whoever has made it; zero for new vertices");
 
@@ -65,6 +69,19 @@ void turnToFaces(const CMeshO &mesh, const Point3m *position, Point3m *normal) {
     });
 }
 
+/// Gives a shape of the mesh the normals of its faces. Those of the mesh's own faces are to be computed anew then.
+void takeNormals(CMeshO &mesh, Point3m *position, Point3m *normal) {
+    const auto change = [&] {
+        forVertices(mesh, [&](std::size_t i) {
+            std::swap(mesh.vert[i].P(), position[i]);
+            std::swap(mesh.vert[i].N(), normal[i]);
+        });
+    };
+    change();
+    computeNormals(mesh);
+    change();
+}
+
 } // namespace
 
 bool isOfRest(const std::string &attribute) {
@@ -87,7 +104,7 @@ void RestShape::keep(MeshModel &layer) {
     Posed kept;
     if (exists(layer)) {
         RestShape last(layer);
-        const bool areHome = last.countStrangers() == 0;
+        const bool areHome = last.countStrangers() == 0 || last.followMove();
         while (last.posed->count > 0 && (!areHome || last.posed->count == Posed::mostEarlier))
             last.dropEarlier(areHome ? 1 : last.posed->count - 1); // the first is that of the file
         if (areHome && last.shape() != shapeOf(mesh)) {
@@ -106,12 +123,13 @@ void RestShape::keep(MeshModel &layer) {
             *normal = host::madeVertexAttribute<Point3m>(mesh, normalName);
     auto *vertices = host::madeVertexAttribute<PosedVertex>(mesh, vertexName);
     forVertices(mesh, [&](std::size_t i) {
-        position[i] = mesh.vert[i].cP();
+        const Point3m &p = mesh.vert[i].cP();
+        position[i] = p;
         normal[i] = mesh.vert[i].cN();
-        const std::uint64_t place = placeOf(position[i]);
-        vertices[i] = {place, place};
+        vertices[i] = {{p[0], p[1], p[2]}, placeOf(p)};
     });
     kept.faces = facesOf(mesh);
+    kept.vertexSlots = mesh.vert.size();
     kept.ownNormals = ::hasOwnNormals(layer);
     host::madeMeshAttribute<Posed>(mesh, posedName) = kept;
 }
@@ -139,7 +157,7 @@ std::uint64_t RestShape::shape() const {
 std::vector<std::uint64_t> RestShape::shapes() const {
     std::vector<std::uint64_t> all;
     for (std::uint32_t k = 0; k < posed->count; ++k) {
-        const auto *earlier = values<Point3m>(mesh, earlierName(positionName, posed->earlier[k]));
+        const Point3m *earlier = earlierPositions(k);
         all.push_back(earlier ? shapeSum(mesh, [earlier](std::size_t i) { return earlier[i]; }) : 0);
     }
     all.push_back(shape());
@@ -157,8 +175,8 @@ void RestShape::dropEarlier(std::uint32_t place) {
 void RestShape::backTo(std::size_t place) {
     if (place >= posed->count)
         return;
-    const auto *earlier = values<Point3m>(mesh, earlierName(positionName, posed->earlier[place])),
-               *earlierNormal = values<Point3m>(mesh, earlierName(normalName, posed->earlier[place]));
+    const Point3m *earlier = earlierPositions(std::uint32_t(place)),
+                  *earlierNormal = earlierNormals(std::uint32_t(place));
     forVertices(mesh, [&](std::size_t i) {
         position[i] = earlier[i];
         normal[i] = earlierNormal[i];
@@ -167,13 +185,21 @@ void RestShape::backTo(std::size_t place) {
         dropEarlier(posed->count - 1);
 }
 
+Point3m *RestShape::earlierPositions(std::uint32_t place) const {
+    return values<Point3m>(mesh, earlierName(positionName, posed->earlier[place]));
+}
+
+Point3m *RestShape::earlierNormals(std::uint32_t place) const {
+    return values<Point3m>(mesh, earlierName(normalName, posed->earlier[place]));
+}
+
 bool RestShape::isAtHome(std::size_t slot) {
     PosedVertex &known = vertices[slot];
     const Point3m &p = mesh.vert[slot].cP();
     const std::uint64_t here = placeOf(p);
     if (here == known.before)
         return true;
-    if (here != known.now && (known.now == 0 || p != position[slot]))
+    if (!isKnown(slot) || (std::memcmp(known.now.data(), &p[0], sizeof known.now) != 0 && p != position[slot]))
         return false;
     known.before = here;
     return true;
@@ -188,15 +214,71 @@ std::uint64_t RestShape::countStrangers() {
     });
 }
 
-void RestShape::checkVertices(const std::string &remedy) {
-    if (const std::uint64_t strangers = countStrangers(); strangers > 0)
+bool RestShape::isSameMesh() const {
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD() && !isKnown(i))
+            return false;
+    return posed->vertexSlots == mesh.vert.size() && posed->faces == facesOf(mesh);
+}
+
+/// Where something else has moved all vertices by one affine map, moves the rest shapes by that. \return whether it has
+bool RestShape::followMove() {
+    std::vector<Eigen::Vector3d> from, to;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i) {
+        if (mesh.vert[i].IsD())
+            continue;
+        if (!isKnown(i))
+            return false;
+        from.emplace_back(double(vertices[i].now[0]), double(vertices[i].now[1]), double(vertices[i].now[2]));
+        to.push_back(toVector(mesh.vert[i].cP()));
+    }
+    // A host multiplies and adds four numbers for a coordinate, each rounded, those of the matrix, too; and a person
+    // may turn a layer some times before it is posed again.
+    const std::optional<Eigen::Affine3d> found =
+        affineMapOf(from, to, 32 * double(std::numeric_limits<Scalarm>::epsilon()));
+    if (!found)
+        return false;
+    const Eigen::Affine3d &move = *found;
+    const bool ofFaces = !posed->ownNormals && mesh.fn > 0;
+    const Eigen::Matrix3d turn = move.linear().inverse().transpose();
+    const auto follow = [&](Point3m *positions, Point3m *normals) {
+        forVertices(mesh, [&](std::size_t i) {
+            positions[i] = toPoint(move * toVector(positions[i]));
+            const Eigen::Vector3d n = toVector(normals[i]), turned = turn * n;
+            if (turned.norm() > 0)
+                normals[i] = toPoint(turned * (n.norm() / turned.norm()));
+        });
+        if (ofFaces)
+            takeNormals(mesh, positions, normals);
+    };
+    follow(position, normal);
+    for (std::uint32_t k = 0; k < posed->count; ++k)
+        follow(earlierPositions(k), earlierNormals(k));
+    if (ofFaces)
+        computeFaceNormals(mesh, {});
+    forVertices(mesh, [&](std::size_t i) {
+        place(i, mesh.vert[i].cP());
+        vertices[i].before = placeOf(mesh.vert[i].cP());
+    });
+    return true;
+}
+
+void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
+    const std::uint64_t strangers = countStrangers();
+    if (strangers == 0)
+        return;
+    if (!followMove())
         throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
                               "' was changed since its last pose: " + std::to_string(strangers) + " of its " +
                               std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
+    if (remark)
+        remark("Something else has moved all of '" + layer.label().toStdString() +
+               "' alike since its last pose (turned, scaled, or put elsewhere): its rest shape is moved so, too.");
 }
 
 std::uint64_t RestShape::followFaces() {
     const std::uint64_t present = facesOf(mesh);
+    posed->vertexSlots = mesh.vert.size();
     if (present == posed->faces)
         return present;
     posed->faces = present;
@@ -205,8 +287,7 @@ std::uint64_t RestShape::followFaces() {
         return present;
     turnToFaces(mesh, position, normal);
     for (std::uint32_t k = 0; k < posed->count; ++k)
-        turnToFaces(mesh, values<Point3m>(mesh, earlierName(positionName, posed->earlier[k])),
-                    values<Point3m>(mesh, earlierName(normalName, posed->earlier[k])));
+        turnToFaces(mesh, earlierPositions(k), earlierNormals(k));
     return present;
 }
 

@@ -7,6 +7,7 @@
 
 #include "angle_normals.h" // prefetch
 #include "meshlab_host.h"
+#include "parameters.h" // Remark
 
 #include <array>
 #include <cstdint>
@@ -16,8 +17,9 @@
 /// What the state of a layer knows of a vertex: plain data, zero for a vertex that something else makes. Who changes it
 /// changes the number in its name.
 struct PosedVertex {
-    std::uint64_t now;    ///< the position that the last pose gave it, as placeOf tells it
-    std::uint64_t before; ///< that which it had then: a preview begins with it each time
+    std::array<Scalarm, 3> now; ///< the position that the last pose gave it
+    std::uint64_t
+        before; ///< that which it had then, as placeOf tells it: a preview begins with it each time; 0: unknown
 };
 
 /// What it knows of the layer: plain data as well.
@@ -27,6 +29,7 @@ struct Posed {
     static constexpr std::uint32_t mostEarlier = 8;
 
     std::uint64_t faces = 0; ///< facesOf the mesh
+    std::uint64_t vertexSlots = 0; ///< of the mesh
     bool ownNormals = false; ///< as hasOwnNormals tells it
     std::uint32_t made = 0;  ///< of earlier rest shapes, in all
     std::uint32_t count = 0; ///< of those that there are
@@ -37,7 +40,7 @@ struct Posed {
 /// The rest shape of a layer that is posed in place: positions and normals of its vertices, which the layer keeps as
 /// attributes, and where the last pose left each of them. Attributes go with their vertices wherever these are moved
 /// in memory, so that each is known by itself: it belongs to the rest shape as long as it is, to the bit, at a place
-/// that it was given.
+/// that it was given. Where something else has moved all of them by one affine map, the rest shapes follow by that.
 ///
 /// Each time that a pose is applied, and the next begins from it, the rest shape of before is kept, too.
 class RestShape {
@@ -65,13 +68,16 @@ class RestShape {
     /// The rest shape is that of shapes() at \p place from now on; what came after it is dropped.
     void backTo(std::size_t place);
 
-    /// Before a pose. \throw vcg::fcd::Error when something else has moved or made vertices; \p remedy says what to do
-    void checkVertices(const std::string &remedy);
+    /// Before a pose. Where something else has moved the layer as a whole, its rest shapes are moved alike, and a
+    /// remark says so. \throw vcg::fcd::Error when it has moved or made some vertices; \p remedy says what to do
+    void checkVertices(const std::string &remedy, const Remark &remark);
+    /// Whether vertices and faces are those of the last pose, wherever something else may have moved them.
+    bool isSameMesh() const;
     /// Turns the normals of vertices whose faces something else has turned over. \return facesOf the mesh
     std::uint64_t followFaces();
     /// Gives a vertex a position, and remembers it.
     void place(std::size_t slot, const Point3m &p) {
-        vertices[slot].now = placeOf(p);
+        vertices[slot].now = {p[0], p[1], p[2]};
         mesh.vert[slot].P() = p;
     }
 
@@ -90,6 +96,10 @@ class RestShape {
 
   private:
     std::uint64_t countStrangers(); ///< vertices that are not where they were put
+    bool followMove();
+    bool isKnown(std::size_t slot) const { return vertices[slot].before != 0; }
+    Point3m *earlierPositions(std::uint32_t place) const;
+    Point3m *earlierNormals(std::uint32_t place) const;
     void dropEarlier(std::uint32_t place);
     /// Whether a vertex is where it was put; that place is then the one that it has before a pose.
     bool isAtHome(std::size_t slot);

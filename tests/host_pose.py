@@ -168,6 +168,64 @@ def test_what_something_else_changed_is_not_undone():
     assert same_points(ms.current_mesh().vertex_matrix(), before["points"]) and not same_points(before["points"], rest)
 
 
+def test_reset_undoes_what_moved_some_vertices_where_that_is_asked_for():
+    ms = clean_bone()
+    rest = snapshot(ms.current_mesh())
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1)
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match="would undo that, too.*to=2.*keep_shape"):
+        ms.apply_filter(RESET)
+    assert_unchanged(before, ms.current_mesh())
+    ms.apply_filter(RESET, to=2)
+    assert_unchanged(rest, ms.current_mesh())
+    ms.apply_filter(POSE, **BEND)  # as if nothing had been
+    assert same_points(ms.current_mesh().vertex_matrix(), deformed(clean_bone(), **BEND)[0])
+
+
+@pytest.mark.parametrize("change", ["added", "remeshed", "deleted"])
+def test_reset_never_scrambles_whatever_is_asked_for(change):
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    CHANGES[change](ms)
+    ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1)
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match="no place for these"):
+        ms.apply_filter(RESET, to=2)
+    assert_unchanged(before, ms.current_mesh())
+
+
+def mirror(ms):
+    ms.apply_filter("apply_matrix_flip_or_swap_axis", flipx=True, freeze=True)
+
+
+@pytest.mark.parametrize("move", ["turn", "mirror"])
+@pytest.mark.parametrize("cloud", [False, True])
+def test_applies_follow_a_layer_that_was_moved_as_a_whole(move, cloud):
+    ms, fresh = clean_bone(), clean_bone()
+    if cloud:
+        mesh = ms.current_mesh()
+        for each in ms, fresh:
+            each.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), v_normals_matrix=mesh.vertex_normal_matrix(), v_scalar_array=mesh.vertex_scalar_array()))
+    for motion in BEND, LIFT:
+        ms.apply_filter(POSE, **motion)
+        ms.apply_filter(RESET, keep_shape=True)
+    ms.apply_filter(POSE, **BEND)
+    for each in ms, fresh:
+        {"turn": turn, "mirror": mirror}[move](each)
+        if not cloud: # whose normals this host leaves as they are
+            each.apply_filter("compute_normal_per_vertex", weightmode="By Angle")
+    size = np.ptp(fresh.current_mesh().vertex_matrix(), axis=0).max()
+    ms.apply_filter(RESET, to=1)
+    found, expected = ms.current_mesh(), fresh.current_mesh()
+    assert np.abs(found.vertex_matrix() - expected.vertex_matrix()).max() < 1e-14 * size * 10
+    if not cloud:
+        assert (unit(found.vertex_normal_matrix()) * unit(expected.vertex_normal_matrix())).sum(1).min() > 0.999999
+    ms.apply_filter(POSE, **LIFT)
+    fresh.apply_filter(POSE, **LIFT)
+    assert np.abs(ms.current_mesh().vertex_matrix() - fresh.current_mesh().vertex_matrix()).max() < 1e-6 * size
+
+
 def test_each_apply_can_be_taken_back():
     ms = clean_bone()
     shapes = [snapshot(ms.current_mesh())]
@@ -400,9 +458,16 @@ def freeze(ms):
     ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=1.0, freeze=True)
 
 
+def turn(ms):
+    """About an axis of no plane of the coordinates, and by other filters after it."""
+    for parameters in dict(rotationx=20.0, rotationz=30.0, translationy=0.7), dict(scalex=1.5, scaley=1.5, scalez=1.5), dict(scalex=1.2):
+        ms.apply_filter("compute_matrix_from_translation_rotation_scale", freeze=True, **parameters)
+
+
 CHANGES = {
     "none": lambda ms: None,
-    "moved": lambda ms: ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1),
+    "some moved": lambda ms: ms.apply_filter("apply_coord_laplacian_smoothing", stepsmoothnum=1),
+    "all moved alike": turn,
     "deleted": lambda ms: without(ms, "vi > 1400"),
     "reordered": lambda ms: without(ms, "vi < 5"),
     "added": lambda ms: ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1),
@@ -443,12 +508,21 @@ def outcome(ms, name, **parameters):
                                       "are whole numbers") if word in str(error))
 
 
+def is_moved_alike(ms, change):
+    """Whether the layer is the bone at rest, changed so."""
+    fresh, _ = tagged_and_posed()
+    fresh.apply_filter(RESET)
+    CHANGES[change](fresh)
+    expected, found = fresh.current_mesh().vertex_matrix(), ms.current_mesh().vertex_matrix()
+    return expected.shape == found.shape and np.abs(expected - found).max() < 1e-12
+
+
 def reset_of(change):
     ms, rest = tagged_and_posed()
     CHANGES[change](ms)
     said = outcome(ms, RESET)
     points = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
-    return said if isinstance(said, str) else "at rest" if points <= set(rest) else "scrambled"
+    return said if isinstance(said, str) else "at rest" if points <= set(rest) else "at rest, moved alike" if is_moved_alike(ms, change) else "scrambled"
 
 
 def clear_of(change):
@@ -484,10 +558,12 @@ def pose_of(change):
     if isinstance(said, str):
         return said
     points = {tuple(p) for p in ms.current_mesh().vertex_matrix()}
-    return "the rest shape" if points <= set(rest) else "the present shape" if points == shape else "scrambled"
+    if points <= set(rest):
+        return "the rest shape"
+    return "the present shape" if points == shape else "the rest shape, moved alike" if is_moved_alike(ms, change) else "scrambled"
 
 
-PHRASES = {"at rest": "the rest shape", "all": "all are back", "those tagged": "back where tagged", "quality": "the quality is back"}
+PHRASES = {"at rest": "the rest shape", "at rest, moved alike": "the rest shape, moved alike", "all": "all are back", "those tagged": "back where tagged", "quality": "the quality is back"}
 REFUSALS = {"was changed since its last pose", "has not been posed in place", "nothing to bring back", "are whole numbers"}
 
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "affine_map.h"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+
+namespace {
+
+/// Whether the least of three sizes is next to nothing.
+bool isFlat(const Eigen::Vector3d &descending, double least) { return !(descending[2] > least * descending[0]); }
+
+Eigen::Vector3d singularValues(const Eigen::Matrix3d &matrix) {
+    return Eigen::JacobiSVD<Eigen::Matrix3d>(matrix).singularValues();
+}
+
+Eigen::Vector3d middleOf(const std::vector<Eigen::Vector3d> &points) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d &point : points)
+        sum += point;
+    return sum / double(points.size());
+}
+
+} // namespace
+
+std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &from,
+                                           const std::vector<Eigen::Vector3d> &to, double rounding) {
+    if (from.empty())
+        return {};
+    const Eigen::Vector3d middle = middleOf(from), newMiddle = middleOf(to);
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), both = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        spread += (from[i] - middle) * (from[i] - middle).transpose();
+        both += (to[i] - newMiddle) * (from[i] - middle).transpose();
+    }
+    // As thin as a thousandth: what is beside it would be off by thousands of roundings. (These are squares of sizes.)
+    if (isFlat(singularValues(spread), 1e-6))
+        return {};
+    Eigen::Affine3d map;
+    map.linear() = both * spread.inverse();
+    map.translation() = newMiddle - map.linear() * middle;
+    if (isFlat(singularValues(map.linear()), 1e-3))
+        return {};
+    double largest = 0, off = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        largest =
+            std::max(largest, (map.linear().cwiseAbs() * from[i].cwiseAbs() + map.translation().cwiseAbs()).maxCoeff());
+        off = std::max(off, (map * from[i] - to[i]).cwiseAbs().maxCoeff());
+    }
+    if (!(off <= rounding * largest))
+        return {};
+    return map;
+}
