@@ -126,8 +126,14 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case ResetPose:
         resetPose(input(document), resetPoseParam(parameters), [this](const std::string &line) { logLine(line); });
         return {};
-    case TagSelection: return report(tagSelection(input(document), tagSelectionParam(parameters)));
-    case TagsFromFiles: return report(tagFromFiles(input(document), tagsFromFilesParam(parameters)));
+    case TagSelection: {
+        const TagSelectionParam param = tagSelectionParam(parameters);
+        return reportTags(input(document), tagSelection(input(document), param), param.target);
+    }
+    case TagsFromFiles: {
+        const TagsFromFilesParam param = tagsFromFilesParam(parameters);
+        return reportTags(input(document), tagFromFiles(input(document), param), param.target);
+    }
     case ClearTags: return clearTags(input(document));
     case SaveTags:
         return report(saveTags(document, input(document), saveTagsParam(parameters, document),
@@ -316,15 +322,21 @@ HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tag
     return valuesOf(tags);
 }
 
+HostFilterPlugin::ReturnedValues FilterFcd::reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags,
+                                                       const TagTarget &target) const {
+    const ReturnedValues values = report(tags);
+    if (const std::string line = describe(layer, target); !line.empty())
+        logLine(line);
+    return values;
+}
+
 HostFilterPlugin::ReturnedValues FilterFcd::clearTags(MeshModel &layer) const {
-    const int others = bringBack(layer);
-    if (others > 0)
-        logLine(std::to_string(others) + " of the " + std::to_string(layer.cm.vn) + " vertices of '" +
-                    layer.label().toStdString() +
-                    "' were made, coloured or given another quality by something else since they were tagged: they "
-                    "keep what they have.",
-                GLLogStream::WARNING);
-    return {{"other_vertices", others}};
+    const BroughtBack made = bringBack(layer);
+    if (made.placed > 0)
+        logLine(describePlaced(layer, made));
+    if (made.others > 0)
+        logLine(describeOthers(layer, made), GLLogStream::WARNING);
+    return {{"other_vertices", made.others}, {"new_vertices", made.placed}};
 }
 
 // What moc makes of the headers: compiled here, it does not include all of MeshLab once more.

@@ -7,6 +7,7 @@
 #include "dialogs.h"
 
 #include <layer_fcd/filter_host.h>
+#include <layer_fcd/parameters.h>
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
 class FilterFcd : public HostFilterPlugin {
@@ -54,6 +55,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues clearTags(MeshModel &layer) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
+    ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;

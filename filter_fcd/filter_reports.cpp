@@ -40,6 +40,36 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
             {"outside_vertices", tags.outside}};
 }
 
+std::string describe(const MeshModel &layer, const TagTarget &target) {
+    const bool quality = target.attribute.isEmpty();
+    if (!target.colorize && !quality)
+        return {};
+    return "A file of '" + layer.label().toStdString() + "' that is saved now has the tags as " +
+           (target.colorize && quality ? "colours and quality"
+            : quality                  ? "quality"
+                                       : "colours") +
+           ", in the place of its own: 'FCD: Clear Tags' brings these back.";
+}
+
+namespace {
+
+std::string ofAll(const MeshModel &layer, int count) {
+    return std::to_string(count) + " of the " + std::to_string(layer.cm.vn) + " vertices of '" +
+           layer.label().toStdString() + "' were ";
+}
+
+} // namespace
+
+std::string describePlaced(const MeshModel &layer, const BroughtBack &made) {
+    return ofAll(layer, made.placed) +
+           "made by something else since they were tagged: they have what was at their place.";
+}
+
+std::string describeOthers(const MeshModel &layer, const BroughtBack &made) {
+    return ofAll(layer, made.others) + "made, coloured or given another quality by something else since they were "
+                                       "tagged: they keep what they have.";
+}
+
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way) {
     std::vector<std::string> remarks;
     if (way.jumps)

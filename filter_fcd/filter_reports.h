@@ -5,7 +5,9 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include <layer_fcd/filter_host.h>
+#include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/parameters.h>
 
 #include <string>
 #include <vector>
@@ -20,6 +22,12 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface
 
 std::string describe(const vcg::fcd::TagCount &tags);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
+
+/// What a file of a layer has that is saved while it has tags; nothing where these take no place of its own.
+std::string describe(const MeshModel &layer, const TagTarget &target);
+/// How many new vertices have what was at their place, and how many vertices keep what they have.
+std::string describePlaced(const MeshModel &layer, const BroughtBack &made);
+std::string describeOthers(const MeshModel &layer, const BroughtBack &made);
 
 /// A sentence for each thing on the way to a pose that is worth knowing.
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way);

@@ -144,8 +144,9 @@ QString FilterFcd::filterInfo(int id) const {
     case ClearTags:
         return "Gives the current layer back the colours and the quality that it had before it was tagged by 'FCD: Tag "
                "Selection' or 'FCD: Tags from Files'. Where it had none, none is left. Vertices that something else "
-               "has made "
-               "or coloured since keep what they have; the log says how many.";
+               "has made since have what was at their place, as long as the layer is not posed; those that it has "
+               "coloured "
+               "keep what they have, and so do those of no known place; the log says how many.";
     case SaveTags:
         return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
                "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "

@@ -2,16 +2,15 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "kept_aside.h"
+#include "kept_scan.h"
 #include "layer_contents.h"
 #include "marks.h"
 #include "mesh_copy.h"
 
 #include <vcg/complex/allocate.h>
 
+#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <cstdint>
-#include <type_traits>
 
 using vcg::fcd::Error;
 
@@ -19,173 +18,149 @@ namespace {
 
 using Quality = CVertexO::QualityType;
 
-const char *const colorName = "fcd_color", *const qualityName = "fcd_quality", *const tagName = "fcd_tagged_1",
-                  *const asideName = "fcd_aside_2";
-
-/// What a layer keeps aside. Who changes it changes the number in asideName.
-struct Aside {
-    bool color = false, quality = false;       ///< kept, or known not to have been there
-    bool hadColor = false, hadQuality = false; ///< and there was some
-    bool countedQuality = false;               ///< the layer said that it had some, be it 0
-};
-static_assert(std::is_trivially_copyable<Aside>::value, "plain data, whoever has made it");
-
-/// What tags have left of a vertex, zero for one that something else makes. Who changes it changes the number in
-/// tagName.
-struct TaggedVertex {
-    std::uint32_t color;
-    bool hasColor, hasQuality; ///< of it is kept aside
-};
-static_assert(std::is_trivial<TaggedVertex>::value, "plain data, zero for new vertices");
-
-Aside *asideOf(const CMeshO &mesh) { return host::meshAttribute<Aside>(mesh, asideName); }
-
-void drop(CMeshO &mesh, const char *name) {
-    if (vcg::tri::HasPerVertexAttribute(mesh, name))
-        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, name);
+/// What is kept of a layer, null where nothing is.
+KeptScan *scanOf(const CMeshO &mesh) {
+    return host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name)
+               ? host::meshAttribute<KeptScan>(mesh, KeptScan::name)
+               : nullptr;
 }
 
-std::uint32_t numberOf(const vcg::Color4b &c) {
-    return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 | std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
+void drop(CMeshO &mesh) {
+    if (vcg::tri::HasPerVertexAttribute(mesh, TaggedVertex::name))
+        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, TaggedVertex::name);
+    vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(mesh, KeptScan::name);
 }
-
-/// What is kept aside of the vertices of a layer.
-class KeptVertices {
-  public:
-    explicit KeptVertices(const CMeshO &mesh)
-        : color(host::vertexAttribute<vcg::Color4b>(mesh, colorName)),
-          quality(host::vertexAttribute<Quality>(mesh, qualityName)),
-          tagged(host::vertexAttribute<TaggedVertex>(mesh, tagName)), mesh(mesh) {
-        // Tags may be changed by whoever computes a quality; what is no whole number is no tag, and then none is one.
-        std::atomic<bool> whole{tagged && quality};
-        if (whole)
-            forVertices(mesh, [&](std::size_t i) {
-                const auto q = mesh.vert[i].cQ();
-                if (tagged[i].hasQuality && q != std::round(q))
-                    whole = false;
-            });
-        areTags = whole;
-    }
-
-    bool isColorOfTag(std::size_t i) const {
-        return tagged && color && tagged[i].hasColor && tagged[i].color == numberOf(mesh.vert[i].cC());
-    }
-    bool isQualityTag(std::size_t i) const { return areTags && tagged[i].hasQuality; }
-
-    vcg::Color4b *const color;
-    Quality *const quality;
-    TaggedVertex *const tagged;
-
-  private:
-    const CMeshO &mesh;
-    bool areTags;
-};
 
 } // namespace
 
-bool isAside(const std::string &attribute) {
-    return attribute == colorName || attribute == qualityName || attribute == tagName;
-}
+bool isAside(const std::string &attribute) { return attribute == TaggedVertex::name; }
 
 void keepAside(MeshModel &layer, bool color, bool quality) {
     CMeshO &mesh = layer.cm;
-    Aside &aside = host::madeMeshAttribute<Aside>(mesh, asideName);
-    host::madeVertexAttribute<TaggedVertex>(mesh, tagName);
-    if (color)
-        host::madeVertexAttribute<vcg::Color4b>(mesh, colorName);
-    if (quality)
-        host::madeVertexAttribute<Quality>(mesh, qualityName);
-    const KeptVertices kept(mesh);
-    if (color) {
-        std::atomic<bool> any{false};
-        const bool has = layer.hasDataMask(MeshModel::MM_VERTCOLOR);
-        forVertices(mesh, [&](std::size_t i) {
-            if (kept.isColorOfTag(i))
-                return;
-            kept.color[i] = has ? mesh.vert[i].cC() : vcg::Color4b(vcg::Color4b::White);
-            kept.tagged[i].hasColor = true;
-            any = true;
-        });
-        if (any)
-            aside.hadColor = has;
-        aside.color = true;
+    if (!scanOf(mesh)) {
+        drop(mesh);
+        host::madeMeshAttribute<KeptScan>(mesh, KeptScan::name);
+        host::madeVertexAttribute<TaggedVertex>(mesh, TaggedVertex::name);
     }
-    if (quality) {
-        const bool has = hasQuality(layer);
-        std::atomic<bool> areTags{false};
-        forVertices(mesh, [&](std::size_t i) {
-            if (has && kept.isQualityTag(i)) {
-                areTags = true;
-                return;
-            }
-            kept.quality[i] = has ? mesh.vert[i].cQ() : 0;
-            kept.tagged[i].hasQuality = true;
-        });
-        if (!areTags) {
-            aside.hadQuality = has;
-            aside.countedQuality = layer.hasDataMask(MeshModel::MM_VERTQUALITY);
+    const bool had = layer.hasDataMask(MeshModel::MM_VERTCOLOR), hadQuality = hasQuality(layer);
+    KeptScan next = *scanOf(mesh);
+    const std::size_t live = std::size_t(mesh.vn);
+    next.places.assign(live, Point3m());
+    next.colors.assign(color || next.color ? live : 0, vcg::Color4b(vcg::Color4b::White));
+    next.qualities.assign(quality || next.quality ? live : 0, 0);
+    std::vector<TaggedVertex> tagged(mesh.vert.size(), TaggedVertex());
+    std::atomic<bool> isAnyOther{false}, isAnyTag{false}; // colours, qualities
+    const KeptVertices kept(layer);
+    Packing(mesh.vert, mesh.vn).forEach([&](std::size_t i, std::size_t j) {
+        const CVertexO &vertex = mesh.vert[i];
+        tagged[i] = {std::uint32_t(j + 1), kept.colorNumber(i), color || kept.isColorOfTag(i),
+                     quality || kept.isQualityTag(i)};
+        next.places[j] = vertex.cP();
+        if (!next.colors.empty()) {
+            const auto own = kept.color(i);
+            if (own || had)
+                next.colors[j] = own ? *own : vertex.cC();
+            if (!own)
+                isAnyOther = true;
         }
-        aside.quality = true;
+        if (!next.qualities.empty() && hadQuality) {
+            const auto own = kept.quality(i);
+            next.qualities[j] = own ? *own : vertex.cQ();
+            if (own)
+                isAnyTag = true;
+        }
+    });
+    if (color && isAnyOther)
+        next.hadColor = had;
+    if (quality && !isAnyTag) {
+        next.hadQuality = hadQuality;
+        next.countedQuality = layer.hasDataMask(MeshModel::MM_VERTQUALITY);
+    }
+    next.color |= color;
+    next.quality |= quality;
+    next.faces = facesOf(mesh);
+    next.vertexSlots = mesh.vert.size();
+    *scanOf(mesh) = std::move(next);
+    std::copy(tagged.begin(), tagged.end(), host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name));
+}
+
+void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, bool quality) {
+    const CMeshO &mesh = layer.cm;
+    KeptScan &scan = *scanOf(mesh);
+    auto *tagged = host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name);
+    bool isFirst = true;
+    for (std::size_t i = 0; i < tag.size(); ++i) {
+        const vcg::Color4b &c = mesh.vert[i].cC();
+        if (mesh.vert[i].IsD())
+            continue;
+        if (quality) {
+            scan.lowTag = std::min(isFirst ? 0 : scan.lowTag, double(tag[i]));
+            scan.highTag = std::max(isFirst ? 0 : scan.highTag, double(tag[i]));
+        }
+        if (color) {
+            tagged[i].color = numberOf(c);
+            for (int k = 0; k < 3; ++k) {
+                scan.lowColor[k] = isFirst ? c[k] : std::min(scan.lowColor[k], c[k]);
+                scan.highColor[k] = isFirst ? c[k] : std::max(scan.highColor[k], c[k]);
+            }
+        }
+        isFirst = false;
     }
 }
 
-void coloredByTags(const MeshModel &layer) {
-    const CMeshO &mesh = layer.cm;
-    if (auto *tagged = asideOf(mesh) ? host::vertexAttribute<TaggedVertex>(mesh, tagName) : nullptr)
-        forVertices(mesh, [&](std::size_t i) { tagged[i].color = numberOf(mesh.vert[i].cC()); });
-}
-
-int bringBack(MeshModel &layer) {
+BroughtBack bringBack(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
-    const Aside *aside = asideOf(mesh);
+    const KeptScan *scan = scanOf(mesh);
     const bool hadMarks = hasMarks(layer);
     dropMarks(layer);
-    if (!aside && hadMarks)
-        return 0;
-    if (!aside)
+    if (!scan && hadMarks)
+        return {};
+    if (!scan)
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
-    const KeptVertices kept(mesh);
-    std::atomic<int> others{0}, otherColors{0}, otherQualities{0};
-    forVertices(mesh, [&](std::size_t i) {
-        CVertexO &vertex = mesh.vert[i];
-        const bool color = aside->color && kept.isColorOfTag(i), quality = aside->quality && kept.isQualityTag(i);
-        if (color)
-            vertex.C() = kept.color[i];
-        if (quality)
-            vertex.Q() = kept.quality[i];
-        otherColors += aside->color && !color;
-        otherQualities += aside->quality && !quality;
-        others += (aside->color && !color) || (aside->quality && !quality);
-    });
-    if (aside->color && !aside->hadColor && otherColors == 0)
+    std::atomic<int> others{0}, placed{0}, otherColors{0}, otherQualities{0};
+    {
+        const KeptVertices kept(layer);
+        forVertices(mesh, [&](std::size_t i) {
+            CVertexO &vertex = mesh.vert[i];
+            const auto color = scan->color ? kept.color(i) : std::nullopt;
+            const auto quality = scan->quality ? kept.quality(i) : std::nullopt;
+            if (color)
+                vertex.C() = *color;
+            if (quality)
+                vertex.Q() = *quality;
+            otherColors += scan->color && !color;
+            otherQualities += scan->quality && !quality;
+            const bool isOther = (scan->color && !color) || (scan->quality && !quality);
+            others += isOther;
+            placed += !isOther && !kept.isOld(i);
+        });
+    }
+    if (scan->color && !scan->hadColor && otherColors == 0)
         layer.clearDataMask(MeshModel::MM_VERTCOLOR);
-    if (aside->quality && !aside->countedQuality && otherQualities == 0)
+    if (scan->quality && !scan->countedQuality && otherQualities == 0)
         layer.clearDataMask(MeshModel::MM_VERTQUALITY);
-    drop(mesh, colorName);
-    drop(mesh, qualityName);
-    drop(mesh, tagName);
-    vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(mesh, asideName);
-    return others;
+    drop(mesh);
+    return {others, placed};
 }
 
 void bringBackTo(MeshModel &copy, const MeshModel &layer) {
     const CMeshO &from = layer.cm;
-    const Aside *aside = asideOf(from);
-    if (!aside)
+    const KeptScan *scan = scanOf(from);
+    if (!scan)
         return;
-    const KeptVertices kept(from);
+    const KeptVertices kept(layer);
     std::atomic<bool> otherColors{false};
     Packing(from.vert, from.vn).forEach([&](std::size_t i, std::size_t j) {
         CVertexO &to = copy.cm.vert[j];
         // Colours that were changed after tagging are meant to be seen.
-        if (aside->color && kept.isColorOfTag(i))
-            to.C() = kept.color[i];
+        if (const auto color = scan->color ? kept.color(i) : std::nullopt)
+            to.C() = *color;
         else
             otherColors = true;
-        if (aside->quality && aside->hadQuality && kept.isQualityTag(i))
-            to.Q() = kept.quality[i];
+        if (const auto quality = scan->quality && scan->hadQuality ? kept.quality(i) : std::nullopt)
+            to.Q() = *quality;
     });
-    if (aside->color && !aside->hadColor && !otherColors)
+    if (scan->color && !scan->hadColor && !otherColors)
         copy.clearDataMask(MeshModel::MM_VERTCOLOR);
 }

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -38,6 +39,10 @@ std::uint64_t sumOf(std::size_t n, const Range &range) {
                           [&](std::size_t first, std::size_t last) { sums[first / grain] = range(first, last); });
     return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
 }
+
+/// How far a coordinate that a host moved may be off, of the numbers that it is the sum of: a host multiplies and adds
+/// four, each rounded, those of the matrix, too; and a person may turn a layer some times.
+constexpr double layerRounding = 32 * double(std::numeric_limits<Scalarm>::epsilon());
 
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);

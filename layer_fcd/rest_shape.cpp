@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -98,6 +97,8 @@ bool RestShape::exists(const MeshModel &layer) {
     return values<Point3m>(mesh, positionName) && values<Point3m>(mesh, normalName) &&
            values<PosedVertex>(mesh, vertexName) && host::meshAttribute<Posed>(mesh, posedName);
 }
+
+const PosedVertex *RestShape::lastPlaces(const CMeshO &mesh) { return values<PosedVertex>(mesh, vertexName); }
 
 void RestShape::keep(MeshModel &layer) {
     CMeshO &mesh = layer.cm;
@@ -199,7 +200,7 @@ bool RestShape::isAtHome(std::size_t slot) {
     const std::uint64_t here = placeOf(p);
     if (here == known.before)
         return true;
-    if (!isKnown(slot) || (std::memcmp(known.now.data(), &p[0], sizeof known.now) != 0 && p != position[slot]))
+    if (!known.isKnown() || (std::memcmp(known.now.data(), &p[0], sizeof known.now) != 0 && p != position[slot]))
         return false;
     known.before = here;
     return true;
@@ -216,7 +217,7 @@ std::uint64_t RestShape::countStrangers() {
 
 bool RestShape::isSameMesh() const {
     for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (!mesh.vert[i].IsD() && !isKnown(i))
+        if (!mesh.vert[i].IsD() && !vertices[i].isKnown())
             return false;
     return posed->vertexSlots == mesh.vert.size() && posed->faces == facesOf(mesh);
 }
@@ -227,15 +228,12 @@ bool RestShape::followMove() {
     for (std::size_t i = 0; i < mesh.vert.size(); ++i) {
         if (mesh.vert[i].IsD())
             continue;
-        if (!isKnown(i))
+        if (!vertices[i].isKnown())
             return false;
-        from.emplace_back(double(vertices[i].now[0]), double(vertices[i].now[1]), double(vertices[i].now[2]));
+        from.push_back(vertices[i].place());
         to.push_back(toVector(mesh.vert[i].cP()));
     }
-    // A host multiplies and adds four numbers for a coordinate, each rounded, those of the matrix, too; and a person
-    // may turn a layer some times before it is posed again.
-    const std::optional<Eigen::Affine3d> found =
-        affineMapOf(from, to, 32 * double(std::numeric_limits<Scalarm>::epsilon()));
+    const std::optional<Eigen::Affine3d> found = affineMapOf(from, to, layerRounding);
     if (!found)
         return false;
     const Eigen::Affine3d &move = *found;

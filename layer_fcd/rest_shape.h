@@ -17,6 +17,9 @@
 /// What the state of a layer knows of a vertex: plain data, zero for a vertex that something else makes. Who changes it
 /// changes the number in its name.
 struct PosedVertex {
+    Eigen::Vector3d place() const { return Eigen::Vector3d(double(now[0]), double(now[1]), double(now[2])); }
+    bool isKnown() const { return before != 0; }
+
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
     std::uint64_t
         before; ///< that which it had then, as placeOf tells it: a preview begins with it each time; 0: unknown
@@ -28,11 +31,11 @@ struct Posed {
     /// precision. Few people go back farther than this, but to the first.
     static constexpr std::uint32_t mostEarlier = 8;
 
-    std::uint64_t faces = 0; ///< facesOf the mesh
+    std::uint64_t faces = 0;       ///< facesOf the mesh
     std::uint64_t vertexSlots = 0; ///< of the mesh
-    bool ownNormals = false; ///< as hasOwnNormals tells it
-    std::uint32_t made = 0;  ///< of earlier rest shapes, in all
-    std::uint32_t count = 0; ///< of those that there are
+    bool ownNormals = false;       ///< as hasOwnNormals tells it
+    std::uint32_t made = 0;        ///< of earlier rest shapes, in all
+    std::uint32_t count = 0;       ///< of those that there are
     std::array<std::uint32_t, mostEarlier> earlier =
         {}; ///< the numbers in the names of their attributes, the first first
 };
@@ -46,6 +49,8 @@ struct Posed {
 class RestShape {
   public:
     static bool exists(const MeshModel &layer);
+    /// Where the last pose left each vertex slot. \pre the layer has a rest shape
+    static const PosedVertex *lastPlaces(const CMeshO &mesh);
     /// Makes the present shape of \p layer its rest shape. The one of before becomes an earlier one, unless something
     /// else has moved or made vertices: none of before is one of the present mesh then, and none is kept.
     static void keep(MeshModel &layer);
@@ -97,7 +102,6 @@ class RestShape {
   private:
     std::uint64_t countStrangers(); ///< vertices that are not where they were put
     bool followMove();
-    bool isKnown(std::size_t slot) const { return vertices[slot].before != 0; }
     Point3m *earlierPositions(std::uint32_t place) const;
     Point3m *earlierNormals(std::uint32_t place) const;
     void dropEarlier(std::uint32_t place);

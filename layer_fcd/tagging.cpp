@@ -122,8 +122,9 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
         for (std::size_t i = 0; i < tag.size(); ++i)
             if (!mesh.vert[i].IsD())
                 mesh.vert[i].C() = colorOfTag(tag[i]);
-        coloredByTags(layer);
     }
+    if (target.colorize || target.attribute.isEmpty())
+        takeTags(layer, tag, target.colorize, target.attribute.isEmpty());
     return count;
 }
 

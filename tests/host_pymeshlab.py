@@ -416,11 +416,16 @@ def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
     ms.apply_filter("compute_fcd_tags_from_selection", role=0)
     tagged = ms.current_mesh().vertex_number()
     ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
-    vertices = ms.current_mesh().vertex_number()
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.4 && x < 0.5")
+    ms.compute_color_by_function_per_vertex(x="10", y="20", z="30", onselected=True)
+    vertices, painted = ms.current_mesh().vertex_number(), ms.current_mesh().selected_vertex_number()
     ms.set_verbosity(True)
     capfd.readouterr()
-    ms.apply_filter("clear_fcd_tags")
-    assert f"{vertices - tagged} of the {vertices} vertices of 'bone.ply' were made, coloured or given" in capfd.readouterr().err
+    new = ms.apply_filter("clear_fcd_tags")["new_vertices"]
+    log = capfd.readouterr().err
+    assert f"{painted} of the {vertices} vertices of 'bone.ply' were made, coloured or given" in log
+    assert f"{new} of the {vertices} vertices of 'bone.ply' were made by something else since they were tagged: they have what" in log
+    assert vertices - tagged - painted <= new < vertices - tagged
 
 
 @pytest.mark.parametrize("factor, shift, points, said", [

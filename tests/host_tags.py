@@ -50,6 +50,20 @@ def test_tags_stand_in_the_place_of_colours_and_quality_until_they_are_cleared()
         ms.apply_filter(CLEAR)
 
 
+@pytest.mark.parametrize("target, words", [({}, "colours and quality"), (dict(colorize=False), "quality"), (dict(tag_attribute="tags"), "colours"),
+                                           (dict(tag_attribute="tags", colorize=False), None)])
+def test_the_log_says_what_a_file_has_that_is_saved_now(capfd, target, words):
+    ms = clean_bone()
+    set_quality(ms, "0")
+    ms.compute_selection_by_condition_per_vertex(condselect="x < 0.25")
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter(TAG, role=0, **target)
+    log = capfd.readouterr()
+    assert (f"that is saved now has the tags as {words}, in the place" if words else " fixed") in log.err + log.out
+    assert bool(words) == ("saved now" in log.err + log.out)
+
+
 def test_the_deformed_layer_has_the_colours_that_the_mesh_had():
     ms = coloured()
     set_quality(ms, "0")
@@ -91,22 +105,81 @@ def test_colours_that_were_given_after_tagging_are_meant():
     assert same_points(look(ms)[0], color)
 
 
-def test_vertices_that_something_else_has_made_keep_what_they_have():
-    ms = coloured()
-    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
-    color, quality = look(ms)
-    known = {tuple(p): (tuple(c), q) for p, c, q in zip(ms.current_mesh().vertex_matrix(), color, quality)}
+def remeshing(name):
+    """A filter that makes new vertices, with its parameters."""
+    length = pymeshlab.PercentageValue if hasattr(pymeshlab, "PercentageValue") else pymeshlab.Percentage
+    return {"subdivided": ("meshing_surface_subdivision_midpoint", dict(iterations=2, threshold=length(0))),
+            "remeshed": ("meshing_isotropic_explicit_remeshing", dict(targetlen=length(3), iterations=3)),
+            "clustered": ("meshing_decimation_clustering", dict(threshold=length(3)))}[name]
+
+
+def scan_of_places():
+    """The bone, its colours and quality a function of the place."""
+    ms = clean_bone()
+    ms.compute_color_by_function_per_vertex(x="255 * x", y="100", z="50")
+    set_quality(ms, "rint(10 * x)")
+    ms.compute_selection_by_condition_per_vertex(condselect="1 < 0")
+    return ms
+
+
+def off_by(ms):
+    """How far colours and qualities of the current layer are from those of its places, as the worst twentieth is."""
+    x, (color, quality) = ms.current_mesh().vertex_matrix()[:, 0], look(ms)
+    return np.percentile(abs(color[:, 0] - x), 95), np.percentile(abs(quality - 10 * x), 95)
+
+
+@pytest.mark.parametrize("change", ["subdivided", "remeshed", "clustered"])
+@pytest.mark.parametrize("moved", [False, True])
+def test_vertices_that_something_else_has_made_have_what_was_at_their_place(change, moved):
+    name, parameters = remeshing(change)
+    ms, untagged = scan_of_places(), scan_of_places()
+    tag_ends(ms)
+    for each in ms, untagged:
+        if moved:
+            each.apply_filter("compute_matrix_from_translation_rotation_scale", translationy=3.0, rotationx=30.0, scaley=2.0, scalez=2.0)
+        each.apply_filter(name, **parameters)
+    tags = look(ms)
+    ms.compute_selection_by_condition_per_vertex(condselect="x < 0.25 || x > 0.75")
+    ms.apply_filter(DEFORM, graph_layers=False, handles=1) # which moves nothing
+    deformed = off_by(ms)
+    ms.set_current_mesh(0)
+    assert same_points(look(ms)[0], tags[0]) and same_points(look(ms)[1], tags[1])
+    count = ms.current_mesh().vertex_number()
+    result = ms.apply_filter(CLEAR)
+    if moved and change != "subdivided": # nothing is left that would tell of the move
+        assert result == {"other_vertices": count, "new_vertices": 0} and same_points(look(ms)[0], tags[0])
+        return
+    assert result["new_vertices"] > 0 and result["other_vertices"] < 0.02 * count
+    color, quality = off_by(ms)
+    assert color < 0.03 and quality < 1 and deformed[0] < 0.05
+    assert color < off_by(untagged)[0] + 0.02
+
+
+def test_new_vertices_of_a_posed_layer_keep_what_they_have():
+    ms = scan_of_places()
+    set_quality(ms, "1")
+    known = {tuple(c) for c in look(ms)[0]}
+    tag_ends(ms)
+    ms.apply_filter(POSE, **BEND)
+    before = ms.current_mesh().vertex_number()
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
+    mixed = look(ms)[0]
+    result = ms.apply_filter(CLEAR)
+    assert result == {"other_vertices": ms.current_mesh().vertex_number() - before, "new_vertices": 0}
+    back = np.array([tuple(c) in known for c in look(ms)[0]])
+    assert back.sum() >= before and same_points(look(ms)[0][before:], mixed[before:])
+
+
+def test_new_vertices_that_were_painted_keep_that():
+    ms = scan_of_places()
     tag_ends(ms)
     ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)
-    with pytest.raises(pymeshlab.PyMeshLabException, match="are whole numbers"):
-        tag_ends(ms)
-    points, (tag_color, tags) = ms.current_mesh().vertex_matrix(), look(ms)
-    result = ms.apply_filter(CLEAR)
-    new = np.array([tuple(p) not in known for p in points])
-    assert result == {"other_vertices": new.sum()} and 1000 < new.sum() < len(points)
-    for p, c, q, is_new, before in zip(points, *look(ms), new, zip(tag_color, tags)):
-        expected = (tuple(before[0]), before[1]) if is_new else known[tuple(p)]
-        assert (tuple(c), q) == expected
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.4 && x < 0.5")
+    ms.compute_color_by_function_per_vertex(x="10", y="20", z="30", onselected=True)
+    painted = ms.current_mesh().vertex_selection_array()
+    assert ms.apply_filter(CLEAR)["other_vertices"] == painted.sum()
+    assert (np.round(255 * look(ms)[0][painted, :3]) == [10, 20, 30]).all()
+    assert np.abs(look(ms)[0][~painted, 0] - ms.current_mesh().vertex_matrix()[~painted, 0]).max() < 0.1
 
 
 def test_what_is_painted_after_tagging_stays_and_all_else_comes_back():
@@ -122,7 +195,7 @@ def test_what_is_painted_after_tagging_stays_and_all_else_comes_back():
     ms.apply_filter(DEFORM, graph_layers=False, **BEND)
     assert same_points(look(ms)[0], expected) and same_points(look(ms)[1], tags)
     ms.set_current_mesh(0)
-    assert ms.apply_filter(CLEAR) == {"other_vertices": painted.sum()}
+    assert ms.apply_filter(CLEAR) == {"other_vertices": painted.sum(), "new_vertices": 0}
     assert same_points(look(ms)[0], expected) and not look(ms)[1].any()
 
 

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "affine_map.h"
+#include "kept_scan.h"
+#include "layer_contents.h"
+#include "parameters.h"
+#include "rest_shape.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+static_assert(std::is_trivial<TaggedVertex>::value, "plain data, zero for new vertices");
+
+const char *const KeptScan::name = "fcd_scan_1";
+const char *const TaggedVertex::name = "fcd_tagged_2";
+
+namespace {
+
+/// The longest edge at each vertex.
+std::vector<double> longestEdges(const CMeshO &mesh) {
+    std::vector<double> longest(mesh.vert.size(), 0);
+    for (const CFaceO &face : mesh.face)
+        for (int k = 0; !face.IsD() && k < 3; ++k) {
+            const std::size_t a = vcg::tri::Index(mesh, face.cV(k)), b = vcg::tri::Index(mesh, face.cV((k + 1) % 3));
+            const double length = (toVector(mesh.vert[a].cP()) - toVector(mesh.vert[b].cP())).norm();
+            longest[a] = std::max(longest[a], length);
+            longest[b] = std::max(longest[b], length);
+        }
+    return longest;
+}
+
+} // namespace
+
+std::uint32_t numberOf(const vcg::Color4b &c) {
+    return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 | std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
+}
+
+KeptVertices::KeptVertices(const MeshModel &layer)
+    : scan(*host::meshAttribute<KeptScan>(layer.cm, KeptScan::name)), mesh(layer.cm),
+      tagged(host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name)), isKnown(mesh.vert.size(), 0) {
+    std::atomic<bool> isAnyMoved{false}, isAnyNew{false};
+    forVertices(mesh, [&](std::size_t i) {
+        isKnown[i] = tagged[i].number != 0 && tagged[i].number <= scan.places.size();
+        if (!isKnown[i])
+            isAnyNew = true;
+        else if (mesh.vert[i].cP() != placeOf(i))
+            isAnyMoved = true;
+    });
+    const bool isSameMesh =
+        isAnyMoved && !isAnyNew && scan.vertexSlots == mesh.vert.size() && scan.faces == facesOf(mesh);
+    const bool wasPosed = RestShape::exists(layer);
+    std::optional<Eigen::Affine3d> move;
+    if (isAnyMoved && !isSameMesh && !(move = moveOfAll())) {
+        const std::vector<double> longest = longestEdges(mesh);
+        const PosedVertex *posed = wasPosed ? RestShape::lastPlaces(mesh) : nullptr;
+        forVertices(mesh, [&](std::size_t i) {
+            const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
+            const auto isNear = [&](const Eigen::Vector3d &place) { return (place - p).norm() <= longest[i] / 2; };
+            if (!isKnown[i] || isNear(toVector(placeOf(i))) ||
+                (posed && posed[i].isKnown() && isNear(posed[i].place())))
+                return;
+            isKnown[i] = 0;
+            isAnyNew = true;
+        });
+    }
+    if (isAnyNew && !wasPosed && !scan.places.empty()) {
+        points.reserve(scan.places.size());
+        for (const Point3m &place : scan.places)
+            points.push_back(move ? *move * toVector(place) : toVector(place));
+        tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
+    }
+    // Tags may be changed by whoever computes a quality; what is no whole number is no tag, and then none is one.
+    std::atomic<bool> whole{true};
+    forVertices(mesh, [&](std::size_t i) {
+        const auto q = mesh.vert[i].cQ();
+        if (isOld(i) && tagged[i].hasQuality && q != std::round(q))
+            whole = false;
+    });
+    areTags = whole;
+}
+
+/// The affine map by which something has moved all of those that were tagged, where it is one.
+std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
+    std::vector<Eigen::Vector3d> from, to;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (isKnown[i]) {
+            from.push_back(toVector(placeOf(i)));
+            to.push_back(toVector(mesh.vert[i].cP()));
+        }
+    return affineMapOf(from, to, layerRounding);
+}
+
+std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
+    const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
+    std::vector<vcg::fcd::PointTree<double>::Found> found;
+    tree->Nearest(p, 4, found); // as many as the corners of the two triangles at an edge
+    double span = 0, least = std::numeric_limits<double>::infinity(), sum = 0;
+    for (const auto &a : found) {
+        least = std::min(least, a.square);
+        for (const auto &b : found)
+            span = std::max(span, (points[std::size_t(a.point)] - points[std::size_t(b.point)]).squaredNorm());
+    }
+    std::vector<Near> near;
+    if (!(least <= span)) // it lies beside them, not between
+        return near;
+    for (const auto &each : found) {
+        near.push_back({std::size_t(each.point), 1 / std::max(each.square, 1e-12 * span)});
+        sum += near.back().weight;
+    }
+    for (Near &each : near)
+        each.weight /= sum;
+    return near;
+}
+
+std::optional<vcg::Color4b> KeptVertices::color(std::size_t i) const {
+    if (isColorOfTag(i))
+        return scan.colors[tagged[i].number - 1];
+    const vcg::Color4b &now = mesh.vert[i].cC();
+    bool isMixed = scan.color && !isOld(i) && tree; // or the colour of one tag
+    for (int k = 0; k < 3 && isMixed; ++k)
+        isMixed = now[k] >= scan.lowColor[k] && now[k] <= scan.highColor[k];
+    if (!isMixed)
+        return {};
+    Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+    double sum = 0;
+    for (const Near &each : nearTo(i)) {
+        const vcg::Color4b &c = scan.colors[each.kept];
+        mean += each.weight * Eigen::Vector4d(c[0], c[1], c[2], c[3]);
+        sum += each.weight;
+    }
+    if (sum == 0)
+        return {};
+    vcg::Color4b color;
+    for (int k = 0; k < 4; ++k)
+        color[k] = (unsigned char)std::lround(mean[k]);
+    return color;
+}
+
+std::optional<CVertexO::QualityType> KeptVertices::quality(std::size_t i) const {
+    if (isQualityTag(i))
+        return scan.qualities[tagged[i].number - 1];
+    const double now = double(mesh.vert[i].cQ());
+    if (!scan.quality || !areTags || isOld(i) || !tree || now < scan.lowTag || now > scan.highTag)
+        return {};
+    double mean = 0, sum = 0;
+    for (const Near &each : nearTo(i)) {
+        mean += each.weight * double(scan.qualities[each.kept]);
+        sum += each.weight;
+    }
+    return sum == 0 ? std::nullopt : std::optional<CVertexO::QualityType>(CVertexO::QualityType(mean));
+}
