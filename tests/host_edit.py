@@ -104,6 +104,7 @@ class Window:
     def __init__(self, folder, mesh):
         self.folder, self.log, self.shots = folder, folder / "log.txt", 0
         self.processes = []
+        self.pressed = None, 0.0 # where, and when
         read, write = os.pipe()
         self.start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1366x768x24"], {}, pass_fds=[write])
         os.close(write)
@@ -113,10 +114,11 @@ class Window:
         runtime.mkdir(mode=0o700)
         self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
         self.start(["openbox"], self.environment)
-        time.sleep(0.5)
+        self.settle()
         self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
         self.wait("All files opened")
-        time.sleep(2)
+        self.wait_for_title("MeshLab")
+        self.settle()
 
     def start(self, command, environment, **options):
         with open(self.log, "ab") as log:
@@ -135,48 +137,86 @@ class Window:
             assert time.time() < end, f"no '{text}' in the log: " + self.text()[-2000:]
             time.sleep(0.05)
 
-    def do(self, *arguments, pause=0.1):
-        subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=30)
-        time.sleep(pause)
+    def is_busy(self):
+        """Whether a thread of the screen, the window manager or MeshLab runs, or waits for a core or a disk."""
+        for process in self.processes:
+            for thread in Path(f"/proc/{process.pid}/task").glob("*/stat"):
+                try:
+                    if thread.read_text().rpartition(")")[2].split()[0] in "RD":
+                        return True
+                except (FileNotFoundError, ProcessLookupError): # it ended
+                    pass
+        return False
 
-    def key(self, *keys, pause=0.2):
+    def settle(self):
+        """Waits until all that was sent is done: nothing runs for longer than it takes to hand an event on."""
+        calm, end = 0, time.time() + 60
+        while calm < 5:
+            time.sleep(0.015)
+            calm = 0 if self.is_busy() else calm + 1
+            assert time.time() < end, "MeshLab does not come to rest"
+
+    def do(self, *arguments, settle=True):
+        subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=60)
+        if settle:
+            self.settle()
+
+    def title(self):
+        return subprocess.run(["xdotool", "getactivewindow", "getwindowname"], env={**os.environ, **self.environment}, capture_output=True,
+                              text=True, timeout=60).stdout.strip()
+
+    def wait_for_title(self, *beginnings, other_than=None):
+        """Waits for the window that has the keyboard. Returns its title."""
+        end = time.time() + 60
+        while not (title := self.title()).startswith(beginnings) or title == other_than:
+            assert self.meshlab.poll() is None, "MeshLab ended: " + self.text()[-2000:]
+            assert time.time() < end, f"no {beginnings}, but '{title}'"
+            time.sleep(0.03)
+        self.settle()
+        return title
+
+    def key(self, *keys):
         for key in keys:
-            self.do("key", key, pause=pause)
+            self.do("key", key)
 
     def press_and_move(self, start, end, button=1, steps=12):
+        if self.pressed[0] == tuple(start): # two presses at one place within half a second are a double click
+            time.sleep(max(0, self.pressed[1] + 0.6 - time.time()))
+        self.pressed = tuple(start), time.time()
         self.do("mousemove", *start)
         self.do("mousedown", button)
-        for i in range(1, steps + 1):
-            self.do("mousemove", *(round(a + (b - a) * i / steps) for a, b in zip(start, end)), pause=0.03)
-        time.sleep(0.2)
+        way = [[round(a + (b - a) * i / steps) for a, b in zip(start, end)] for i in range(1, steps + 1)]
+        self.do(*[word for place in way for word in ("mousemove", *place, "sleep", 0.04)])
 
     def drag(self, start, end, button=1):
         self.press_and_move(start, end, button)
-        self.do("mouseup", button, pause=0.5)
+        self.do("mouseup", button)
 
-    def click(self, *places, count=1, pause=0.2):
+    def click(self, *places, count=1):
         for place in places:
-            self.do("mousemove", *place, "click", "--repeat", count, "--delay", 50, 1, pause=pause)
+            self.do("mousemove", *place, "click", "--repeat", count, "--delay", 50, 1)
 
     def toggle_tool(self):
         """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
         self.do("mousemove", *MIDDLE)
-        self.key("alt+e", "Down", "Return", pause=0.7)
+        self.key("alt+e", "Down", "Return")
 
     def start_tool(self):
         before = self.text().count("Started Mode FCD: Bend")
         self.toggle_tool()
         self.wait("Started Mode FCD: Bend", before + 1)
-        time.sleep(0.5)
         self.do("mousemove", *MIDDLE)
 
     def save(self, name):
         path = self.folder / name
-        self.key("ctrl+shift+e", pause=1)
+        self.key("ctrl+shift+e")
+        asked = self.wait_for_title("Save")
         self.do("type", "--delay", "5", str(path))
-        self.key("Return", pause=1)
-        self.key("Return", pause=0.3)
+        self.key("Return")
+        self.wait_for_title("", other_than=asked) # what the file is to have
+        self.key("Return")
         self.wait(f"Saved Mesh {path}")
+        self.wait_for_title("MeshLab")
         return path
 
     def picture(self):
@@ -272,7 +312,7 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
     w.shot("dragged")
     drags = w.traces("drag")
     assert len(drags) > 3 and drags[-1][0] == len(points) and drags[-1][1] > 50
-    w.key("ctrl+Return" if in_place else "ctrl+shift+Return", pause=1.5)
+    w.key("ctrl+Return" if in_place else "ctrl+shift+Return")
     w.wait("ms.apply_filter")
     w.shot("applied")
     bent, quality = load(w.save("bent.ply"))
@@ -292,7 +332,7 @@ def test_a_new_layer_has_the_colours_of_the_layer(window, tmp_path):
     colors = np.random.default_rng(0).integers(0, 256, (len(tube_with_ends()[0]), 3))
     w, points, _, _ = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 165, MIDDLE[1] - 150), colors)
     assert np.array_equal(colors_of(w.save("marked.ply")), colors)
-    w.key("ctrl+shift+Return", pause=1.5)
+    w.key("ctrl+shift+Return")
     w.wait("ms.apply_filter")
     w.shot("new_layer")
     bent = w.save("bent.ply")
@@ -328,7 +368,7 @@ def test_tags_of_the_filter_then_marks_of_the_tool(window, tmp_path):
     assert np.array_equal(quality == 0, tags == 0) and len(np.unique(quality)) == 2 # what the filter has made, and nothing more
     assert len(np.unique(shown, axis=0)) == 2
     w.drag((x + 225, y), (x + 165, y - 150))
-    w.key("ctrl+shift+Return", pause=1.5)
+    w.key("ctrl+shift+Return")
     w.wait("ms.apply_filter")
     bent, _, own = layer_of(w.save("bent.ply"))
     assert np.abs(bent - points).max() > 0.1 and np.array_equal(bent[tags == 0], points[tags == 0])
@@ -388,12 +428,12 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
     mark_two_regions(w)
     w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
     surface = load(w.save("surface.ply"))[0]
-    w.do("mousemove", *DISTANCES, "click", 5, pause=0.7) # the wheel: the next choice
+    w.do("mousemove", *DISTANCES, "click", 5) # the wheel: the next choice
     w.shot("euclidean")
     w.do("mousemove", *MIDDLE)
     euclidean = load(w.save("euclidean.ply"))[0]
     assert np.abs(euclidean - surface).max() > 1e-4
-    w.key("ctrl+shift+Return", pause=1.5)
+    w.key("ctrl+shift+Return")
     w.wait("ms.apply_filter")
     assert np.array_equal(load(w.save("bent.ply"))[0], euclidean)
     transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
@@ -478,20 +518,19 @@ def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
     w.drag((x + 40, y), (x + 60, y - 120))
     bent = w.save("bent.ply")
     plain = w.seen()
-    w.click(SHOW_STRETCH, pause=0.5)
+    w.click(SHOW_STRETCH)
     w.shot("stretch")
     shown = w.seen()
     assert w.save("shown.ply").read_bytes() == bent.read_bytes()
     expect_stretch(shown, plain, points, load(bent)[0], faces)
     w.key("b") # who marks sees the marks: there are none
-    w.do("mousemove", x, y - 250, pause=0.5)
+    w.do("mousemove", x, y - 250)
     red = w.seen()
     assert np.count_nonzero(red[..., 0] > red[..., 2] + 60) < 200 # the point
     w.key("m")
-    w.click(SHOW_STRETCH, (x, y - 250), pause=0.5)
-    w.key("ctrl+z", pause=0.5)
+    w.click(SHOW_STRETCH, (x, y - 250))
+    w.key("ctrl+z")
     w.toggle_tool()
-    time.sleep(1)
     w.shot("left")
     assert np.array_equal(load(w.save("left.ply"))[0], points)
 
@@ -521,7 +560,7 @@ def test_drag_on_the_surface_bends_and_leaving_keeps(window, tmp_path):
     x, y = MIDDLE
     w.press_and_move((x + 40, y), (x + 60, y - 120))
     w.shot("dragging")
-    w.do("mouseup", 1, pause=0.5)
+    w.do("mouseup", 1)
     assert len(w.traces("drag")) > 3 and w.traces("full")
     bent = load(w.save("bent.ply"))[0] # the tool is on
     moved = np.linalg.norm(bent - points, axis=1)
@@ -542,7 +581,6 @@ def test_drag_on_the_surface_bends_and_leaving_keeps(window, tmp_path):
     w.key("ctrl+z", "ctrl+z")
     assert w.save("undone_later.ply").read_bytes() == before
     w.toggle_tool()
-    time.sleep(1)
     assert w.save("at_rest.ply").read_bytes() == before
 
 
@@ -571,14 +609,14 @@ def test_monkey(window, tmp_path):
         if what < 0.45:
             w.drag(place(), place(), button=rng.choice([1, 1, 1, 1, 2, 3]))
         elif what < 0.65:
-            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "o", "t", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]), pause=0.05)
+            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "o", "t", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]))
         elif what < 0.75: # a motion by keys
-            w.key(rng.choice("grs"), rng.choice("xyz"), pause=0.05)
+            w.key(rng.choice("grs"), rng.choice("xyz"))
             w.do("mousemove", *place())
-            w.key(rng.choice(["1", "minus", "m"]), pause=0.05)
-            w.do("click", rng.choice([1, 3]), pause=0.05) # keep, or cancel
+            w.key(rng.choice(["1", "minus", "m"]))
+            w.do("click", rng.choice([1, 3])) # keep, or cancel
         elif what < 0.8:
-            w.do("mousemove", *place(), "click", rng.choice([1, 4, 5]), pause=0.05)
+            w.do("mousemove", *place(), "click", rng.choice([1, 4, 5]))
         elif what < 0.85:
             w.do("mousemove", 1030, rng.choice([133, 164]), "click", 1) # another layer
             w.do("mousemove", *MIDDLE)
@@ -587,13 +625,13 @@ def test_monkey(window, tmp_path):
             w.toggle_tool()
         elif what < 0.95: # the mesh may have left the view, or lie anyhow
             w.do("mousemove", *MIDDLE)
-            w.key("ctrl+h", *rng.choice([[], ["ctrl+shift+r"]]), "m", pause=0.3) # Reset Trackball, Reload All Meshes
+            w.key("ctrl+h", *rng.choice([[], ["ctrl+shift+r"]]), "m") # Reset Trackball, Reload All Meshes
             w.drag((MIDDLE[0] + 20, MIDDLE[1]), place())
         elif layers < 4:
             w.do("mousemove", *MIDDLE)
-            w.key("ctrl+i", pause=1)
+            w.key("ctrl+i")
             w.do("type", "--delay", "5", str(tmp_path / "two.ply"))
-            w.key("Return", pause=1)
+            w.key("Return")
             layers += 1
         assert w.meshlab.poll() is None, f"MeshLab ended, seed {seed}: " + w.text()[-3000:]
         if time.time() > start + seconds * (len(sizes) + 1) / 5:
@@ -605,8 +643,8 @@ def test_monkey(window, tmp_path):
     assert w.meshlab.poll() is None
     assert sizes[-1] < sizes[0] + 300, seed
     assert "exception was thrown" not in w.text()
-    w.key("Escape", "ctrl+s", pause=1)
+    w.key("Escape", "ctrl+s")
     w.do("type", "--delay", "5", str(tmp_path / "all.mlp"))
-    w.key("Return", pause=1)
+    w.key("Return")
     w.shot("project")
     assert (tmp_path / "all.mlp").read_text().count("<MLMesh ") == layers, seed

@@ -27,16 +27,16 @@ def open_tube(window, tmp_path, **content):
 def import_another(w, tmp_path):
     """A second layer, which becomes the current one, where the first does not hide it."""
     points, faces = tube(40, 32)
-    w.key("ctrl+i", pause=1)
+    w.key("ctrl+i")
     w.do("type", "--delay", "5", str(write_ply(tmp_path / "two.ply", points * np.float32(0.3) + np.float32([0, 0.6, 0]), faces)))
-    w.key("Return", pause=1)
+    w.key("Return")
     w.wait("two.ply in")
-    time.sleep(0.5)
+    w.settle()
 
 
 def choose_layer(w, place):
-    w.do("mousemove", 1030, 133 + 31 * place, "click", 1, pause=0.7)
-    w.do("mousemove", X, Y + 150, pause=0.3)
+    w.do("mousemove", 1030, 133 + 31 * place, "click", 1)
+    w.do("mousemove", X, Y + 150)
 
 
 def panel(w):
@@ -53,21 +53,21 @@ def test_applies_are_undone_and_done_again(window, tmp_path):
         w.drag(*pull)
         w.key("Return") # which confirms what is dragged, and applies nothing
         assert w.text().count("ms.apply_filter") == i
-        w.key("ctrl+Return", pause=1)
+        w.key("ctrl+Return")
         w.wait("ms.apply_filter", i + 1)
         shapes.append(load(w.save(f"applied{i}.ply"))[0])
         assert np.abs(shapes[-1] - shapes[-2]).max() > 0.1
     w.shot("two_applies")
     for i, steps in enumerate((2, 2)): # an apply, and what was dragged before it
-        w.key(*["ctrl+z"] * steps, pause=0.4)
+        w.key(*["ctrl+z"] * steps)
         assert np.array_equal(load(w.save(f"undone{i}.ply"))[0], shapes[-2 - i])
     assert (tmp_path / "undone1.ply").read_bytes() == before
     w.shot("undone")
-    w.key(*["ctrl+shift+z"] * 4, pause=0.5)
+    w.key(*["ctrl+shift+z"] * 4)
     assert np.array_equal(load(w.save("redone.ply"))[0], shapes[-1])
     w.toggle_tool()
     w.start_tool() # also when one comes back
-    w.key(*["ctrl+z"] * 4, pause=0.4)
+    w.key(*["ctrl+z"] * 4)
     assert w.save("back.ply").read_bytes() == before
 
 
@@ -78,7 +78,7 @@ def test_the_filter_goes_back_over_applies_of_the_tool(window, tmp_path):
     w.start_tool()
     for i, pull in enumerate((PULL, PULL_ON)):
         w.drag(*pull)
-        w.key("ctrl+Return", pause=1)
+        w.key("ctrl+Return")
         w.wait("ms.apply_filter", i + 1)
         w.save(f"applied{i}.ply")
     w.drag((X + 160, Y), (X + 160, Y - 70))
@@ -113,7 +113,6 @@ def test_a_layer_is_not_touched_by_marks(window, tmp_path):
     assert np.array_equal(load(tmp_path / "posed.ply")[1], quality) and np.array_equal(colors_of(tmp_path / "posed.ply"), colors)
     w.key("ctrl+z", "ctrl+z", "ctrl+z")
     w.toggle_tool()
-    time.sleep(1)
     assert np.array_equal(settings(), shown)
     assert w.save("left.ply").read_bytes() == before
 
@@ -157,15 +156,15 @@ def test_a_handle_alone_bends_what_is_around_it(window, tmp_path):
     w.key("ctrl+z", "ctrl+z")
     w.do("mousemove", X, Y, "mousedown", 1)
     for _ in range(6):
-        w.do("click", 4, pause=0.05) # the wheel
-    w.do("mousemove", X, Y - 40, "mousemove", X, Y - 80, pause=0.3)
+        w.do("click", 4) # the wheel
+    w.do("mousemove", X, Y - 40, "mousemove", X, Y - 80)
     wide = load_after(w, "wide.ply", points)
     assert 0.1 < np.mean(narrow > 0) + 0.05 < np.mean(wide > 0) < 0.95
 
 
 def load_after(w, name, points):
     """How far all is moved when the button is released."""
-    w.do("mouseup", 1, pause=0.5)
+    w.do("mouseup", 1)
     return np.linalg.norm(load(w.save(name))[0] - points, axis=1)
 
 
@@ -174,7 +173,7 @@ def test_the_brush_is_seen_before_it_marks(window, tmp_path):
     w.start_tool()
     w.key("b")
     for place in ((X - 100, Y - 200), (X + 100, Y - 220)): # on the dark ground above the tube
-        w.do("mousemove", *place, pause=0.4)
+        w.do("mousemove", *place)
         light = w.seen()[300 + place[1] - Y - 30:300 + place[1] - Y + 30, 270 + place[0] - X - 30:270 + place[0] - X + 30].min(-1) > 200
         rows, columns = np.nonzero(light)
         assert len(rows) > 60 and abs(rows.mean() - 30) < 3 and abs(columns.mean() - 30) < 3
@@ -208,9 +207,9 @@ def test_textures_stay(window, tmp_path):
     w.press_and_move(*PULL)
     w.shot("dragged")
     assert np.all(squares() > 0.8 * before)
-    w.do("mouseup", 1, pause=0.5)
+    w.do("mouseup", 1)
     assert np.all(squares() > 0.8 * before)
-    w.key("ctrl+shift+Return", pause=2) # the view is larger then, and the mesh in it smaller
+    w.key("ctrl+shift+Return") # the view is larger then, and the mesh in it smaller
     w.shot("new_layer")
     assert np.all(squares() > 0.3 * before)
 
@@ -222,7 +221,7 @@ def test_a_drag_marks_nothing(window, tmp_path, in_place):
     before = w.save("before.ply").read_bytes()
     w.start_tool()
     w.drag(*PULL)
-    w.key("ctrl+Return" if in_place else "ctrl+shift+Return", pause=1.5)
+    w.key("ctrl+Return" if in_place else "ctrl+shift+Return")
     w.wait("ms.apply_filter")
     if in_place:
         w.toggle_tool()
@@ -251,13 +250,13 @@ def test_a_pose_stays_with_its_layer(window, tmp_path):
     choose_layer(w, 0)
     w.shot("back")
     assert np.array_equal(load(w.save("back.ply"))[0], posed)
-    w.key("ctrl+z", pause=0.5)
+    w.key("ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
-    w.key("ctrl+shift+z", pause=0.5)
+    w.key("ctrl+shift+z")
     choose_layer(w, 1)
     choose_layer(w, 0)
     assert np.array_equal(load(w.save("redone.ply"))[0], posed)
-    w.key("Delete", pause=1) # with nothing selected
+    w.key("Delete") # with nothing selected
     assert np.array_equal(load(w.save("deleted.ply"))[0], posed)
 
 
@@ -283,12 +282,12 @@ def test_the_panel_goes_with_its_document(window, tmp_path):
     w.drag(*PULL)
     posed = load(w.save("posed.ply"))[0]
     shown = panel(w)
-    w.click((29, 64), pause=1.5) # New Empty Project
+    w.click((29, 64)) # New Empty Project
     w.shot("new_project")
     assert np.abs(panel(w) - shown).mean() > 20
-    w.key("ctrl+Return", pause=1)
+    w.key("ctrl+Return")
     assert "ms.apply_filter" not in w.text()
-    w.key("ctrl+w", pause=1.5) # the new one, which is empty
+    w.key("ctrl+w") # the new one, which is empty
     w.shot("closed")
     assert np.abs(panel(w) - shown).mean() < 2
     assert np.array_equal(load(w.save("still.ply"))[0], posed)
@@ -315,21 +314,20 @@ class Monkey:
         for _ in range(rng.randint(2, 8)):
             what = rng.random()
             if what < 0.5:
-                w.key("m", pause=0.05)
+                w.key("m")
                 w.drag(on(), place())
             elif what < 0.6:
-                w.key(rng.choice("bv"), rng.choice("fuho"), pause=0.05)
+                w.key(rng.choice("bv"), rng.choice("fuho"))
                 w.drag(on(), place())
             elif what < 0.7:
-                w.key("m", rng.choice("grs"), rng.choice("xyz"), "1", "Return", pause=0.05) # Escape would hand the mouse to the camera
+                w.key("m", rng.choice("grs"), rng.choice("xyz"), "1", "Return") # Escape would hand the mouse to the camera
             else:
-                w.key(rng.choice(["ctrl+z", "ctrl+shift+z", "BackSpace", "Return", "ctrl+Return", "ctrl+Return"]), pause=0.3)
-        w.key("m", pause=0.3)
+                w.key(rng.choice(["ctrl+z", "ctrl+shift+z", "BackSpace", "Return", "ctrl+Return", "ctrl+Return"]))
+        w.key("m")
 
     def turn_off(self):
         if self.on:
             self.w.toggle_tool()
-            time.sleep(0.7)
         self.on = False
 
     def choose(self, layer):
@@ -360,7 +358,7 @@ class Monkey:
                 return True
             dialog = self.filters.dialog("FCD: Reset Pose")
             self.filters.apply(dialog)
-            time.sleep(0.7)
+            self.w.settle()
             self.filters.finish(dialog)
             self.filters.back()
             last, shape = shape, self.shape()
