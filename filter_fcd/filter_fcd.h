@@ -54,7 +54,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues clearTags(MeshModel &layer) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
-    void warnOf(const vcg::fcd::PoseWay &way, bool converged) const;
+    void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;
 
