@@ -1546,6 +1546,25 @@ def test_benchmark_of_botsch_and_sorkine(shared, case, limit):
     assert rms < limit
 
 
+@pytest.mark.parametrize("case, energies", [("bar", 0.020), ("cactus", 0.150), ("cylinder", 0.174), ("plane", 0.818)])
+def test_shapes_are_near_sr_arap(case, energies):
+    """The same on meshes of two thousand vertices of the project's own, with the references that tests/references.py makes.
+    energies: how far a node at every vertex is from them, where the energies alone differ; patches may add to that."""
+    folder = Path(__file__).resolve().parents[1] / "meshes"
+    ms = new_set()
+    ms.load_new_mesh(str(folder / f"{case}_sr_arap.ply"))
+    wanted = ms.current_mesh().vertex_matrix()
+    ms.load_new_mesh(str(folder / f"{case}.ply"))
+    rest = ms.current_mesh().vertex_matrix()
+    for patches, limit in ((300, energies + PATCHES), (20 * len(rest), 1.1 * energies)):
+        ms.set_current_mesh(1)
+        result = ms.apply_filter(DEFORM, handles=3, tag_file=str(folder / f"{case}.sel"), transform_file=str(folder / f"{case}.def"),
+                                 graph_layers=False, initial_patches=patches)
+        points = ms.current_mesh().vertex_matrix()
+        assert result["converged"]
+        assert 100 * np.sqrt(((points - wanted) ** 2).sum(1).mean()) / np.linalg.norm(np.ptp(rest, axis=0)) < limit
+
+
 def open_shared(path, folder):
     """Opens a mesh, unpacked into the folder where it is packed."""
     ms = new_set()
