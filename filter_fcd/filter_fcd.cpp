@@ -207,7 +207,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " Their patches are grown anew.");
     for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
-    warnOf(result.pose.way, result.converged);
+    warnOf(result.pose.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
@@ -218,6 +218,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                    {"iterations", result.iterations},
                    {"converged", result.converged},
                    {"energy", result.energy},
+                   {"discretisation_error", result.discretisationError},
                    {"seconds_graph", result.secondsGraph},
                    {"seconds_solve", result.secondsSolve},
                    {"seconds_map", result.secondsMap}});
@@ -249,12 +250,13 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
          << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
          << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
     logLine(line.str());
-    warnOf(result.way, result.converged);
+    warnOf(result.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.tags);
     values.merge(valuesOf(result.way));
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},
                    {"converged", result.converged},
+                   {"discretisation_error", result.discretisationError},
                    {"prepared", result.prepared},
                    {"seconds_find", result.secondsFind},
                    {"seconds_prepare", result.secondsPrepare},
@@ -308,13 +310,15 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
     return {{"samples", samples}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
 }
 
-void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged) const {
+void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
     for (const std::string &remark : describe(way))
         logLine(remark, GLLogStream::WARNING);
     if (!converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
+    if (const std::string remark = describeDiscretisation(discretisationError); !remark.empty())
+        logLine(remark, GLLogStream::WARNING);
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {

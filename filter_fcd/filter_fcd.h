@@ -56,7 +56,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues clearTags(MeshModel &layer) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
-    void warnOf(const vcg::fcd::PoseWay &way, bool converged) const;
+    void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;
 

@@ -89,6 +89,16 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
     return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};
 }
 
+std::string describeDiscretisation(double error) {
+    if (!(error > 0.01)) // what one sees
+        return {};
+    std::ostringstream line;
+    line.precision(2);
+    line << "With so few patches, the shape is off by about " << 100 * error
+         << " percent of the diagonal of what bends (rms): more of them bring it nearer. Raise initial_patches.";
+    return line.str();
+}
+
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
     std::vector<std::string> warnings;
     const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {

@@ -33,6 +33,9 @@ std::string describeOthers(const MeshModel &layer, const BroughtBack &made);
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
 
+/// A sentence where there are too few nodes. \param error as Deformer::DiscretisationError gives it
+std::string describeDiscretisation(double error);
+
 /// How well a layer fits, in words and in numbers.
 std::string describe(const FittedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);

@@ -202,6 +202,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.nodes = int(found->deformer->graph.Size());
     result.iterations = pose.iterations;
     result.converged = pose.graph.converged;
+    result.discretisationError = found->deformer->DiscretisationError(pose, param.deformation);
     result.way = pose.way;
     result.secondsSolve = watch.Seconds();
 

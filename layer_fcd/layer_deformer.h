@@ -23,6 +23,7 @@ struct DeformedLayers {
 struct PoseResult {
     int nodes = 0, iterations = 0;
     bool converged = false;
+    double discretisationError = 0; ///< as Deformer::DiscretisationError gives it
     vcg::fcd::PoseWay way;
     vcg::fcd::TagCount tags;
     bool prepared = false; ///< anew

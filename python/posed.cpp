@@ -169,6 +169,7 @@ nb::dict Posed::info() const {
     all["iterations"] = pose.iterations;
     all["converged"] = pose.graph.converged;
     all["energy"] = pose.graph.energy * scale * scale;
+    all["discretisation_error"] = prepared->deformer->DiscretisationError(pose, prepared->param);
     all["moves"] = anyMoves;
     all["seconds_solve"] = secondsSolve;
     all["seconds_map"] = secondsMap;

@@ -30,8 +30,8 @@ SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices":
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
 DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
-                  "outside_vertices": int, "folded_triangles": int, "strained_edges": int, "converged": bool, "energy": float, "seconds_graph": float,
-                  "seconds_solve": float, "seconds_map": float, "steps": int, "jumps": bool, "stable": bool}
+                  "outside_vertices": int, "folded_triangles": int, "strained_edges": int, "converged": bool, "energy": float,
+                  "discretisation_error": float, "seconds_graph": float, "seconds_solve": float, "seconds_map": float, "steps": int, "jumps": bool, "stable": bool}
 
 
 kept = []
@@ -407,6 +407,15 @@ def slender(around=24, along=67):
 def test_the_log_says_what_becomes_of_what_is_pressed(capfd, motion, sentence):
     result, log = deform_logged(slender(), capfd, transforms="2: " + motion, pose_steps=4 if "-25" in motion else 1)
     assert sentence in log and (result["jumps"] if "jumps" in sentence else not result["stable"])
+
+
+def test_the_log_says_where_there_are_too_few_patches(capfd):
+    errors = []
+    for patches in (20, 600):
+        result, log = deform_logged(slender(), capfd, transforms="2: rotate 0 1 0 60", initial_patches=patches)
+        errors.append(result["discretisation_error"])
+        assert ("With so few patches, the shape is off by about" in log) == (errors[-1] > 0.01)
+    assert errors[0] > 0.01 > 2 * errors[1] > 0
 
 
 def test_the_log_says_how_many_vertices_are_not_those_that_were_tagged(capfd):
@@ -1540,6 +1549,25 @@ def test_benchmark_of_botsch_and_sorkine(shared, case, limit):
     assert np.abs(points[tags >= 2] - transformed(motion, rest[tags >= 2])).max() < 1e-9 * diagonal
     rms = 100 * np.sqrt(((points - wanted) ** 2).sum(1).mean()) / diagonal
     assert rms < limit
+
+
+@pytest.mark.parametrize("case, energies", [("bar", 0.020), ("cactus", 0.150), ("cylinder", 0.174), ("plane", 0.818)])
+def test_shapes_are_near_sr_arap(case, energies):
+    """The same on meshes of two thousand vertices of the project's own, with the references that tests/references.py makes.
+    energies: how far a node at every vertex is from them, where the energies alone differ; patches may add to that."""
+    folder = Path(__file__).resolve().parents[1] / "meshes"
+    ms = new_set()
+    ms.load_new_mesh(str(folder / f"{case}_sr_arap.ply"))
+    wanted = ms.current_mesh().vertex_matrix()
+    ms.load_new_mesh(str(folder / f"{case}.ply"))
+    rest = ms.current_mesh().vertex_matrix()
+    for patches, limit in ((300, energies + PATCHES), (20 * len(rest), 1.1 * energies)):
+        ms.set_current_mesh(1)
+        result = ms.apply_filter(DEFORM, handles=3, tag_file=str(folder / f"{case}.sel"), transform_file=str(folder / f"{case}.def"),
+                                 graph_layers=False, initial_patches=patches)
+        points = ms.current_mesh().vertex_matrix()
+        assert result["converged"]
+        assert 100 * np.sqrt(((points - wanted) ** 2).sum(1).mean()) / np.linalg.norm(np.ptp(rest, axis=0)) < limit
 
 
 def open_shared(path, folder):

@@ -205,6 +205,7 @@ void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles 
     result.converged = result.pose.graph.converged;
     const double scale = deformer.surface.frame.scale;
     result.energy = result.pose.graph.energy * scale * scale;
+    result.discretisationError = deformer.DiscretisationError(result.pose, param);
     result.secondsSolve = watch.Seconds();
     CarryPose(mesh, normal, handles, deformer, param, progress.Slice(0.4, 1), result);
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/patches/given_nodes.h>
+#include <vcg_ext/solve/discretisation_error.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -86,17 +88,34 @@ HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
     return m;
 }
 
+NodeConstraints Deformer::ConstraintsOf(const Pose &pose) const {
+    NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
+    if (!held.original.empty())
+        detail::TurnTogether(graph, held.tag, patches, given);
+    if (!beyond.compliance)
+        given.compliant.assign(given.compliant.size(), false);
+    return given;
+}
+
+double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver) const {
+    NodeConstraints given = ConstraintsOf(pose);
+    given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
+    SolverParam steps = solver;
+    steps.accelerated = solver.accelerated && beyond.acceleration;
+    steps.follow = beyond.steps;
+    const Eigen::Matrix3Xf &rest = graph.graph.position;
+    const double diagonal = double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
+    return vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape) /
+           std::max(diagonal, std::numeric_limits<double>::min());
+}
+
 Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
                                const Progress &progress) const {
     Pose pose;
     pose.given = std::move(motions);
     for (const auto &each : pose.given.motion)
         pose.motion[each.first] = surface.frame.ToFrame(each.second);
-    NodeConstraints given = detail::ConstrainNodes(graph, held.tag, patches, small, pose.given, pose.motion);
-    if (!held.original.empty())
-        detail::TurnTogether(graph, held.tag, patches, given);
-    if (!beyond.compliance)
-        given.compliant.assign(given.compliant.size(), false);
+    NodeConstraints given = ConstraintsOf(pose);
     const std::shared_ptr<const System> system = SystemOf(given);
     SolverParam steps = solver;
     steps.accelerated = solver.accelerated && beyond.acceleration;

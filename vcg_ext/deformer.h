@@ -84,6 +84,11 @@ class Deformer : public MovingSurface {
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
+    /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, as a
+    /// fraction of the diagonal of the box of the nodes; NaN where it cannot be told. \param solver as the pose was
+    /// solved with
+    double DiscretisationError(const Pose &pose, const SolverParam &solver) const;
+
     /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
     /// holds the free surface turns by more than 60 degrees against another.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
@@ -107,6 +112,7 @@ class Deformer : public MovingSurface {
     };
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
+    NodeConstraints ConstraintsOf(const Pose &pose) const;
     std::shared_ptr<const System> SystemOf(const NodeConstraints &given) const;
 
     std::vector<std::size_t> point;
@@ -170,7 +176,8 @@ struct DeformationResult {
     TagCount tags;
     int iterations = 0; ///< of the solver
     bool converged = false;
-    double energy = 0; ///< Eq. 2, mesh units^2
+    double energy = 0;              ///< Eq. 2, mesh units^2
+    double discretisationError = 0; ///< as Deformer::DiscretisationError gives it
     double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
     SurfaceReport surface;
     Index looseParts = 0;  ///< connected components without a fixed or handle vertex

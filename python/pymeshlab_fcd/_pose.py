@@ -35,6 +35,9 @@ class PoseInfo:
     """Whether the shape came to rest."""
     energy: float
     """Of Eq. 2, in squares of the units of the vertices."""
+    discretisation_error: float
+    """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
+    what bends; not a number where that cannot be told."""
     folded: int
     """Triangles that turned over."""
     strained: int
@@ -111,8 +114,8 @@ class Pose:
     def info(self) -> PoseInfo:
         """What became of it; measured when it is asked for first."""
         info, found = self._core.info(), self._check()
-        return PoseInfo(info["nodes"], info["iterations"], info["converged"], info["energy"], found["folded"], found["strained"],
-                        float(self.stretch().max(initial=1)), info["seconds_solve"] + info["seconds_map"])
+        return PoseInfo(info["nodes"], info["iterations"], info["converged"], info["energy"], info["discretisation_error"], found["folded"],
+                        found["strained"], float(self.stretch().max(initial=1)), info["seconds_solve"] + info["seconds_map"])
 
     def stretch(self, *, progress: Progress = None) -> NDArray[np.float32]:
         """How much longer the surface got around each vertex: n, root mean square length of the edges there over that at rest; 1

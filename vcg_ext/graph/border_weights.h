@@ -3,9 +3,12 @@
 #define VCG_FCD_BORDER_WEIGHTS_H
 
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
 namespace vcg {
@@ -26,6 +29,16 @@ struct Flux {
                                                       ///< w_uv (x_v - x_u) over the edges u, v from it to the other
     Eigen::Matrix3d moment = Eigen::Matrix3d::Zero(); ///< sum of w_uv (x_v - x_u) m^T, m the edge's middle or held end
     Eigen::Vector4d held = Eigen::Vector4d::Zero();   ///< weighted sum of the held ends, and of their weights
+
+    /// What flows along an edge of the weight \p w, from \p x in the patch of the smaller number to \p y; one of the
+    /// patches may be held.
+    void Add(double w, const Eigen::Vector3d &x, const Eigen::Vector3d &y, bool heldX, bool heldY) {
+        const Eigen::Vector3d along = w * (y - x);
+        flow += along;
+        moment += along * (heldX ? x : heldY ? y : Eigen::Vector3d(0.5 * (x + y))).transpose();
+        if (heldX || heldY) // an edge that carries nothing, as across a square, still tells where the border is
+            held += std::max(1e-6, w) * (x - y).norm() * (heldX ? x : y).homogeneous();
+    }
 
     Flux &operator+=(const Flux &o) {
         flow += o.flow;
@@ -52,6 +65,9 @@ TensorVector ToVector(const Eigen::Matrix3d &t);
 /// \param edge 3 x adjacency items, to i \param held k flags \param weight of each adjacency item, symmetric; in, out
 void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::vector<char> &held,
                   const std::vector<Flux> &flux, const ShapeConstants &shape, std::vector<float> &weight);
+
+/// Gives a graph of k patches, of which positions and held flags are known, its edges and their weights.
+void WeighBorders(const Quotient<Flux> &dual, GraphWeights weights, const ShapeConstants &shape, DeformationGraph &d);
 
 } // namespace detail
 } // namespace fcd

@@ -11,6 +11,38 @@
 namespace vcg {
 namespace fcd {
 
+namespace detail {
+
+void WeighBorders(const Quotient<Flux> &dual, GraphWeights weights, const ShapeConstants &shape, DeformationGraph &d) {
+    const Index k = dual.adjacency.Size();
+    d.graph.adjacency = dual.adjacency;
+    const std::size_t items = d.graph.adjacency.item.size();
+    d.edge.resize(3, items);
+    d.weight.resize(items);
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
+            const Index j = d.graph.adjacency.item[e];
+            const Flux &flux = dual.value[e];
+            Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
+            if (flux.held[3] > 0 && BeyondPaper(weights).borders)
+                (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
+            const Eigen::Vector3d way = from - to;
+            d.edge.col(e) = way.cast<float>();
+            const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
+            d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
+        }
+    if (weights != GraphWeights::Border) {
+        d.weight.assign(items, 1);
+        return;
+    }
+    MatchTensors(d.graph, d.edge, d.held, dual.value, shape, d.weight);
+    const double total = std::accumulate(d.weight.begin(), d.weight.end(), 0.0);
+    for (float &w : d.weight)
+        w = total > 0 ? std::max(w, float(shape.leastWeight * total / double(items))) : 1;
+}
+
+} // namespace detail
+
 DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
                                       const std::vector<float> &area, const Patches &patches, GraphWeights weights,
                                       const Progress &progress, const ShapeConstants &shape) {
@@ -26,17 +58,11 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
             const bool heldU = d.held[patches.patchOf[u]], heldV = d.held[patches.patchOf[v]];
             if (heldU && heldV)
                 return false;
-            const double w = detail::CotangentWeight(surface, u, v);
-            const Eigen::Vector3d x = surface.position.col(u).cast<double>(),
-                                  y = surface.position.col(v).cast<double>();
-            flux.flow = w * (y - x);
-            flux.moment = flux.flow * (heldU ? x : heldV ? y : Eigen::Vector3d(0.5 * (x + y))).transpose();
-            if (heldU || heldV) // an edge that carries nothing, as across a square, still tells where the border is
-                flux.held = std::max(1e-6, w) * (x - y).norm() * (heldU ? x : y).homogeneous();
+            flux.Add(detail::CotangentWeight(surface, u, v), surface.position.col(u).cast<double>(),
+                     surface.position.col(v).cast<double>(), heldU, heldV);
             return true;
         },
         progress);
-    d.graph.adjacency = dual.adjacency;
     d.radius = patches.radius;
 
     Eigen::Matrix4Xd sum = Eigen::Matrix4Xd::Zero(4, k);
@@ -50,29 +76,7 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
                                            : Eigen::Vector3f((sum.col(j).head<3>() / sum(3, j)).cast<float>());
     }
 
-    const std::size_t items = d.graph.adjacency.item.size();
-    d.edge.resize(3, items);
-    d.weight.resize(items);
-    for (Index i = 0; i < k; ++i)
-        for (std::uint32_t e = d.graph.adjacency.begin[i]; e < d.graph.adjacency.begin[i + 1]; ++e) {
-            const Index j = d.graph.adjacency.item[e];
-            const Flux &flux = dual.value[e];
-            Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
-            if (flux.held[3] > 0 && beyond.borders)
-                (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
-            const Eigen::Vector3d way = from - to;
-            d.edge.col(e) = way.cast<float>();
-            const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
-            d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
-        }
-    if (weights != GraphWeights::Border) {
-        d.weight.assign(items, 1);
-        return d;
-    }
-    detail::MatchTensors(d.graph, d.edge, d.held, dual.value, shape, d.weight);
-    const double total = std::accumulate(d.weight.begin(), d.weight.end(), 0.0);
-    for (float &w : d.weight)
-        w = total > 0 ? std::max(w, float(shape.leastWeight * total / double(items))) : 1;
+    detail::WeighBorders(dual, weights, shape, d);
     return d;
 }
 

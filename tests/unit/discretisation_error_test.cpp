@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/graph/coarse_graph.h>
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Sum of w e e^T over the edges between free nodes: what the graph carries in each direction.
+static Matrix3d CarriedBy(const DeformationGraph &graph) {
+    Matrix3d sum = Matrix3d::Zero();
+    for (Index i = 0; i < graph.Size(); ++i)
+        for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e)
+            if (!graph.IsHeld(i) || !graph.IsHeld(graph.graph.adjacency.item[e])) {
+                const Vector3d way = graph.edge.col(e).cast<double>();
+                sum += 0.5 * double(graph.weight[e]) * way * way.transpose();
+            }
+    return sum;
+}
+
+TEST(CoarseGraph, CarriesWhatTheFineOneDoesWithAFourthOfTheNodes) {
+    const Rig rig(Jittered(Grid(60, 60, 0.1), 0.03), 0.25, [](const Vector3d &p) {
+        return p[0] < 1 ? 0 : p[0] > 5 ? 2 : 1;
+    });
+    const std::vector<double> area(rig.graph.Size(), 1);
+    const CoarseGraph coarse = Coarsen(rig.graph, area, rig.constrained, GraphWeights::Border);
+    Index free = 0, groups = 0;
+    for (Index i = 0; i < rig.graph.Size(); ++i)
+        free += !rig.constrained[i];
+    for (Index leader : coarse.leader)
+        groups += !rig.constrained[leader];
+    EXPECT_GT(free, 3 * groups);
+    EXPECT_LT(free, 6 * groups);
+    for (Index i = 0; i < rig.graph.Size(); ++i) {
+        const Index leader = coarse.leader[coarse.groupOf[i]];
+        if (rig.constrained[i])
+            EXPECT_EQ(leader, i);
+        const Csr::Row row = rig.graph.graph.adjacency[leader];
+        EXPECT_TRUE(leader == i || std::binary_search(row.begin(), row.end(), i));
+    }
+    ExpectAdjacencyInOrder(coarse.graph.graph.adjacency);
+    const Matrix3d fine = CarriedBy(rig.graph), less = CarriedBy(coarse.graph);
+    EXPECT_LE((less - fine).norm(), 0.05 * fine.norm());
+}
+
+/// How far the graph that \p patches makes of a case is from a node at every vertex, and how far it says it is; root
+/// mean square over the free vertices, over the diagonal of the nodes.
+static std::pair<double, double> ErrorOf(const Case &c, int patches) {
+    const MeshD mesh(c.shape);
+    DeformationParam param;
+    param.graph.initialPatches = patches;
+    const DeformationResult some = vcg::tri::DeformCentroidal(mesh, c.handles, param);
+    param.graph.initialPatches = 20 * c.shape.Size();
+    const DeformationResult all = vcg::tri::DeformCentroidal(mesh, c.handles, param);
+    EXPECT_GT(all.rest.position.cols(), 5 * some.rest.position.cols() / 2);
+    double sum = 0, free = 0;
+    for (int i = 0; i < c.shape.Size(); ++i)
+        if (c.handles.tag[i] == 1) {
+            sum += (some.position.col(i) - all.position.col(i)).squaredNorm();
+            ++free;
+        }
+    const auto &nodes = some.rest.position;
+    return {std::sqrt(sum / free) / (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm(),
+            some.discretisationError};
+}
+
+TEST(DiscretisationError, IsAThirdToThreeTimesWhatItEstimates) {
+    Shape waves = Grid(50, 30, 0.2);
+    for (Vector3d &p : waves.position)
+        p[2] = 0.2 * std::sin(2 * p[0] + p[1]);
+    const auto ends = [](int axis, double low, double high) {
+        return [=](const Vector3d &p) { return p[axis] < low ? 0 : p[axis] > high ? 2 : 1; };
+    };
+    const Affine3d twist(Eigen::AngleAxisd(1, Vector3d::UnitX()));
+    const Case tube = CaseOf(Tube(50, 40), ends(2, 0.7, 5.3)), ball = CaseOf(Sphere(40, 50), ends(2, -0.8, 0.8)),
+               sheet = CaseOf(waves, ends(0, 0.8, 9), twist);
+    for (int patches : {30, 100})
+        for (const Case &c : {tube, ball, sheet}) {
+            const auto [error, estimate] = ErrorOf(c, patches);
+            EXPECT_GT(estimate, error / 3) << patches;
+            EXPECT_LT(estimate, 3 * error) << patches;
+        }
+}
+
+TEST(DiscretisationError, IsNothingWhereNothingMovesAndUnknownForOneNode) {
+    Case c = CaseOf(Tube(24, 20), [](const Vector3d &p) { return TubeTag(p); });
+    DeformationParam param;
+    param.graph.initialPatches = 1;
+    param.graph.targetRadius = 100;
+    EXPECT_TRUE(std::isnan(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError));
+    param = {};
+    EXPECT_GT(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
+    c.handles.motion.clear();
+    EXPECT_EQ(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/error.h>
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/graph/coarse_graph.h>
+#include <vcg_ext/solve/discretisation_error.h>
+#include <vcg_ext/solve/graph_parts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+/// Where the coarse graph takes the nodes of the fine one.
+class CoarseMapping {
+  public:
+    CoarseMapping(const CoarseGraph &coarse, const NodeConstraints &given, const GraphPose &pose)
+        : graph(coarse.graph), given(given), pose(pose) {}
+
+    /// As GraphMapping: by what is around it, mean of the rotations at both ends. \param g its group
+    Eigen::Vector3d operator()(Index g, const Eigen::Vector3d &x) const {
+        const auto begin = graph.graph.adjacency.begin[g], end = graph.graph.adjacency.begin[g + 1];
+        double reach = 0; // squared
+        for (std::uint32_t e = begin; e < end; ++e)
+            reach = std::max(reach, (x - PlaceOf(g, e)).squaredNorm());
+        const Eigen::Vector3d own = At(g);
+        const auto weightAt = [&](const Eigen::Vector3d &place) {
+            const double r = std::min(1.0, (x - place).squaredNorm() / reach);
+            return reach > 0 ? (1 - r) * (1 - r) * (1 - r) + 1e-6 : 1;
+        };
+        Eigen::Matrix3d turn = weightAt(own) * pose.linear[g];
+        double sum = weightAt(own);
+        for (std::uint32_t e = begin; e < end; ++e) {
+            const double w = weightAt(PlaceOf(g, e));
+            turn += w * pose.linear[graph.graph.adjacency.item[e]];
+            sum += w;
+        }
+        turn /= sum;
+        const auto taken = [&](const Eigen::Vector3d &place, const Eigen::Vector3d &to, Index j) {
+            return Eigen::Vector3d(to + 0.5 * ((pose.linear[j] + turn) * (x - place)));
+        };
+        Eigen::Vector3d moved = weightAt(own) * taken(own, pose.position.col(g), g);
+        for (std::uint32_t e = begin; e < end; ++e) {
+            const Index j = graph.graph.adjacency.item[e];
+            const Eigen::Vector3d place = PlaceOf(g, e);
+            const Eigen::Vector3d to =
+                graph.IsHeld(j) ? Eigen::Vector3d(given.motion[j] * place) : Eigen::Vector3d(pose.position.col(j));
+            moved += weightAt(place) * taken(place, to, j);
+        }
+        return moved / sum;
+    }
+
+  private:
+    Eigen::Vector3d At(Index g) const { return graph.graph.position.col(g).cast<double>(); }
+    /// The neighbour, or, where it is held, where its patch begins.
+    Eigen::Vector3d PlaceOf(Index g, std::uint32_t e) const {
+        const Index j = graph.graph.adjacency.item[e];
+        return graph.IsHeld(j) ? Eigen::Vector3d(At(g) - graph.edge.col(e).cast<double>()) : At(j);
+    }
+
+    const DeformationGraph &graph;
+    const NodeConstraints &given;
+    const GraphPose &pose;
+};
+
+} // namespace
+
+double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
+                           const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
+                           const ShapeConstants &shape) {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    if (!pose.moves)
+        return 0;
+    const CoarseGraph coarse = Coarsen(graph, area, given.constrained, weights, shape);
+    const Index k = coarse.graph.Size();
+    NodeConstraints held{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k), {}};
+    GraphPose begin;
+    begin.position.resize(3, k);
+    begin.rests.assign(std::size_t(k), 0);
+    for (Index g = 0; g < k; ++g) {
+        const Index i = coarse.leader[g];
+        held.constrained[g] = given.constrained[i];
+        held.compliant[g] = given.compliant[i];
+        held.heldArea[g] = given.heldArea[i];
+        held.motion.push_back(given.motion[i]);
+        const Eigen::Vector3f way = coarse.graph.graph.position.col(g) - graph.graph.position.col(i);
+        begin.position.col(g) = pose.position.col(i) + pose.linear[i] * way.cast<double>();
+        begin.linear.push_back(pose.linear[i]);
+        if (!pose.rests.empty())
+            begin.rests[std::size_t(g)] = pose.rests[std::size_t(i)];
+    }
+    std::vector<double> areas(std::size_t(k), 0);
+    std::vector<Index> count(std::size_t(k), 0);
+    for (Index i = 0; i < graph.Size(); ++i) {
+        areas[std::size_t(coarse.groupOf[i])] += area[i];
+        ++count[std::size_t(coarse.groupOf[i])];
+    }
+    GraphPose found;
+    try {
+        found = PartsDeformer(coarse.graph, areas, held, shape.heldDepth).Solve(held, solver, {}, &begin, held.motion);
+    } catch (const Unsolvable &) {
+        return unknown;
+    }
+    const CoarseMapping mapping(coarse, held, found);
+    double sum = 0, weight = 0, nodes = 0, groups = 0;
+    for (Index i = 0; i < graph.Size(); ++i) {
+        const Index g = coarse.groupOf[i];
+        const Csr::Row row = coarse.graph.graph.adjacency[g];
+        const bool isAlone = count[std::size_t(g)] == 1 && // its part has no fewer nodes now
+                             std::all_of(row.begin(), row.end(), [&](Index j) { return held.constrained[j]; });
+        if (given.constrained[i] || isAlone)
+            continue;
+        const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();
+        sum += area[i] * (mapping(g, x) - pose.position.col(i)).squaredNorm();
+        weight += area[i];
+        ++nodes;
+        groups += coarse.leader[g] == i;
+    }
+    // The error falls with the square of the distance of the nodes where the shape is smooth, and with that distance
+    // itself beside borders and creases: half-way. Nodes lie on a surface, so that it goes with their number.
+    const double order = 1.5;
+    const double coarser = std::pow(nodes / groups, order / 2); // so many times the error of the finer one
+    return weight > 0 && coarser > 1 ? std::sqrt(sum / weight) / (coarser - 1) : unknown;
+}
+
+} // namespace fcd
+} // namespace vcg
