@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# Copies to python/third_party what the method needs of others: of VCG what base/point_tree.cpp includes, of Eigen all but most of what
-# is unsupported. A source
-# distribution then builds wherever there is a compiler.
+# Copies to python/third_party what the method needs of others: of VCG what base/point_tree.cpp includes, and Eigen but for what is
+# unsupported there. A source distribution then builds wherever there is a compiler.
 find_package(Eigen3 REQUIRED NO_MODULE)
 get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 file(REMOVE_RECURSE "${third_party}")
@@ -13,6 +12,4 @@ foreach(header space/index/kdtree/kdtree.h space/index/kdtree/priorityqueue.h sp
 endforeach()
 file(COPY "${FCD_VCGLIB}/LICENSE.txt" DESTINATION "${third_party}/vcglib")
 file(COPY "${eigen}/Eigen" DESTINATION "${third_party}/eigen3" PATTERN CMakeLists.txt EXCLUDE)
-file(COPY "${eigen}/unsupported/Eigen/BVH" DESTINATION "${third_party}/eigen3/unsupported/Eigen")
-file(COPY "${eigen}/unsupported/Eigen/src/BVH" DESTINATION "${third_party}/eigen3/unsupported/Eigen/src")
 message(STATUS "python/third_party has VCG's k-d tree and Eigen")

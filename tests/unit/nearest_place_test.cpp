@@ -64,6 +64,49 @@ TEST(NearestPlace, OnTrianglesIsNoFartherThanAnyPointOfThem) {
     }
 }
 
+TEST(NearestPlace, IsOnTheFirstOfTheNearestTriangles) {
+    for (const double scale : {1.0, 1e-60, 1e60}) {
+        Eigen::Matrix3Xd position;
+        auto triangle = Soup(position);
+        for (std::size_t t = 0; t + 1 < triangle.size();
+             t += 20) // edges and vertices that several have, and faces twice
+            triangle[t + 1] =
+                t % 40 == 0 ? triangle[t] : std::array<Index, 3>{triangle[t][2], triangle[t][0], Index(t)};
+        position *= scale;
+        position.row(0).array() += scale < 1 ? 0 : 1e3 * scale; // less is told by single precision
+        std::vector<std::unique_ptr<NearestPlace>> alone;
+        for (const auto &each : triangle)
+            alone.push_back(
+                std::make_unique<NearestPlace>(position, std::vector<std::array<Index, 3>>{each}, std::vector<char>()));
+        const NearestPlace nearest(position, triangle, {});
+        std::mt19937 random(4);
+        std::uniform_real_distribution<double> number(-1.5, 1.5);
+        for (int i = 0; i < 400; ++i) {
+            const Vector3d some(number(random), number(random), number(random));
+            const Index corner = triangle[std::size_t(i) % triangle.size()][0];
+            const Vector3d p = i % 4 == 3 ? Vector3d(position.col(corner))
+                                          : Vector3d(position.col(0) + (i % 4 == 2 ? 1e5 : 1.0) * scale * some);
+            NearestPlace::Hint best;
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t t = 0; t < triangle.size(); ++t) {
+                SurfacePlace place = (*alone[t])(p);
+                const double square = (PointAt(place, position) - p).squaredNorm();
+                if (square < least) {
+                    least = square;
+                    best.triangle = Index(t);
+                }
+            }
+            NearestPlace::Hint found;
+            const SurfacePlace place = nearest(p, found);
+            const double square = (PointAt(place, position) - p).squaredNorm();
+            ASSERT_LE(square, least * (1 + 1e-9)) << i << " at " << scale;
+            if (i % 4 == 3 || triangle[std::size_t(found.triangle)] == triangle[std::size_t(best.triangle)]) {
+                ASSERT_EQ(found.triangle, best.triangle) << i << " at " << scale;
+            }
+        }
+    }
+}
+
 TEST(NearestPlace, AHintChangesNoBit) {
     Eigen::Matrix3Xd position;
     const auto triangle = Soup(position);

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_TRIANGLE_TREE_H
+#define VCG_FCD_TRIANGLE_TREE_H
+
+#include <vcg_ext/base/graph.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// The triangle nearest to a point, of those with the least square of its distance, as computed, the first one. A tree
+/// of boxes around four boxes or triangles each, which are looked at together, in single precision; they only tell what
+/// cannot be nearest, by more than all that is rounded, so no bit of what is found depends on them.
+class TriangleTree {
+  public:
+    /// A triangle, the weights of its corners in its point that is nearest, and the square of the distance.
+    struct Nearest {
+        Index triangle = -1;
+        Eigen::Vector3d weight = Eigen::Vector3d::Zero();
+        double square = std::numeric_limits<double>::max();
+    };
+
+    /// \param position 3 x slots, which must outlive this; no number beyond 1e100
+    /// \param triangle slots of the corners, at least one triangle
+    TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given)
+        : position(position), triangle(std::move(given)) {
+        Eigen::AlignedBox3d all;
+        for (const auto &corners : triangle)
+            for (Index i : corners)
+                all.extend(Eigen::Vector3d(position.col(i)));
+        center = 0.5 * all.min() + 0.5 * all.max();
+        const double radius = 0.5 * all.sizes().norm();
+        scale = radius > 1e-50 ? 1 / radius : 1; // a single point has none; no square of a distance is infinite
+        largest = all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff();
+        middle.resize(triangle.size());
+        for (std::size_t t = 0; t < triangle.size(); ++t) {
+            const Eigen::AlignedBox3f box = BoxOf(Index(t));
+            middle[t] = box.center();
+        }
+        std::vector<Index> order(triangle.size());
+        std::iota(order.begin(), order.end(), 0);
+        Build(order.begin(), order.end());
+        middle = {};
+    }
+
+    const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
+
+    /// \param p no number beyond 1e100 \param begin a triangle that may be near, which changes no bit; -1: none
+    Nearest operator()(const Eigen::Vector3d &p, Index begin) const {
+        const Eigen::Vector3d q = (p - center) * scale;
+        Nearest nearest;
+        if (begin >= 0)
+            Try(p, begin, nearest);
+        if (q.squaredNorm() < 1e6)
+            Search<float>(p, q, begin, nearest);
+        else // single precision tells too little from there
+            Search<double>(p, q, begin, nearest);
+        return nearest;
+    }
+
+  private:
+    static constexpr int wide = 4;
+    static constexpr Index none = std::numeric_limits<Index>::max();
+
+    /// Boxes of the children, from the middle of all triangles, in units of their radius.
+    struct Node {
+        std::array<Eigen::Array<float, wide, 1>, 3> low, high;
+        std::array<Index, wide> child; ///< a node, -1 - t for a triangle t, or none
+    };
+
+    Eigen::AlignedBox3f BoxOf(Index t) const {
+        Eigen::AlignedBox3f box;
+        for (Index i : triangle[std::size_t(t)])
+            box.extend(Eigen::Vector3f(((position.col(i) - center) * scale).cast<float>()));
+        return box;
+    }
+
+    /// Divides the triangles along the longest side of the box of their middles.
+    template <class Iterator>
+    void Divide(Iterator first, Iterator at, Iterator last) const {
+        if (at >= last)
+            return;
+        Eigen::AlignedBox3f box;
+        for (Iterator t = first; t != last; ++t)
+            box.extend(middle[std::size_t(*t)]);
+        int axis;
+        box.sizes().maxCoeff(&axis);
+        std::nth_element(first, at, last,
+                         [&](Index a, Index b) { return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis]; });
+    }
+
+    /// \return the box of these triangles; its node is the last one of them that is added, so the root is the last
+    template <class Iterator>
+    Eigen::AlignedBox3f Build(Iterator first, Iterator last) {
+        const auto count = last - first;
+        auto part = decltype(count)(1); // of each child but the last one, so that nearly all nodes are full
+        while (wide * part < count)
+            part *= wide;
+        const auto to = [&](int k) { return first + std::min(k * part, count); };
+        Divide(first, to(2), last);
+        Divide(first, to(1), to(2));
+        Divide(to(2), to(3), last);
+        Node node;
+        Eigen::AlignedBox3f all;
+        for (int k = 0; k < wide; ++k) {
+            Eigen::AlignedBox3f box;
+            node.child[std::size_t(k)] = none;
+            if (to(k + 1) - to(k) == 1) {
+                box = BoxOf(*to(k));
+                node.child[std::size_t(k)] = -1 - *to(k);
+            } else if (to(k) != to(k + 1)) {
+                box = Build(to(k), to(k + 1));
+                node.child[std::size_t(k)] = Index(nodes.size()) - 1;
+            }
+            for (int d = 0; d < 3; ++d) {
+                node.low[std::size_t(d)][k] = box.min()[d]; // of an empty box: farther than all
+                node.high[std::size_t(d)][k] = box.max()[d];
+            }
+            all.extend(box);
+        }
+        nodes.push_back(node);
+        return all;
+    }
+
+    /// Depth first, into the nearest box first.
+    /// \param q p in the units of the boxes \param begin has been tried \param nearest in, out
+    template <class Real>
+    void Search(const Eigen::Vector3d &p, const Eigen::Vector3d &q, Index begin, Nearest &nearest) const {
+        using Lanes = Eigen::Array<Real, wide, 1>;
+        // What distances of boxes and triangles may be off by, in the units of the boxes: those, at most 1 from the
+        // middle, are rounded to 2^-25 there, q and the distance to a few of its last bits, triangles to a few of those
+        // of the coordinates.
+        const double size = q.cwiseAbs().maxCoeff() + 1, epsilon = std::numeric_limits<Real>::epsilon();
+        const double off =
+            std::ldexp(1.0, -22) + 8 * epsilon * size + std::ldexp((largest + p.cwiseAbs().maxCoeff()) * scale, -46);
+        const auto within = [&] { // the square of what a box may be away
+            const double least = std::sqrt(nearest.square) * scale + off;
+            return Real(std::min(least * least * (1 + 8 * epsilon), double(std::numeric_limits<Real>::max())));
+        };
+        Real bound = within();
+        const std::array<Real, 3> at{Real(q[0]), Real(q[1]), Real(q[2])};
+        struct Step {
+            Real square;
+            Index child;
+        };
+        std::array<Step, 64> next; // three more a level, of 16 at most
+        int count = 0;
+        next[std::size_t(count++)] = {0, Index(nodes.size()) - 1};
+        while (count > 0) {
+            const Step step = next[std::size_t(--count)];
+            if (step.square > bound)
+                continue;
+            if (step.child < 0) {
+                if (-1 - step.child != begin && Try(p, -1 - step.child, nearest))
+                    bound = within();
+                continue;
+            }
+            const Node &node = nodes[std::size_t(step.child)];
+            Lanes square = Lanes::Zero();
+            for (std::size_t d = 0; d < 3; ++d) {
+                const Lanes beyond = (node.low[d].cast<Real>() - at[d]).max(at[d] - node.high[d].cast<Real>());
+                square += beyond.max(Real(0)).square();
+            }
+            const int first = count;
+            for (int k = 0; k < wide; ++k) {
+                if (!(square[k] <= bound) || node.child[std::size_t(k)] == none)
+                    continue;
+                int place = count++;
+                for (; place > first && next[std::size_t(place - 1)].square < square[k]; --place)
+                    next[std::size_t(place)] = next[std::size_t(place - 1)];
+                next[std::size_t(place)] = {square[k], node.child[std::size_t(k)]};
+            }
+        }
+    }
+
+    /// \return whether it is nearer
+    bool Try(const Eigen::Vector3d &p, Index t, Nearest &nearest) const {
+        const auto &corners = triangle[std::size_t(t)];
+        const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
+        const Eigen::Vector3d weight = WeightsOfNearest(a, b, c, p);
+        const double square = (a * weight[0] + b * weight[1] + c * weight[2] - p).squaredNorm();
+        if (!(square < nearest.square || (square == nearest.square && t < nearest.triangle)))
+            return false;
+        nearest = {t, weight, square};
+        return true;
+    }
+
+    /// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
+    /// Detection, 5.1.5).
+    static Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::Vector3d &b,
+                                            const Eigen::Vector3d &c, const Eigen::Vector3d &p) {
+        const Eigen::Vector3d ab = b - a, ac = c - a;
+        const double d1 = ab.dot(p - a), d2 = ac.dot(p - a), d3 = ab.dot(p - b), d4 = ac.dot(p - b), d5 = ab.dot(p - c),
+                     d6 = ac.dot(p - c);
+        if (d1 <= 0 && d2 <= 0)
+            return {1, 0, 0};
+        if (d3 >= 0 && d4 <= d3)
+            return {0, 1, 0};
+        if (d6 >= 0 && d5 <= d6)
+            return {0, 0, 1};
+        const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+        if (vc <= 0 && d1 >= 0 && d3 <= 0)
+            return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+        if (vb <= 0 && d2 >= 0 && d6 <= 0)
+            return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+        if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+            return {0, 1 - w, w};
+        }
+        const double sum = va + vb + vc;
+        return {va / sum, vb / sum, vc / sum};
+    }
+
+    const Eigen::Matrix3Xd &position;
+    const std::vector<std::array<Index, 3>> triangle;
+    std::vector<Eigen::Vector3f> middle; ///< of the triangles' boxes, while the tree is built
+    std::vector<Node, Eigen::aligned_allocator<Node>> nodes;
+    Eigen::Vector3d center;
+    double scale = 1;   ///< of the triangles' coordinates to those of the boxes
+    double largest = 0; ///< of the triangles' coordinates
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif
