@@ -156,12 +156,14 @@ void BendTool::onCommand(int which) {
             showVertices(true);
             throw;
         }
-        // The host shows new layers when a tool ends, and they have no buffers before that.
+        // The host shows new layers when a tool ends, and they have no buffers before that; then it goes on with them.
         close();
         QTimer::singleShot(0, this, [this] {
             action->trigger();
-            if (view && view->md() && view->md()->mm())
-                host::showTextures(*view, *view->md()->mm());
+            if (!view || !view->md() || !view->md()->mm())
+                return;
+            host::showTextures(*view, *view->md()->mm());
+            action->trigger();
         });
         return;
     }

@@ -125,7 +125,7 @@ void BendTool::release(QMouseEvent *event) {
 
 void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
-    if (drag && session && session->isLocal()) {
+    if (drag && session) {
         panel->setRadius(panel->radius() * std::pow(1.1, steps));
         session->setRadius(drag->tag, panel->radius() * session->diagonal());
         requestStep();

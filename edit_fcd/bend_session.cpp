@@ -208,7 +208,7 @@ void BendSession::setRadius(int tag, double radius) {
         if (point != now.points.end())
             point->second.radius = radius;
         else if (center.count(which))
-            now.rim = radius;
+            setRim(radius);
     };
     set(tag);
     set(mirrored(tag));

@@ -127,6 +127,8 @@ class BendSession {
     static std::shared_ptr<const BendTags> marksNow(const MeshModel &layer);
     void keepRest();
     void updateTags();
+    void setRim(double radius);
+    void freeGaps(BendTags &made);
     void writeMarks();
     void takeState();
     void crossApplies();

@@ -23,12 +23,17 @@ using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tag
 /// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
 const double usualRadius = 0.15;
 
+/// The gap between marks, of that radius. At the usual one this is 3 % of the diagonal, about a patch's radius for 300
+/// patches on a ball: less than a patch would still be a crease.
+const double gapOfRadius = 0.2;
+
 /// What is undone and redone: which vertices are held, and how the handles move. Where nothing is marked as fixed,
 /// handles bend what is around them, and all else is fixed.
 struct BendState {
     std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
     std::map<int, BendPoint> points;       ///< by their tag
     double rim = 0;                        ///< how far marked handles bend what is around them, as BendPoint::radius
+    double gap = 0; ///< how far around a marked handle nothing else is held, likewise; 0 for tags of a filter
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
 
