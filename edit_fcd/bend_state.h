@@ -8,6 +8,8 @@
 
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 /// A handle of a vertex and those beside it.
@@ -16,6 +18,17 @@ struct BendPoint {
     double radius = 0; ///< of what it bends where nothing is marked as fixed, along the surface, world units
 
     bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
+};
+
+/// What a person has said of a handle.
+struct BendHandle {
+    std::string name;                        ///< empty: by its number
+    bool isHidden = false, isLocked = false; ///< neither shown; nor moved by the mouse
+    std::optional<Eigen::Vector3d> pivot;    ///< where it is turned, at rest, in the world; none: its middle
+
+    bool operator==(const BendHandle &other) const {
+        return name == other.name && isHidden == other.isHidden && isLocked == other.isLocked && pivot == other.pivot;
+    }
 };
 
 using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
@@ -34,19 +47,25 @@ struct BendState {
     std::map<int, BendPoint> points;       ///< by their tag
     double rim = 0;                        ///< how far marked handles bend what is around them, as BendPoint::radius
     double gap = 0; ///< how far around a marked handle nothing else is held, likewise; 0 for tags of a filter
+    std::map<int, BendHandle> handles;                       ///< by tag, where a person has said something
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
+    double pose = 100;                                       ///< percent of the motions
     std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
 
     bool operator==(const BendState &other) const;
 };
 
+/// What the axes are that a handle is moved along and turned about. Those of the view are the tool's.
+enum class BendAxes { World, Layer, View, Surface };
+
 /// What the panel sets.
 struct BendOptions {
     double smoothness = vcg::fcd::SolverParam().smoothness;
-    double pose = 100; ///< percent of the motions
+    double pose = 100; ///< as BendState::pose
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
     vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
-    int mirror = -1;      ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    int mirror = -1; ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    BendAxes axes = BendAxes::World;
     bool stretch = false; ///< the layer's colours show how much it is stretched
 
     /// Whether the same marks and motions give the same shape.

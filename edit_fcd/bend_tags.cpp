@@ -77,6 +77,8 @@ void BendSession::updateTags() {
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
+    for (auto each = now.handles.begin(); each != now.handles.end();)
+        each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
 }
 
 void BendSession::setRim(double radius) {
@@ -132,10 +134,15 @@ std::vector<vcg::Color4b> BendSession::overlay() {
     if (!marking && !now.marks)
         return color;
     const BendTags &shown = marking ? *marking : *now.marks, &held = marking ? *marking : *effective;
+    std::vector<int> hidden;
+    for (const auto &[tag, each] : now.handles)
+        if (each.isHidden)
+            hidden.push_back(tag);
+    const auto isHidden = [&](int tag) { return std::find(hidden.begin(), hidden.end(), tag) != hidden.end(); };
     color.assign(shown.size(), vcg::Color4b(0, 0, 0, 0));
     ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            if (shown[i] != 1 && held[i] != 1) {
+            if (shown[i] != 1 && held[i] != 1 && !isHidden(shown[i])) {
                 color[i] = colorOfTag(shown[i]);
                 color[i][3] = markOpacity;
             }

@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
-import re
-import time
 
 import numpy as np
-import pytest
 
 import host_edit
 from host_edit import MIDDLE, load
@@ -40,3 +37,114 @@ def test_marks_never_touch(window, tmp_path):
     moved = np.linalg.norm(bent - points, axis=1)
     assert 0.2 < np.mean(moved > 0) < 0.4 and np.mean(abs(moved - moved.max()) < 1e-5) > 0.05
     assert most_stretched(points, bent, faces) < 3.5 # torn: 5
+
+
+def colored(w, place, color):
+    """How many pixels around a place have about a color."""
+    x, y = place
+    seen = np.asarray(w.picture().convert("RGB"))[y - 12:y + 13, x - 12:x + 13].astype(int)
+    return np.count_nonzero(abs(seen - color).max(-1) < 25)
+
+
+def state_text(w):
+    """What the panel says, as a picture."""
+    x, y, width, height = w.box("state")
+    return np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].tobytes()
+
+
+LIT = (255, 225, 60)
+
+
+def test_handles_are_things(window, tmp_path):
+    """The gizmo is there from the start; what is under the mouse lights up, and is what keys move; a handle has a place to turn about, can
+    be locked and removed."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "h")
+    w.drag((X - 230, Y - 200), (X - 180, Y + 200))
+    w.key("shift+h")
+    w.drag((X + 180, Y - 200), (X + 230, Y + 200))
+    w.key("f")
+    w.drag((X - 20, Y - 200), (X + 20, Y + 200))
+    w.key("m")
+    left, right = points[:, 0] < -0.75, points[:, 0] > 0.75
+    w.do("mousemove", X + 205 + 60, Y, pause=0.5) # the arrow of the gizmo of the handle that was marked last
+    w.shot("arrow")
+    assert colored(w, (X + 205 + 60, Y), LIT) > 30
+    w.do("mousemove", X - 215, Y + 30, pause=0.5) # the other handle
+    w.shot("handle")
+    assert colored(w, (X - 205, Y), LIT) > 80
+    w.key("g", "y", "1", "Return", pause=0.4)
+    moved = load(w.save("moved.ply"))[0] - points
+    assert np.abs(moved[left] - [0, 1, 0]).max() < 1e-5 and not moved[right].any()
+    w.do("mousemove", X + 150, Y - 170) # beside the mesh: the one that was moved last
+    w.key("g", "z", "1", "Return", pause=0.4)
+    moved = load(w.save("moved_on.ply"))[0] - points
+    assert np.abs(moved[left] - [0, 1, 1]).max() < 1e-5 and not moved[right].any()
+
+    w.key("ctrl+z", "ctrl+z")
+    w.do("mousemove", X, Y)
+    w.key("p", "r", "z", "9", "0", "Return", pause=0.4) # about the nearest point of the surface, which is before the tube's middle
+    turned = load(w.save("turned.ply"))[0]
+    assert np.abs(turned[left] - (points @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])[left]).max() < 0.03
+    w.shot("turned")
+
+    x, y, width, _ = w.box("handles")
+    row = lambda i: y + 35 + 22 * i
+    w.click((x + width - 12, row(1))) # removes the other one
+    w.click((x + 30, row(0)), count=2)
+    w.do("type", "arm")
+    w.key("Return")
+    w.do("mousemove", X - 215, Y + 180, pause=0.4)
+    w.shot("removed")
+    w.click((x + 104 + 38 + 12, row(0))) # locks it
+    w.shot("locked")
+    w.do("mousemove", X, Y + 200)
+    w.key("g", "x", "1", "Return")
+    w.wait("arm is locked: the list of handles unlocks it.")
+    w.key("ctrl+z", "ctrl+z", "ctrl+z", pause=0.4)
+    w.shot("undone")
+    w.do("mousemove", X + 215, Y + 30, pause=0.4)
+    assert colored(w, (X + 205, Y), LIT) > 80
+
+
+def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
+    """Also after a number was typed; what the host would do with them does not happen; Esc and the slider of the pose say what they did."""
+    w, points, _ = open_tube(window, tmp_path)
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    x, y, width, _ = w.box("brush")
+    w.click((x + 20, y + 10)) # in a number
+    w.do("mousemove", X, Y)
+    w.key("v", "t", "h")
+    w.drag((X - 230, Y - 200), (X - 180, Y + 200))
+    w.key("shift+h") # which is MeshLab's own for the trackball
+    w.drag((X + 180, Y - 200), (X + 230, Y + 200))
+    w.key("m", "shift+question", pause=0.7)
+    w.shot("keys")
+    x, y, *_ = w.box("page")
+    w.key("shift+question")
+    w.press_and_move((X + 205, Y), (X + 205, Y - 60))
+    w.key("ctrl+w") # nothing is closed under what is being dragged
+    w.shot("dragged")
+    w.do("mouseup", 1, pause=0.5)
+    bent = load(w.save("bent.ply"))[0]
+    moved = np.linalg.norm(bent - points, axis=1)
+    assert moved[points[:, 0] > 0.75].min() > 0.1 and not moved[points[:, 0] < -0.75].any() # two handles
+
+    x, y, width, height = w.box("pose")
+    w.do("mousemove", x + width // 2, y + height // 2, "mousedown", 1)
+    for i in range(1, 6):
+        w.do("mousemove", x + width // 2 - i * width // 10, y + height // 2, pause=0.1)
+    w.do("mouseup", 1, "mousemove", X, Y + 200, pause=0.3)
+    assert np.abs(load(w.save("none.ply"))[0] - points).max() < 0.01 # about 0 % of it
+    w.key("ctrl+z", pause=0.4) # one step
+    assert np.array_equal(load(w.save("all.ply"))[0], bent)
+
+    gizmo = colored(w, (X + 205 + 80, Y - 60), (230, 40, 40))
+    said = state_text(w)
+    w.key("Escape", pause=0.5)
+    w.shot("camera")
+    assert gizmo > 20 and colored(w, (X + 205 + 80, Y - 60), (230, 40, 40)) == 0 and state_text(w) != said
+    w.key("Escape", "ctrl+z", pause=0.5)
+    assert w.save("undone.ply").read_bytes() == before
