@@ -62,6 +62,8 @@ void BendSession::updateTags() {
             add(held, now.rim);
         for (const auto &each : now.points)
             add({each.second.slot}, each.second.radius);
+        for (const std::size_t i : reachOfRest.tips(isNear))
+            isNear[i] = 1;
         for (std::size_t i = 0; i < made->size(); ++i)
             if ((*made)[i] == 1 && !isNear[i])
                 (*made)[i] = 0;

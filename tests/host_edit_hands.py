@@ -5,7 +5,7 @@ in host_edit.py, with the same environment."""
 import numpy as np
 
 import host_edit
-from host_edit import MIDDLE, load
+from host_edit import MIDDLE, load, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_edit_state import open_tube
 
@@ -148,3 +148,15 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     assert gizmo > 20 and colored(w, (X + 205 + 80, Y - 60), (230, 40, 40)) == 0 and state_text(w) != said
     w.key("Escape", "ctrl+z", pause=0.5)
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_a_pull_takes_a_tip_along(window, tmp_path):
+    """What lies beyond the pulled part of a limb goes along, and is not left behind."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    w.drag((X + 110, Y), (X + 110, Y - 60))
+    w.shot("pulled")
+    moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
+    assert moved[points[:, 0] > 0.9].min() > 0.5 * moved.max() > 0.05
+    assert not moved[points[:, 0] < 0].any()
