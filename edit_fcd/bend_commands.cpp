@@ -2,6 +2,7 @@
 #include "bend_tool.h"
 
 #include <layer_fcd/layer_contents.h>
+#include <layer_fcd/tagging.h>
 
 #include <algorithm>
 
@@ -17,6 +18,12 @@ void BendTool::makePanel() {
     auto *window = qobject_cast<QMainWindow *>(view->window());
     panel = new BendPanel(view->window());
     connect(panel, &BendPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
+    connect(panel, &BendPanel::poseBegins, this, [this] {
+        if (session && !drag)
+            session->change();
+    });
+    connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
+    connectHandles();
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     if (window)
         window->addDockWidget(Qt::LeftDockWidgetArea, panel);
@@ -47,13 +54,15 @@ void BendTool::takeOptions() {
     options.initialPatches = panel->patches();
     options.weights = panel->weights();
     options.mirror = panel->mirror();
-    options.pose = panel->pose();
+    options.axes = BendAxes(panel->axes());
+    session->setPose(panel->pose());
 }
 
 /// The panel shows the options of the session, which has gone back to others.
 void BendTool::showOptions() {
     const BendOptions &options = session->options;
-    panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.pose));
+    panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.axes),
+                    int(options.pose));
     panel->setStretch(options.stretch);
 }
 
@@ -62,7 +71,6 @@ void BendTool::onOptions() {
         return;
     if (panel->mode() != BendPanel::Polyline)
         marking.reset();
-    trackMouse();
     const BendOptions before = session->options;
     takeOptions();
     showStretch();
@@ -74,7 +82,6 @@ void BendTool::onOptions() {
 
 void BendTool::setMode(BendPanel::Mode mode) {
     panel->setMode(mode);
-    trackMouse();
     showStretch();
 }
 
@@ -103,6 +110,8 @@ void BendTool::onCommand(int which) {
         takeNewHandle();
         session->mark(all, panel->tag());
         session->endMarks(panel->radius() * session->diagonal());
+        if (panel->tag() >= 2)
+            active = panel->tag();
         showOverlay();
         solve(true);
         break;
@@ -156,12 +165,14 @@ void BendTool::onCommand(int which) {
             showVertices(true);
             throw;
         }
-        // The host shows new layers when a tool ends, and they have no buffers before that.
+        // The host shows new layers when a tool ends, and they have no buffers before that; then it goes on with them.
         close();
         QTimer::singleShot(0, this, [this] {
             action->trigger();
-            if (view && view->md() && view->md()->mm())
-                host::showTextures(*view, *view->md()->mm());
+            if (!view || !view->md() || !view->md()->mm())
+                return;
+            host::showTextures(*view, *view->md()->mm());
+            action->trigger();
         });
         return;
     }
@@ -169,29 +180,96 @@ void BendTool::onCommand(int which) {
     view->update();
 }
 
+// --- the list of handles ---
+
+void BendTool::connectHandles() {
+    const BendHandleList *list = &panel->handles();
+    connect(list, &BendHandleList::selected, this, [this](int tag) {
+        active = tag;
+        QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
+        view->update();
+    });
+    connect(list, &BendHandleList::removed, this, [this](int tag) {
+        guarded([&] {
+            if (!isReady() || drag)
+                return;
+            session->change();
+            session->removeHandle(tag);
+            showOverlay();
+            solve(true);
+        });
+        QTimer::singleShot(0, this, [this] { refresh(); });
+    });
+    connect(list, &BendHandleList::edited, this,
+            [this](int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
+                guarded([&] { editHandle(tag, name, motion, isShown, isLocked); });
+                QTimer::singleShot(0, this, [this] { refresh(); });
+            });
+}
+
+void BendTool::editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
+    if (!isReady() || drag)
+        return;
+    session->change();
+    BendHandle handle = session->handle(tag);
+    if (name.toStdString() != session->nameOf(tag))
+        handle.name = name.toStdString();
+    handle.isHidden = !isShown;
+    handle.isLocked = isLocked;
+    session->setHandle(tag, handle);
+    if (motion.toStdString() != session->motionTextOf(tag)) {
+        session->setMotionText(tag, motion.toStdString());
+        solve(true);
+    }
+    showOverlay();
+}
+
+void BendTool::showHandles() {
+    std::vector<BendHandleRow> rows;
+    for (const int tag : session->handleTags()) {
+        const vcg::Color4b color = colorOfTag(tag);
+        BendHandleRow row;
+        row.tag = tag;
+        row.name = QString::fromStdString(session->nameOf(tag));
+        row.motion = QString::fromStdString(session->motionTextOf(tag));
+        row.color = QColor(color[0], color[1], color[2]);
+        row.isShown = !session->handle(tag).isHidden;
+        row.isLocked = session->handle(tag).isLocked;
+        row.isSelected = tag == selected();
+        rows.push_back(row);
+    }
+    panel->showHandles(rows);
+}
+
+// --- what the panel says ---
+
+QString BendTool::stateText() const {
+    if (isSuspended)
+        return "The mouse is the camera's: Esc gives it back.";
+    QString text;
+    if (session->handleTags().empty())
+        text = session->isMarked() ? "Mark a handle (red), then drag it."
+                                   : "Drag a point of the surface, or mark what is fixed and what is a handle.";
+    else if (drag)
+        text = QString::fromStdString(session->nameOf(drag->tag) + ": " + drag->text(seen));
+    else if (hovered)
+        text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
+    else
+        text = "Drag a handle (red), or a point of the surface.";
+    if (session->isLocal())
+        text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
+    if (session->nodes() > 0 && milliseconds > 0) {
+        text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
+        if (frame > 0)
+            text += QString(", drawn %1 times a second").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
+    }
+    return text;
+}
+
 void BendTool::refresh() {
     if (!panel || !session)
         return;
     panel->showMotions(QString::fromStdString(session->motionText()));
-    QString text;
-    if (session->handleTags().empty()) {
-        text = session->isMarked() ? "Mark a handle (red), then drag it."
-                                   : "Drag a point of the surface, or mark what is fixed and what is a handle.";
-    } else if (session->nodes() == 0) {
-        text = "Drag a handle (red).";
-        if (session->isLocal())
-            text += " Nothing is marked as fixed: what is farther away than the point radius stays.";
-    } else {
-        const double least = std::max(0.1, milliseconds);
-        text = QString("%1 nodes, %2 ms, %3 frames/s")
-                   .arg(session->nodes())
-                   .arg(least, 0, 'f', 1)
-                   .arg(1000 / least, 0, 'f', 0);
-    }
-    if (drag && !drag->typed.empty())
-        text += QString(drag->kind == BendDrag::Move   ? "\nmove "
-                        : drag->kind == BendDrag::Turn ? "\nturn "
-                                                       : "\nscale ") +
-                QString::fromStdString(drag->typed);
-    panel->showState(text);
+    showHandles();
+    panel->showState(stateText());
 }

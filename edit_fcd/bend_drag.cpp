@@ -22,7 +22,7 @@ double rounded(double x) {
 
 /// The steps and one more, joined with the last where that makes the same motion.
 std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &step) {
-    if (!steps.empty() && steps.back().kind == step.kind && !steps.back().about && !step.about) {
+    if (!steps.empty() && steps.back().kind == step.kind && steps.back().about == step.about) {
         MotionStep &last = steps.back();
         switch (step.kind) {
         case MotionStep::Translation:
@@ -56,52 +56,104 @@ void BendDrag::moveTo(const BendView &view, const Eigen::Vector3d &window) {
     last = window;
 }
 
+namespace {
+
+/// The round number (1, 2 or 5 times a power of ten) next below.
+double roundBelow(double x) {
+    const double power = std::pow(10, std::floor(std::log10(x)));
+    return (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1) * power;
+}
+
+double inSteps(double x, double step) { return std::round(x / step) * step; }
+
+const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that a hand can hit
+
+} // namespace
+
 std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     const Eigen::Vector3d center = view.toWindow(pivot);
     const Eigen::Vector2d begun = from.head<2>(), to = last.head<2>(), middle = center.head<2>();
     double number = 0;
     const bool isTyped = vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number);
+    const auto roundedAll = [](Eigen::Vector3d v) {
+        for (int d = 0; d < 3; ++d)
+            v[d] = rounded(v[d]);
+        return v;
+    };
+    const auto about = [&](MotionStep step) {
+        if (isAbout)
+            step.about = roundedAll(pivot);
+        return step;
+    };
     switch (kind) {
     case Move: {
+        const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
         Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
         if (isTyped) {
-            way = number * Eigen::Vector3d::Unit(axis < 0 ? 0 : axis);
+            way = number * axes.col(axis < 0 ? 0 : axis);
         } else if (axis >= 0) {
-            const double unit = 100 * view.pixelAt(pivot);
-            const Eigen::Vector2d along = view.toWindow(pivot + unit * Eigen::Vector3d::Unit(axis)).head<2>() - middle;
+            const double unit = 100 * pixel;
+            const Eigen::Vector2d along = view.toWindow(pivot + unit * axes.col(axis)).head<2>() - middle;
             const double square = std::max(along.squaredNorm(), 100.0); // seen from its end, an axis leads nowhere
-            way = (to - begun).dot(along) / square * unit * Eigen::Vector3d::Unit(axis);
+            const double far = (to - begun).dot(along) / square * unit;
+            way = (snap ? inSteps(far, length) : far) * axes.col(axis);
+        } else if (snap) {
+            for (int d = 0; d < 3; ++d)
+                way[d] = inSteps(way[d], length);
         }
-        for (int d = 0; d < 3; ++d)
-            way[d] = rounded(way[d]);
+        way = roundedAll(way);
         if (way.isZero(0))
             return {};
         return MotionStep::Translate(way);
     }
     case Turn: {
         const Eigen::Vector3d eye = view.towardsEye(pivot);
-        Eigen::Vector3d about = axis < 0 ? eye : Eigen::Vector3d::Unit(axis);
-        for (int d = 0; d < 3; ++d)
-            about[d] = rounded(about[d]);
-        const double degrees = rounded(isTyped ? number : about.dot(eye) < 0 ? -angle : angle);
+        const Eigen::Vector3d line = roundedAll(axis < 0 ? eye : Eigen::Vector3d(axes.col(axis)));
+        const double turned = snap ? inSteps(angle, snapDegrees) : angle;
+        const double degrees = rounded(isTyped ? number : line.dot(eye) < 0 ? -turned : turned);
         if (degrees == 0)
             return {};
-        return MotionStep::Rotate(about, degrees);
+        return about(MotionStep::Rotate(line, degrees));
     }
     case Scale: {
         const double length = std::max(20.0, (begun - middle).norm());
-        double factor =
-            isTyped ? number : std::max(0.01, 1 + ((to - middle).norm() - (begun - middle).norm()) / length);
+        double factor = isTyped ? number : 1 + ((to - middle).norm() - (begun - middle).norm()) / length;
+        if (!isTyped)
+            factor = std::max(snap ? snapFactor : 0.01, snap ? inSteps(factor, snapFactor) : factor);
         factor = rounded(factor);
         if (factor == 1 || !(factor > 0))
             return {};
         Eigen::Vector3d factors = Eigen::Vector3d::Constant(axis < 0 ? factor : 1);
         if (axis >= 0)
             factors[axis] = factor;
-        return MotionStep::Scale(factors);
+        if (axis < 0 || axes.isIdentity(0))
+            return about(MotionStep::Scale(factors));
+        const Eigen::Affine3d scaled = Eigen::Translation3d(pivot) * Eigen::Affine3d(axes * factors.asDiagonal()) *
+                                       Eigen::Affine3d(Eigen::Matrix3d(axes.inverse())) * Eigen::Translation3d(-pivot);
+        return MotionStep::Affine(scaled.matrix());
     }
     }
     return {};
+}
+
+std::string BendDrag::text(const BendView &view) const {
+    std::string text = kind == Move ? "move" : kind == Turn ? "turn" : "scale";
+    if (axis >= 0)
+        text += std::string(kind == Turn ? " about " : " along ") + "xyz"[axis];
+    else if (!typed.empty() && kind == Move)
+        text += " along x";
+    if (!typed.empty())
+        return text + " " + typed + "_";
+    const auto added = step(view);
+    const auto digits = [](double x) {
+        char number[32];
+        return std::string(number, std::to_chars(number, number + sizeof number, x, std::chars_format::general, 4).ptr);
+    };
+    if (kind == Move)
+        return text + " by " + digits(added ? added->vector.norm() : 0);
+    if (kind == Turn)
+        return text + " by " + digits(added ? added->degrees : 0) + " degrees";
+    return text;
 }
 
 std::vector<MotionStep> BendDrag::motion(const BendView &view) const {

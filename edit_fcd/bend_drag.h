@@ -16,10 +16,13 @@ struct BendDrag {
 
     int tag = 0;
     Kind kind = Move;
-    int axis = -1;               ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: x, y, z
-    bool modal = false;          ///< begun by a key: the mouse moves it without a button
-    std::string typed;           ///< a number
-    Eigen::Vector3d pivot, from; ///< the handle's middle as it begins, world, and where the mouse was, window
+    int axis = -1;      ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: of the axes
+    bool modal = false; ///< begun by a key: the mouse moves it without a button
+    bool snap = false;  ///< in steps
+    std::string typed;  ///< a number
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< of length 1, as columns, world
+    Eigen::Vector3d pivot, from; ///< where the handle is turned as it begins, world, and where the mouse was, window
+    bool isAbout = false;        ///< the pivot is not the handle's middle
     double angle = 0;            ///< that the mouse went about the pivot, degrees
     Eigen::Vector3d last;        ///< where the mouse is, window
     std::vector<vcg::fcd::MotionStep> begin; ///< the motion before it
@@ -27,6 +30,8 @@ struct BendDrag {
     void moveTo(const BendView &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
     std::optional<vcg::fcd::MotionStep> step(const BendView &view) const;
+    /// What it does now, as a person reads it.
+    std::string text(const BendView &view) const;
     /// The motion, with that. Numbers are as people would write them.
     std::vector<vcg::fcd::MotionStep> motion(const BendView &view) const;
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <QCoreApplication>
-#include <QCursor>
 
 using vcg::fcd::Error;
 
@@ -103,6 +102,7 @@ void BendTool::move(QMouseEvent *event) {
     if (!isForLayer(event))
         return;
     if (drag) {
+        drag->snap = event->modifiers() & Qt::ControlModifier;
         drag->moveTo(seen, mouseInWindow());
         requestStep();
     } else if (marking && marking->kind == BendMarking::Brush) {
@@ -111,6 +111,8 @@ void BendTool::move(QMouseEvent *event) {
         marking->corners.back() = mouseInWindow().head<2>();
     } else if (panel && panel->mode() == BendPanel::Brush) {
         view->update();
+    } else if (panel && panel->mode() == BendPanel::Bend && event->buttons() == Qt::NoButton) {
+        hover();
     }
 }
 
@@ -125,7 +127,7 @@ void BendTool::release(QMouseEvent *event) {
 
 void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
-    if (drag && session && session->isLocal()) {
+    if (drag && session) {
         panel->setRadius(panel->radius() * std::pow(1.1, steps));
         session->setRadius(drag->tag, panel->radius() * session->diagonal());
         requestStep();
@@ -137,31 +139,63 @@ void BendTool::turnWheel(QWheelEvent *event) {
     }
 }
 
-/// Begins to drag what is under the mouse. \return false where there is nothing to drag
-bool BendTool::grab() {
-    const Eigen::Vector2d window = mouseInWindow().head<2>();
-    if (hasGizmo()) {
-        if (const std::optional<GizmoPart> part = gizmoAt(seen, session->centerOf(active), window)) {
-            session->change();
-            beginDrag(active, *part, false);
-            return true;
-        }
-    }
+/// The point handle at a place of the window, 0: none.
+int BendTool::pointAt(const Eigen::Vector2d &window) const {
     double least = 12;
     int tag = 0;
     for (const auto &point : session->state().points) {
         const double d = (seen.toWindow(session->centerOf(point.first)).head<2>() - window).norm();
-        if (d < least) {
+        if (d < least && !session->handle(point.first).isHidden) {
             least = d;
             tag = point.first;
         }
     }
+    return tag;
+}
+
+/// The vertex of the layer under the mouse, none where there is nothing, or another layer.
+std::optional<std::size_t> BendTool::slotAtMouse() const {
+    const std::optional<Eigen::Vector3d> place = pick();
+    double distance = 0;
+    const std::optional<std::size_t> slot = place ? session->nearest(*place, distance) : std::nullopt;
+    return slot && distance <= 0.02 * session->diagonal() ? slot : std::nullopt;
+}
+
+/// The handle under the mouse, 0: none.
+int BendTool::handleAtMouse() const {
+    if (const int point = pointAt(mouseInWindow().head<2>()))
+        return point;
+    const std::optional<std::size_t> slot = slotAtMouse();
+    return slot && session->tags()[*slot] >= 2 ? session->tags()[*slot] : 0;
+}
+
+/// What is under the mouse lights up.
+void BendTool::hover() {
+    const std::optional<Gizmo> shown = gizmo();
+    const auto part = shown ? gizmoAt(seen, *shown, mouseInWindow().head<2>()) : std::nullopt;
+    const int handle = part ? 0 : handleAtMouse();
+    if (handle == hovered && part == lit)
+        return;
+    hovered = handle;
+    lit = part;
+    panel->showState(stateText());
+    view->update();
+}
+
+/// Begins to drag what is under the mouse. \return false where there is nothing to drag
+bool BendTool::grab() {
+    const Eigen::Vector2d window = mouseInWindow().head<2>();
+    if (const std::optional<Gizmo> shown = gizmo())
+        if (const std::optional<GizmoPart> part = gizmoAt(seen, *shown, window)) {
+            session->change();
+            beginDrag(selected(), *part, false);
+            return true;
+        }
+    int tag = pointAt(window);
     if (!tag) {
-        const std::optional<Eigen::Vector3d> place = pick();
-        double distance = 0;
-        const std::optional<std::size_t> slot = place ? session->nearest(*place, distance) : std::nullopt;
-        if (!slot || distance > 0.02 * session->diagonal())
-            return false; // nothing, or another layer
+        const std::optional<std::size_t> slot = slotAtMouse();
+        if (!slot)
+            return false;
         tag = session->tags()[*slot];
         if (tag < 2) {
             if (!session->isFree(*slot)) {
@@ -176,122 +210,4 @@ bool BendTool::grab() {
     session->change();
     beginDrag(tag, {}, false);
     return true;
-}
-
-// --- keys ---
-
-bool BendTool::eventFilter(QObject *object, QEvent *event) {
-    if (object == view && view && !view->suspendedEditor && session) {
-        if (event->type() == QEvent::Enter)
-            view->setFocus(); // keys belong to what is under the mouse
-        if (event->type() == QEvent::ShortcutOverride) {
-            const auto *key = static_cast<QKeyEvent *>(event);
-            const bool isOurs =
-                (key->key() == Qt::Key_Z || key->key() == Qt::Key_Return || key->key() == Qt::Key_Enter) &&
-                (key->modifiers() & Qt::ControlModifier);
-            if (isOurs || (key->key() == Qt::Key_Escape && (drag || marking))) {
-                event->accept();
-                return true;
-            }
-        }
-        if (event->type() == QEvent::MouseButtonDblClick && panel && panel->mode() != BendPanel::Bend) {
-            guarded([&] {
-                if (marking && marking->kind == BendMarking::Polygon)
-                    endMarking();
-                else
-                    press(static_cast<QMouseEvent *>(event));
-            });
-            return true;
-        }
-    }
-    return HostEditTool::eventFilter(object, event);
-}
-
-void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
-    const QString text = event->text();
-    switch (const int key = event->key()) {
-    case Qt::Key_Escape:
-    case Qt::Key_Return:
-    case Qt::Key_Enter: endDrag(key != Qt::Key_Escape); return;
-    case Qt::Key_X:
-    case Qt::Key_Y:
-    case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
-    case Qt::Key_G: drag->kind = BendDrag::Move; break;
-    case Qt::Key_R: drag->kind = BendDrag::Turn; break;
-    case Qt::Key_S: drag->kind = BendDrag::Scale; break;
-    case Qt::Key_Backspace:
-        if (!drag->typed.empty())
-            drag->typed.pop_back();
-        break;
-    default:
-        if (text.size() == 1 && QString("0123456789.-").contains(text))
-            drag->typed += text.toStdString();
-    }
-    requestStep();
-}
-
-/// Begins to move the active handle with the mouse, without a button.
-void BendTool::dragByKey(BendDrag::Kind kind) {
-    const std::vector<int> handles = session->handleTags();
-    if (handles.empty())
-        throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    if (!hasGizmo())
-        active = handles.front();
-    mouse = view->mapFromGlobal(QCursor::pos());
-    session->change();
-    beginDrag(active, {kind, -1}, true);
-}
-
-void BendTool::pressKey(QKeyEvent *event) {
-    if (!layer() || !panel)
-        return;
-    event->accept();
-    if (drag) {
-        pressKeyWhileDragging(event);
-        return;
-    }
-    const int key = event->key();
-    const bool shift = event->modifiers() & Qt::ShiftModifier, control = event->modifiers() & Qt::ControlModifier;
-    if (control && key == Qt::Key_Z) {
-        onCommand(shift ? BendPanel::Redo : BendPanel::Undo);
-        return;
-    }
-    switch (key) {
-    case Qt::Key_G:
-    case Qt::Key_R:
-    case Qt::Key_S:
-        if (!isReady())
-            return;
-        dragByKey(key == Qt::Key_G ? BendDrag::Move : key == Qt::Key_R ? BendDrag::Turn : BendDrag::Scale);
-        break;
-    case Qt::Key_M: setMode(BendPanel::Bend); break;
-    case Qt::Key_B: setMode(BendPanel::Brush); break;
-    case Qt::Key_V: setMode(BendPanel::Rectangle); break;
-    case Qt::Key_L: setMode(BendPanel::Polyline); break;
-    case Qt::Key_F: panel->setRole(BendPanel::Fixed, 2); break;
-    case Qt::Key_U: panel->setRole(BendPanel::Free, 2); break;
-    case Qt::Key_O: panel->setRole(BendPanel::Outside, 2); break;
-    case Qt::Key_H:
-        panel->setRole(BendPanel::Handle, shift || session->handleTags().empty() ? session->unusedTag() : 2);
-        break;
-    case Qt::Key_T: panel->toggleThrough(); break;
-    case Qt::Key_Backspace: onCommand(BendPanel::Reset); break;
-    case Qt::Key_Escape:
-        if (marking) {
-            marking.reset();
-            session->cancel();
-            showOverlay();
-        }
-        break;
-    case Qt::Key_Return:
-    case Qt::Key_Enter:
-        if (marking && marking->kind == BendMarking::Polygon)
-            endMarking();
-        else if (control)
-            onCommand(shift ? BendPanel::ApplyToNewLayer : BendPanel::ApplyInPlace);
-        break;
-    default: event->ignore();
-    }
-    refresh();
-    view->update();
 }

@@ -30,6 +30,7 @@ bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
     }
     makePanel();
     view->installEventFilter(this);
+    view->setMouseTracking(true); // what is under the mouse lights up
     connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
     view->setFocus();
     showOverlay();
@@ -65,13 +66,18 @@ void BendTool::open(MeshModel &newModel) {
                 "' was changed since it was left: it is bent from the shape that it has now.");
         left.erase(found);
     }
-    if (!session)
+    if (!session) {
         session = std::make_unique<BendSession>(*view->md(), newModel);
+        session->options = usual;
+        session->setPose(100);
+        session->options.stretch = false;
+    }
     model = &newModel;
     layerId = newModel.id();
     display = std::make_unique<BendDisplay>(*view, newModel);
     overlay = std::make_unique<LayerOverlay>();
-    active = 0;
+    active = hovered = 0;
+    lit.reset();
     isLive = false;
 }
 
@@ -86,6 +92,7 @@ void BendTool::leave() {
     });
     display->rest();
     display->updateShape(true);
+    usual = session->options;
     left[layerId] = std::move(session);
 }
 
@@ -99,6 +106,8 @@ void BendTool::close() {
     isStepWanted = false;
     leave();
     isPainted = false;
+    if (session)
+        usual = session->options;
     session.reset();
     display.reset();
     overlay.reset();

@@ -9,14 +9,13 @@ namespace {
 
 const int arrowPixels = 80, ringPixels = 60;
 const int ringParts = 48;
+const GLubyte litColor[] = {255, 225, 60};
 
 /// A point of the ring that turns about an axis. \param part of ringParts
-Eigen::Vector3d onRing(const Eigen::Vector3d &center, int axis, double radius, int part) {
+Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
     const double angle = part * (360.0 / ringParts) * degree;
-    Eigen::Vector3d p = center;
-    p[(axis + 1) % 3] += radius * std::cos(angle);
-    p[(axis + 2) % 3] += radius * std::sin(angle);
-    return p;
+    return gizmo.center + radius * (std::cos(angle) * gizmo.axes.col((axis + 1) % 3) +
+                                    std::sin(angle) * gizmo.axes.col((axis + 2) % 3));
 }
 
 /// Draws flat and over all else, as long as it lives.
@@ -45,7 +44,8 @@ void drawPoint(const Eigen::Vector3d &p, float size) {
 
 } // namespace
 
-std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &center, const Eigen::Vector2d &window) {
+std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
+    const Eigen::Vector3d &center = gizmo.center;
     const auto flat = [&](const Eigen::Vector3d &p) { return Eigen::Vector2d(view.toWindow(p).head<2>()); };
     if ((flat(center) - window).norm() < 15) // rings that are seen from the side go through it
         return GizmoPart();
@@ -53,15 +53,15 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &ce
     std::optional<GizmoPart> hit;
     double least = 8;
     for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::Vector3d arrow = arrowPixels * pixel * Eigen::Vector3d::Unit(axis);
+        const Eigen::Vector3d arrow = arrowPixels * pixel * gizmo.axes.col(axis);
         const Eigen::Vector2d a = flat(center + arrow * 0.3), b = flat(center + arrow);
         if (const double d = distanceToSegment(window, a, b); d < least && (b - a).norm() > 10) {
             least = d;
             hit = GizmoPart{BendDrag::Move, axis};
         }
         for (int i = 0; i < ringParts; ++i) {
-            const Eigen::Vector2d p = flat(onRing(center, axis, ringPixels * pixel, i)),
-                                  q = flat(onRing(center, axis, ringPixels * pixel, i + 1));
+            const Eigen::Vector2d p = flat(onRing(gizmo, axis, ringPixels * pixel, i)),
+                                  q = flat(onRing(gizmo, axis, ringPixels * pixel, i + 1));
             if (const double d = distanceToSegment(window, p, q); d < least) {
                 least = d;
                 hit = GizmoPart{BendDrag::Turn, axis};
@@ -71,7 +71,7 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &ce
     return hit;
 }
 
-void drawPoints(const BendSession &session, const BendDrag *drag) {
+void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     const FlatDrawing flat;
     if (session.isLocal() && drag) { // some of the vertices
         const BendTags &tags = session.tags();
@@ -84,31 +84,48 @@ void drawPoints(const BendSession &session, const BendDrag *drag) {
                 put(session.positionOf(i));
         glEnd();
     }
-    glColor3ub(210, 60, 50);
     for (const auto &point : session.state().points)
-        drawPoint(session.positionOf(point.second.slot), 9);
+        if (!session.handle(point.first).isHidden) {
+            glColor3ub(210, 60, 50);
+            drawPoint(session.positionOf(point.second.slot), 9);
+        }
+    if (lit) {
+        glColor3ubv(litColor);
+        drawPoint(session.centerOf(lit), 12);
+    }
 }
 
-void drawGizmo(const BendView &view, const Eigen::Vector3d &center, const BendDrag *drag) {
+void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {
     const FlatDrawing flat;
-    const double pixel = view.pixelAt(center);
+    const double pixel = view.pixelAt(gizmo.center);
     for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis) * pixel;
-        const bool used = drag && drag->axis == axis, isLine = used && drag->kind == BendDrag::Move;
-        glLineWidth(used ? 4 : 2);
-        glColor3ub(axis == 0 ? 230 : 40, axis == 1 ? 190 : 40, axis == 2 ? 240 : 40);
+        const Eigen::Vector3d along = gizmo.axes.col(axis) * pixel;
+        const auto begin = [&](BendDrag::Kind kind) { // brighter and thicker where the mouse is, or what it drags
+            const bool isLit = drag ? drag->axis == axis && (drag->kind == kind || drag->kind == BendDrag::Scale)
+                                    : lit && *lit == GizmoPart{kind, axis};
+            glLineWidth(isLit ? 4 : 2);
+            if (isLit)
+                glColor3ubv(litColor);
+            else
+                glColor3ub(axis == 0 ? 230 : 40, axis == 1 ? 190 : 40, axis == 2 ? 240 : 40);
+            return isLit;
+        };
+        const bool isLine = begin(BendDrag::Move) && drag;
         glBegin(GL_LINES);
-        put(isLine ? center - 2000 * along : center);
-        put(center + (isLine ? 2000 : arrowPixels) * along);
+        put(isLine ? gizmo.center - 2000 * along : gizmo.center);
+        put(gizmo.center + (isLine ? 2000 : arrowPixels) * along);
         glEnd();
-        drawPoint(center + arrowPixels * along, 8);
+        drawPoint(gizmo.center + arrowPixels * along, 8);
+        begin(BendDrag::Turn);
         glBegin(GL_LINE_LOOP);
         for (int i = 0; i < ringParts; ++i)
-            put(onRing(center, axis, ringPixels * pixel, i));
+            put(onRing(gizmo, axis, ringPixels * pixel, i));
         glEnd();
     }
     glColor3ub(250, 250, 250);
-    drawPoint(center, 14);
+    if (lit && lit->axis < 0)
+        glColor3ubv(litColor);
+    drawPoint(gizmo.center, 14);
 }
 
 void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon) {

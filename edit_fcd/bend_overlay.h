@@ -10,15 +10,24 @@
 struct GizmoPart {
     BendDrag::Kind kind = BendDrag::Move;
     int axis = -1; ///< -1: the ball
+
+    bool operator==(const GizmoPart &other) const { return kind == other.kind && axis == other.axis; }
 };
 
-/// The part of the gizmo at \p center, world, that is hit at \p window.
-std::optional<GizmoPart> gizmoAt(const BendView &view, const Eigen::Vector3d &center, const Eigen::Vector2d &window);
+/// Where a gizmo is, and its axes, as columns of length 1; world.
+struct Gizmo {
+    Eigen::Vector3d center;
+    Eigen::Matrix3d axes;
+};
 
-/// Draws, over what is there, point handles and what they reach. \param drag may be null
-void drawPoints(const BendSession &session, const BendDrag *drag);
-/// Draws the gizmo at \p center, world. \param drag may be null
-void drawGizmo(const BendView &view, const Eigen::Vector3d &center, const BendDrag *drag);
+/// The part of the gizmo that is hit at \p window.
+std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const Eigen::Vector2d &window);
+
+/// Draws, over what is there, point handles and what they reach, and a light on one of the handles. \param drag may be
+/// null \param lit 0: none
+void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
+/// Draws the gizmo. \param drag may be null \param lit the part under the mouse
+void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit);
 /// Draws a polygon in the window.
 void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon);
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_panel.h"
 
+#include "bend_keys.h"
 #include "bend_state.h"
+#include "stretch_colors.h"
 
 #include <layer_fcd/parameters.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <initializer_list>
 
 #include <QFormLayout>
@@ -12,7 +16,7 @@
 #include <QHBoxLayout>
 #include <QPushButton>
 #include <QScrollArea>
-#include <QToolButton>
+#include <QTimer>
 #include <QVBoxLayout>
 
 BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
@@ -22,123 +26,19 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     auto *column = new QVBoxLayout(content);
     column->setContentsMargins(6, 4, 6, 4);
     column->setSpacing(4);
-
-    modes = new QButtonGroup(this);
-    auto *modeRow = new QHBoxLayout;
-    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline"};
-    const char *const tips[] = {"Drag a handle, or a point of the surface (M)",
-                                "Mark with a brush; size on the wheel (B)", "Mark what is in a rectangle (V)",
-                                "Mark what is in a polygon: click its corners, double-click the last (L)"};
-    for (int i = 0; i < 4; ++i) {
-        auto *button = new QToolButton;
-        button->setText(names[i]);
-        button->setToolTip(tips[i]);
-        button->setCheckable(true);
-        modes->addButton(button, i);
-        modeRow->addWidget(button);
-    }
-    modeRow->addStretch();
-    setMode(Bend);
-    column->addLayout(modeRow);
-
-    auto *form = new QFormLayout;
-    form->setVerticalSpacing(3);
-    auto *markRow = new QHBoxLayout;
-    role = new QComboBox;
-    role->addItems({"Fixed", "Free", "Handle", "Outside"});
-    role->setCurrentIndex(Handle);
-    role->setToolTip("What is marked becomes this (F, U, H, O)");
-    number = new QSpinBox;
-    number->setRange(2, 1000000);
-    number->setToolTip("Number of the handle");
-    through = new QCheckBox("through");
-    through->setToolTip("Also what is hidden (T)");
-    markRow->addWidget(role);
-    markRow->addWidget(number);
-    markRow->addWidget(through);
-    form->addRow("Mark", markRow);
-
-    brushPixels = new QSpinBox;
-    brushPixels->setRange(2, 500);
-    brushPixels->setValue(20);
-    brushPixels->setSuffix(" px");
-    form->addRow("Brush radius", brushPixels);
-    radiusPercent = new QDoubleSpinBox;
-    radiusPercent->setRange(0.5, 400);
-    radiusPercent->setValue(100 * usualRadius);
-    radiusPercent->setSuffix(" %");
-    radiusPercent->setToolTip(
-        "Where nothing is marked as fixed: how far along the surface a handle bends what is around it, of the "
-        "diagonal of the bounding box. The wheel changes it while dragging.");
-    form->addRow("Point radius", radiusPercent);
-    mirrorAxis = new QComboBox;
-    mirrorAxis->addItems({"none", "x", "y", "z"});
-    mirrorAxis->setToolTip("Marks and moves on both sides of the middle of the layer");
-    form->addRow("Symmetry", mirrorAxis);
-    smoothnessValue = new QDoubleSpinBox;
-    smoothnessValue->setDecimals(4);
-    smoothnessValue->setRange(0, 10);
-    smoothnessValue->setSingleStep(0.002);
-    smoothnessValue->setValue(0.0058);
-    form->addRow("Smoothness", smoothnessValue);
-    patchCount = new QSpinBox;
-    patchCount->setRange(1, 20000);
-    patchCount->setValue(300);
-    form->addRow("Initial patches", patchCount);
-    const EnumText weightsWords = weightsText();
-    weightsChoice = new QComboBox;
-    weightsChoice->addItems(weightsWords.values);
-    weightsChoice->setToolTip(weightsWords.help);
-    form->addRow(weightsWords.label, weightsChoice);
-    auto *poseRow = new QHBoxLayout;
-    poseSlider = new QSlider(Qt::Horizontal);
-    poseSlider->setRange(0, 200);
-    poseSlider->setValue(100);
-    poseLabel = new QLabel("100 %");
-    poseRow->addWidget(poseSlider);
-    poseRow->addWidget(poseLabel);
-    form->addRow("Pose", poseRow);
-    stretch = new QCheckBox("Show stretch");
-    form->addRow(stretch);
-    column->addLayout(form);
-
-    motionText = new QPlainTextEdit;
-    motionText->setFixedHeight(58);
-    motionText->setPlaceholderText("Motions as text");
-    motionText->setToolTip(
-        "The motions of the handles as the filters take them ('Motions as text'); type or paste, then "
-        "press 'Take motions'");
-    column->addWidget(motionText);
-
-    auto *grid = new QGridLayout;
-    grid->setSpacing(3);
-    const auto add = [&](const char *text, const char *tip, Command which, int row, int place) {
-        auto *button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus); // keys go to the view
-        connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
-        grid->addWidget(button, row, place);
-    };
-    add("Take motions", "Moves the handles as the text says", TakeMotions, 0, 0);
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 1);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 1, 0);
-    add("Reset", "Takes all motions back (Backspace)", Reset, 1, 1);
-    add("Undo", "Ctrl+Z", Undo, 2, 0);
-    add("Redo", "Ctrl+Shift+Z", Redo, 2, 1);
-    add("Apply in place", "The layer keeps the shape, and the next pose begins from it (Ctrl+Enter)", ApplyInPlace, 3,
-        0);
-    add("Apply to new layer", "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)",
-        ApplyToNewLayer, 3, 1);
-    column->addLayout(grid);
-    graphs = new QCheckBox("with graph layers");
-    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
-    column->addWidget(graphs);
-
+    addModes(*column);
+    addMarking(*column);
+    list = new BendHandleList;
+    list->setObjectName("handles");
+    column->addWidget(list);
+    addCommands(*column);
     state = new QLabel;
+    state->setObjectName("state");
     state->setWordWrap(true);
     state->setMinimumHeight(48);
     state->setAlignment(Qt::AlignTop | Qt::AlignLeft);
     column->addWidget(state);
+    addMore(*column);
     column->addStretch();
     auto *scroll = new QScrollArea;
     scroll->setWidget(content);
@@ -146,22 +46,249 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     scroll->setMinimumWidth(content->minimumSizeHint().width() + 20);
     setWidget(scroll);
+    moreOptions->hide(); // the width is that of all
+    scroll->setFocusPolicy(Qt::NoFocus);
+    connectOptions();
+    tracePlaces();
+}
 
-    for (QWidget *widget : std::initializer_list<QWidget *>{scroll, role, mirrorAxis, weightsChoice, through, stretch,
-                                                            graphs, poseSlider})
-        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
-    for (QAbstractButton *button : modes->buttons())
+void BendPanel::addModes(QBoxLayout &column) {
+    modes = new QButtonGroup(this);
+    auto *row = new QHBoxLayout;
+    const auto add = [&](const char *text, const QString &tip) {
+        auto *button = new QToolButton;
+        button->setText(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus); // keys go to the view
+        row->addWidget(button);
+        return button;
+    };
+    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline"};
+    const QString tips[] = {
+        withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
+        withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
+        withKeys("Mark what is in a rectangle", BendAction::Rectangle),
+        withKeys("Mark what is in a polygon: click its corners, double-click the last", BendAction::Polyline)};
+    for (int i = 0; i < 4; ++i) {
+        QToolButton *button = add(names[i], tips[i]);
+        button->setCheckable(true);
+        modes->addButton(button, i);
+    }
+    row->addStretch();
+    QToolButton *keys = add("?", withKeys("What the keys do", BendAction::Page));
+    keys->setObjectName("keys");
+    connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
+    setMode(Bend);
+    column.addLayout(row);
+}
+
+void BendPanel::addMarking(QBoxLayout &column) {
+    auto *form = new QFormLayout;
+    form->setVerticalSpacing(3);
+    const auto withTip = [](auto *widget, const QString &tip) {
+        widget->setToolTip(tip);
+        return widget;
+    };
+    auto *row = new QHBoxLayout;
+    role = withTip(new QComboBox, "What is marked becomes this (F, U, H, O)");
+    role->addItems({"Fixed", "Free", "Handle", "Outside"});
+    role->setCurrentIndex(Handle);
+    number = withTip(new QSpinBox, withKeys("Number of the handle; the next one", BendAction::NextHandle));
+    number->setRange(2, 1000000);
+    through = withTip(new QCheckBox("through"), withKeys("Also what is hidden", BendAction::Through));
+    row->addWidget(role);
+    row->addWidget(number);
+    row->addWidget(through);
+    form->addRow("Mark", row);
+    brushPixels = withTip(new QSpinBox, "How far the brush marks around the mouse (wheel)");
+    brushPixels->setObjectName("brush");
+    brushPixels->setRange(2, 500);
+    brushPixels->setValue(20);
+    brushPixels->setSuffix(" px");
+    form->addRow("Brush radius", brushPixels);
+    radiusPercent = withTip(
+        new QDoubleSpinBox,
+        "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
+        "of the bounding box; a fifth of it is left free between marks (wheel while dragging)");
+    radiusPercent->setRange(0.5, 400);
+    radiusPercent->setValue(100 * usualRadius);
+    radiusPercent->setSuffix(" %");
+    form->addRow("Point radius", radiusPercent);
+    auto *frame = new QHBoxLayout;
+    mirrorAxis = withTip(new QComboBox, "Marks and moves on both sides of the middle of the layer");
+    mirrorAxis->addItems({"none", "x", "y", "z"});
+    axesChoice = withTip(new QComboBox,
+                         "What the gizmo and X, Y, Z move along and turn about: the axes of the world, of the layer, "
+                         "of the view, or of the surface under the handle (z is its normal)");
+    axesChoice->addItems({"World", "Layer", "View", "Surface"});
+    frame->addWidget(mirrorAxis);
+    frame->addWidget(new QLabel("Axes"));
+    frame->addWidget(axesChoice);
+    form->addRow("Symmetry", frame);
+    auto *pose = new QHBoxLayout;
+    poseSlider = withTip(new QSlider(Qt::Horizontal), "How much of the motions is shown and applied");
+    poseSlider->setObjectName("pose");
+    poseSlider->setRange(0, 200);
+    poseSlider->setValue(100);
+    poseLabel = new QLabel("100 %");
+    pose->addWidget(poseSlider);
+    pose->addWidget(poseLabel);
+    form->addRow("Pose", pose);
+    auto *stretched = new QHBoxLayout;
+    stretch = new QCheckBox("Show stretch");
+    stretch->setObjectName("stretch");
+    QString legend;
+    const std::pair<double, const char *> values[] = {{-1, "1/2"}, {-0.5, "0.7"}, {0, "1"}, {0.5, "1.4"}, {1, "2"}};
+    for (const auto &[exponent, text] : values) {
+        const vcg::Color4b color = colorOfStretch(exponent);
+        legend += QString("<span style='background: rgb(%1, %2, %3); color: %4'>&nbsp;%5&nbsp;</span>")
+                      .arg(color[0])
+                      .arg(color[1])
+                      .arg(color[2])
+                      .arg(std::abs(exponent) > 0.7 ? "white" : "black", text);
+    }
+    stretched->addWidget(stretch);
+    stretched->addWidget(withTip(new QLabel(legend), "How long the surface is there, of its length at rest"));
+    stretched->addStretch();
+    form->addRow(stretched);
+    column.addLayout(form);
+}
+
+void BendPanel::addCommands(QBoxLayout &column) {
+    auto *grid = new QGridLayout;
+    grid->setSpacing(3);
+    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place) {
+        auto *button = new QPushButton(text);
+        button->setToolTip(tip);
         button->setFocusPolicy(Qt::NoFocus);
+        connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
+        grid->addWidget(button, row, place);
+    };
+    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0);
+    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 1);
+    add("Undo", withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0);
+    add("Redo", withKeys("Redo", BendAction::Redo), Redo, 1, 1);
+    add("Apply in place",
+        withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace), ApplyInPlace,
+        2, 0);
+    add("Apply to new layer",
+        withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer), ApplyToNewLayer,
+        2, 1);
+    add("Reset", withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
+    more = new QToolButton;
+    more->setObjectName("more");
+    more->setText("More");
+    more->setToolTip("What shapes a deformation, motions as text, graph layers");
+    more->setCheckable(true);
+    more->setFocusPolicy(Qt::NoFocus);
+    more->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    more->setArrowType(Qt::RightArrow);
+    more->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    connect(more, &QToolButton::toggled, this, [this](bool shown) {
+        more->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+        moreOptions->setVisible(shown);
+        if (shown)
+            QTimer::singleShot(50, this, [this] { // once it has a place
+                static_cast<QScrollArea *>(widget())->ensureWidgetVisible(moreOptions);
+            });
+        tracePlaces();
+    });
+    grid->addWidget(more, 3, 1);
+    column.addLayout(grid);
+}
+
+void BendPanel::addMore(QBoxLayout &column) {
+    moreOptions = new QWidget;
+    auto *form = new QFormLayout(moreOptions);
+    form->setContentsMargins(0, 0, 0, 0);
+    form->setVerticalSpacing(3);
+    smoothnessValue = new QDoubleSpinBox;
+    smoothnessValue->setToolTip("How evenly turns are spread over the surface: higher is stiffer");
+    smoothnessValue->setDecimals(4);
+    smoothnessValue->setRange(0, 10);
+    smoothnessValue->setSingleStep(0.002);
+    smoothnessValue->setValue(0.0058);
+    form->addRow("Smoothness", smoothnessValue);
+    patchCount = new QSpinBox;
+    patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer");
+    patchCount->setRange(1, 20000);
+    patchCount->setValue(300);
+    form->addRow("Initial patches", patchCount);
+    const EnumText words = weightsText();
+    weightsChoice = new QComboBox;
+    weightsChoice->setObjectName("distances");
+    weightsChoice->addItems(words.values);
+    weightsChoice->setToolTip(words.help);
+    form->addRow(words.label, weightsChoice);
+    motionText = new QPlainTextEdit;
+    motionText->setObjectName("motions");
+    motionText->setFixedHeight(58);
+    motionText->setPlaceholderText("Motions as text");
+    motionText->setToolTip("The motions of the handles as the filters take them ('Motions as text'); type or paste, "
+                           "then press 'Take motions'");
+    form->addRow(motionText);
+    auto *take = new QPushButton("Take motions");
+    take->setObjectName("take");
+    take->setToolTip("Moves the handles as the text says");
+    take->setFocusPolicy(Qt::NoFocus);
+    connect(take, &QPushButton::clicked, this, [this] { emit command(TakeMotions); });
+    graphs = new QCheckBox("with graph layers");
+    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
+    form->addRow(graphs, take);
+    column.addWidget(moreOptions);
+}
+
+void BendPanel::connectOptions() {
+    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, weightsChoice, through,
+                                                            stretch, graphs, poseSlider})
+        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
+    connect(poseSlider, &QSlider::sliderPressed, this, &BendPanel::poseBegins);
     connect(poseSlider, &QSlider::valueChanged, this, [this](int value) {
         poseLabel->setText(QString("%1 %").arg(value));
+        if (!poseSlider->isSliderDown())
+            emit poseBegins();
         emit optionsChanged();
     });
     connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
-    for (const QComboBox *choice : {mirrorAxis, weightsChoice})
+    for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
     connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
-    connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &BendPanel::optionsChanged);
+    connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, [this] {
+        emit optionsChanged();
+        emit modeChosen();
+    });
+}
+
+/// Tells where things are in the window, for whoever drives it by a script.
+void BendPanel::tracePlaces() {
+    if (std::getenv("FCD_TRACE"))
+        QTimer::singleShot(200, this, [this] {
+            for (const QWidget *each : findChildren<QWidget *>())
+                if (!each->objectName().isEmpty() && !each->objectName().startsWith("qt_") && each->isVisible()) {
+                    const QPoint place = each->mapToGlobal(QPoint(0, 0));
+                    std::fprintf(stderr, "FCD trace: place: %s %d %d %d %d\n", qPrintable(each->objectName()),
+                                 place.x(), place.y(), each->width(), each->height());
+                }
+        });
+}
+
+void BendPanel::showKeys() {
+    if (page) {
+        page->close();
+        return;
+    }
+    page = new QLabel(bendKeyPage(), this, Qt::Tool);
+    page->setAttribute(Qt::WA_DeleteOnClose);
+    page->setAttribute(Qt::WA_ShowWithoutActivating);
+    page->setWindowTitle("FCD: Bend, keys");
+    page->setTextFormat(Qt::RichText);
+    page->setWordWrap(true);
+    page->setMargin(8);
+    page->resize(560, page->heightForWidth(560));
+    page->setObjectName("page");
+    page->show();
+    tracePlaces();
 }
 
 int BendPanel::tag() const {
@@ -180,25 +307,25 @@ void BendPanel::setRole(Role which, int handle) {
 }
 
 void BendPanel::setPose(int percent) {
-    const bool blocked = poseSlider->blockSignals(true);
+    const QSignalBlocker blocked(poseSlider);
     poseSlider->setValue(percent);
-    poseSlider->blockSignals(blocked);
     poseLabel->setText(QString("%1 %").arg(percent));
 }
 
-void BendPanel::setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int pose) {
+void BendPanel::setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes,
+                         int pose) {
     const QSignalBlocker blocked(this);
     smoothnessValue->setValue(smoothness);
     patchCount->setValue(patches);
     weightsChoice->setCurrentIndex(int(weights));
     mirrorAxis->setCurrentIndex(mirror + 1);
+    axesChoice->setCurrentIndex(axes);
     setPose(pose);
 }
 
 void BendPanel::setStretch(bool shown) {
-    const bool blocked = stretch->blockSignals(true);
+    const QSignalBlocker blocked(stretch);
     stretch->setChecked(shown);
-    stretch->blockSignals(blocked);
 }
 
 void BendPanel::allowStretch(bool allowed) {

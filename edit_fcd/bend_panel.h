@@ -4,6 +4,8 @@
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
 
+#include "bend_handle_list.h"
+
 #include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
@@ -11,8 +13,12 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPlainTextEdit>
+#include <QPointer>
 #include <QSlider>
 #include <QSpinBox>
+#include <QToolButton>
+
+class QBoxLayout;
 
 /// The panel of the tool: shows and sets, and decides nothing.
 class BendPanel : public QDockWidget {
@@ -40,10 +46,11 @@ class BendPanel : public QDockWidget {
     int patches() const { return patchCount->value(); }
     vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
+    int axes() const { return axesChoice->currentIndex(); }       ///< as BendAxes
     int pose() const { return poseSlider->value(); }              ///< percent
     void setPose(int percent);
     /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
-    void setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int pose);
+    void setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes, int pose);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
     /// Whether there is a surface whose stretch can be shown.
@@ -53,21 +60,37 @@ class BendPanel : public QDockWidget {
 
     /// Shows the handles' motions, unless they are being typed.
     void showMotions(const QString &text);
+    void showHandles(const std::vector<BendHandleRow> &rows) { list->showRows(rows); }
     void showState(const QString &text) { state->setText(text); }
+    void showKeys();
+    BendHandleList &handles() { return *list; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, stretch
+    void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
+    void poseBegins();     ///< before the pose changes, once for each way of the slider
+    void modeChosen();
     void command(int which);
 
   private:
+    void addModes(QBoxLayout &column);
+    void addMarking(QBoxLayout &column);
+    void addCommands(QBoxLayout &column);
+    void addMore(QBoxLayout &column);
+    void connectOptions();
+    void tracePlaces();
+
     QButtonGroup *modes;
-    QComboBox *role, *mirrorAxis, *weightsChoice;
+    QComboBox *role, *mirrorAxis, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue;
     QCheckBox *through, *stretch, *graphs;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     QLabel *state, *poseLabel;
+    BendHandleList *list;
+    QToolButton *more;
+    QWidget *moreOptions;
+    QPointer<QLabel> page; ///< of keys
 };
 
 #endif

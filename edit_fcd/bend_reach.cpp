@@ -4,6 +4,8 @@
 #include <vcg_ext/surface/read_surface.h>
 #include <vcg_ext/surface/surface_reach.h>
 
+#include <algorithm>
+
 void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
     surface = std::make_unique<vcg::fcd::SurfaceGraph>(
         vcg::fcd::BuildSurfaceGraph(vcg::tri::ReadSurface(layer.cm).View(), nullptr, {}, metric));
@@ -33,4 +35,54 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
     from = vertices;
     within = radius;
     return reached;
+}
+
+namespace {
+
+// Of the area of the largest piece: a limb is much smaller than its body, where the halves of a bar are about the same.
+const float largestTip = 0.5;
+
+} // namespace
+
+std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) const {
+    const vcg::fcd::Graph &graph = surface->graph;
+    const auto n = std::size_t(graph.Size());
+    const int unknown = -1, cut = -2;
+    std::vector<int> piece(n, unknown);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            piece[std::size_t(surface->nodeOf[i])] = cut;
+    std::vector<float> area; // of the pieces
+    std::vector<vcg::fcd::Index> next;
+    for (std::size_t u = 0; u < n; ++u) {
+        if (piece[u] != cut)
+            continue;
+        for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
+            if (piece[std::size_t(begin)] != unknown)
+                continue;
+            piece[std::size_t(begin)] = int(area.size());
+            area.push_back(0);
+            next = {begin};
+            while (!next.empty()) {
+                const vcg::fcd::Index v = next.back();
+                next.pop_back();
+                area.back() += surface->nodeArea[std::size_t(v)];
+                for (const vcg::fcd::Index w : graph.adjacency[v])
+                    if (piece[std::size_t(w)] == unknown) {
+                        piece[std::size_t(w)] = piece[std::size_t(begin)];
+                        next.push_back(w);
+                    }
+            }
+        }
+    }
+    std::vector<std::size_t> all;
+    if (area.size() < 2)
+        return all;
+    const float largest = *std::max_element(area.begin(), area.end());
+    for (std::size_t i = 0; i < isIn.size(); ++i) {
+        const int which = surface->nodeOf[i] < 0 ? unknown : piece[std::size_t(surface->nodeOf[i])];
+        if (which >= 0 && area[std::size_t(which)] < largestTip * largest)
+            all.push_back(i);
+    }
+    return all;
 }

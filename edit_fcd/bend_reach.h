@@ -21,6 +21,11 @@ class BendReach {
     /// The vertices within \p radius of some, given by their slots. \pre isReady(), or knows() it
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
 
+    /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside
+    /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others \pre
+    /// isReady()
+    std::vector<std::size_t> tips(const std::vector<char> &isIn) const;
+
   private:
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
     std::vector<std::size_t> reached, from; ///< those of the last

@@ -68,14 +68,6 @@ int BendSession::unusedTag() const {
     return tag;
 }
 
-Eigen::Vector3d BendSession::centerOf(int tag) const {
-    Eigen::Vector3d place = rest.world() * center.at(tag);
-    const auto steps = now.motion.find(tag);
-    if (steps == now.motion.end())
-        return place;
-    return (vcg::fcd::ToMotion(steps->second, place).At(options.pose, place) * place.homogeneous()).head<3>();
-}
-
 Eigen::Affine3d BendSession::mirror() const {
     Eigen::Affine3d mirror = Eigen::Affine3d::Identity();
     if (options.mirror >= 0) {
@@ -164,6 +156,7 @@ const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t
 /// The state is another one.
 void BendSession::takeState() {
     crossApplies();
+    options.pose = now.pose;
     updateTags();
     writeMarks();
 }
@@ -208,7 +201,7 @@ void BendSession::setRadius(int tag, double radius) {
         if (point != now.points.end())
             point->second.radius = radius;
         else if (center.count(which))
-            now.rim = radius;
+            setRim(radius);
     };
     set(tag);
     set(mirrored(tag));
@@ -235,5 +228,7 @@ void BendSession::setMotions(const std::string &text) {
     }
     now.motion = std::move(motion);
 }
+
+void BendSession::setPose(double percent) { options.pose = now.pose = percent; }
 
 void BendSession::reset() { now.motion.clear(); }

@@ -45,8 +45,12 @@ class BendSession {
     bool isFree(std::size_t slot) const { return !now.marks || (*now.marks)[slot] == 1; }
     std::vector<int> handleTags() const; ///< ascending
     int unusedTag() const;
-    /// Where the middle of a handle is in the pose.
-    Eigen::Vector3d centerOf(int tag) const;
+    const BendHandle &handle(int tag) const;
+    std::string nameOf(int tag) const;       ///< of a handle, as a person reads it
+    std::string motionTextOf(int tag) const; ///< its steps as "Motions as text" takes them; empty: it is at rest
+    Eigen::Vector3d centerOf(int tag) const; ///< where the middle of a handle is in the pose
+    Eigen::Vector3d pivotOf(int tag) const;  ///< where a handle is turned and scaled, in the pose
+    Eigen::Matrix3d axesOf(int tag) const;   ///< by options.axes, as columns; those of the view are not known here
     /// The handle on the other side of the mirror, 0 where there is none or no mirror.
     int mirrored(int tag) const;
 
@@ -80,6 +84,13 @@ class BendSession {
     /// How far a handle bends what is around it where nothing is marked as fixed.
     void setRadius(int tag, double radius);
     void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);
+    void setHandle(int tag, BendHandle handle);
+    void removeHandle(int tag); ///< its vertices are free
+    /// \param place in the pose, none: the handle's middle
+    void setPivot(int tag, const std::optional<Eigen::Vector3d> &place);
+    void setPose(double percent);
+    /// \throw vcg::fcd::Error when it is not the text of a motion
+    void setMotionText(int tag, const std::string &text);
     /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
     void setMotions(const std::string &text);
     void reset(); ///< all motions
@@ -126,7 +137,11 @@ class BendSession {
   private:
     static std::shared_ptr<const BendTags> marksNow(const MeshModel &layer);
     void keepRest();
+    Eigen::Affine3d motionAt(int tag) const;
+    Eigen::Vector3d normalOf(int tag) const;
     void updateTags();
+    void setRim(double radius);
+    void freeGaps(BendTags &made);
     void writeMarks();
     void takeState();
     void crossApplies();

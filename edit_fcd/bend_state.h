@@ -8,6 +8,8 @@
 
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 /// A handle of a vertex and those beside it.
@@ -18,10 +20,25 @@ struct BendPoint {
     bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
 };
 
+/// What a person has said of a handle.
+struct BendHandle {
+    std::string name;                        ///< empty: by its number
+    bool isHidden = false, isLocked = false; ///< neither shown; nor moved by the mouse
+    std::optional<Eigen::Vector3d> pivot;    ///< where it is turned, at rest, in the world; none: its middle
+
+    bool operator==(const BendHandle &other) const {
+        return name == other.name && isHidden == other.isHidden && isLocked == other.isLocked && pivot == other.pivot;
+    }
+};
+
 using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
 
 /// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
 const double usualRadius = 0.15;
+
+/// The gap between marks, of that radius. At the usual one this is 3 % of the diagonal, about a patch's radius for 300
+/// patches on a ball: less than a patch would still be a crease.
+const double gapOfRadius = 0.2;
 
 /// What is undone and redone: which vertices are held, and how the handles move. Where nothing is marked as fixed,
 /// handles bend what is around them, and all else is fixed.
@@ -29,19 +46,26 @@ struct BendState {
     std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
     std::map<int, BendPoint> points;       ///< by their tag
     double rim = 0;                        ///< how far marked handles bend what is around them, as BendPoint::radius
+    double gap = 0; ///< how far around a marked handle nothing else is held, likewise; 0 for tags of a filter
+    std::map<int, BendHandle> handles;                       ///< by tag, where a person has said something
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
+    double pose = 100;                                       ///< percent of the motions
     std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
 
     bool operator==(const BendState &other) const;
 };
 
+/// What the axes are that a handle is moved along and turned about. Those of the view are the tool's.
+enum class BendAxes { World, Layer, View, Surface };
+
 /// What the panel sets.
 struct BendOptions {
     double smoothness = vcg::fcd::SolverParam().smoothness;
-    double pose = 100; ///< percent of the motions
+    double pose = 100; ///< as BendState::pose
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
     vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
-    int mirror = -1;      ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    int mirror = -1; ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
+    BendAxes axes = BendAxes::World;
     bool stretch = false; ///< the layer's colours show how much it is stretched
 
     /// Whether the same marks and motions give the same shape.

@@ -46,6 +46,7 @@ bool BendSession::isAsLeft() const {
 void BendSession::updateTags() {
     auto made =
         now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(rest.positions().size(), 1);
+    freeGaps(*made);
     std::vector<std::size_t> held;
     for (std::size_t i = 0; i < made->size(); ++i)
         if ((*made)[i] >= 2)
@@ -61,6 +62,8 @@ void BendSession::updateTags() {
             add(held, now.rim);
         for (const auto &each : now.points)
             add({each.second.slot}, each.second.radius);
+        for (const std::size_t i : reachOfRest.tips(isNear))
+            isNear[i] = 1;
         for (std::size_t i = 0; i < made->size(); ++i)
             if ((*made)[i] == 1 && !isNear[i])
                 (*made)[i] = 0;
@@ -76,6 +79,41 @@ void BendSession::updateTags() {
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
         each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
+    for (auto each = now.handles.begin(); each != now.handles.end();)
+        each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
+}
+
+void BendSession::setRim(double radius) {
+    now.rim = radius;
+    now.gap = gapOfRadius * radius;
+}
+
+/// Marks never touch: within the gap of a marked handle, what is marked as fixed, or as an older handle, is free.
+void BendSession::freeGaps(BendTags &made) {
+    if (!now.marks || !(now.gap > 0))
+        return;
+    std::map<int, std::vector<std::size_t>> held;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] == 0 || made[i] >= 2)
+            held[made[i]].push_back(i);
+    std::map<int, std::size_t> left;
+    for (const auto &[tag, vertices] : held)
+        left[tag] = vertices.size();
+    for (const auto &[tag, vertices] : held) {
+        if (tag == 0 || held.size() == 1)
+            continue;
+        std::map<int, std::vector<std::size_t>> beside;
+        for (const std::size_t i : reach(vertices, now.gap))
+            if (made[i] != 1 && made[i] < tag && made[i] >= 0)
+                beside[made[i]].push_back(i);
+        for (const auto &[other, near] : beside) {
+            if (near.size() == left[other])
+                continue; // it would be gone
+            left[other] -= near.size();
+            for (const std::size_t i : near)
+                made[i] = 1;
+        }
+    }
 }
 
 /// Gives the layer the marks.
@@ -97,11 +135,16 @@ std::vector<vcg::Color4b> BendSession::overlay() {
     std::vector<vcg::Color4b> color;
     if (!marking && !now.marks)
         return color;
-    const BendTags &shown = marking ? *marking : *now.marks;
+    const BendTags &shown = marking ? *marking : *now.marks, &held = marking ? *marking : *effective;
+    std::vector<int> hidden;
+    for (const auto &[tag, each] : now.handles)
+        if (each.isHidden)
+            hidden.push_back(tag);
+    const auto isHidden = [&](int tag) { return std::find(hidden.begin(), hidden.end(), tag) != hidden.end(); };
     color.assign(shown.size(), vcg::Color4b(0, 0, 0, 0));
     ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            if (shown[i] != 1) {
+            if (shown[i] != 1 && held[i] != 1 && !isHidden(shown[i])) {
                 color[i] = colorOfTag(shown[i]);
                 color[i][3] = markOpacity;
             }
@@ -127,7 +170,7 @@ void BendSession::endMarks(double rim) {
     const bool isAny = std::any_of(marking->begin(), marking->end(), [](int tag) { return tag != 1; });
     now.marks = isAny ? std::move(marking) : nullptr;
     marking.reset();
-    now.rim = rim;
+    setRim(rim);
     for (auto point = now.points.begin(); point != now.points.end();) // marks take their places
         point = isFree(point->second.slot) ? std::next(point) : now.points.erase(point);
     updateTags();

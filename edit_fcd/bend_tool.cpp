@@ -21,29 +21,54 @@ void BendTool::say(const std::string &text, bool warning) {
 
 // --- the drag of a handle ---
 
-bool BendTool::hasGizmo() const {
+/// The handle that keys move where none is under the mouse; 0 where there is none.
+int BendTool::selected() const {
     const std::vector<int> handles = session->handleTags();
-    return std::count(handles.begin(), handles.end(), active) > 0;
+    if (std::count(handles.begin(), handles.end(), active) > 0)
+        return active;
+    return handles.empty() ? 0 : handles.front();
+}
+
+Eigen::Matrix3d BendTool::axesOf(int tag) const {
+    if (session->options.axes != BendAxes::View)
+        return session->axesOf(tag);
+    const Eigen::Vector3d at = session->pivotOf(tag), window = seen.toWindow(at);
+    Eigen::Matrix3d axes;
+    axes.col(0) = (seen.toWorld({window[0] + 1, window[1], window[2]}) - at).normalized();
+    axes.col(2) = seen.towardsEye(at);
+    axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
+    return axes;
+}
+
+/// That of the selected handle.
+std::optional<Gizmo> BendTool::gizmo() const {
+    const int tag = drag ? drag->tag : selected();
+    if (!tag || session->handle(tag).isHidden || session->handle(tag).isLocked)
+        return {};
+    return Gizmo{session->pivotOf(tag), drag ? drag->axes : axesOf(tag)};
 }
 
 /// \pre session->change()
 void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
-    if (session->options.pose != 100) { // a drag says where 100 percent is
-        session->options.pose = 100;
-        panel->setPose(100);
-    }
+    if (session->handle(tag).isLocked)
+        throw vcg::fcd::Error(session->nameOf(tag) + " is locked: the list of handles unlocks it.");
+    session->setPose(100); // a drag says where that is
+    panel->setPose(100);
     active = tag;
     drag = std::make_unique<BendDrag>();
     drag->tag = tag;
     drag->kind = part.kind;
     drag->axis = part.axis;
     drag->modal = modal;
-    drag->pivot = session->centerOf(tag);
+    drag->pivot = session->pivotOf(tag);
+    drag->isAbout = session->handle(tag).pivot.has_value();
+    drag->axes = axesOf(tag);
+    frame = 0;
+    sinceDraw.invalidate();
     drag->from = drag->last = mouseInWindow();
     const auto steps = session->state().motion.find(tag);
     if (steps != session->state().motion.end())
         drag->begin = steps->second;
-    trackMouse();
     display->move();
     try {
         const double took = session->prepare();
@@ -67,7 +92,6 @@ void BendTool::endDrag(bool keep) {
         session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
     drag.reset();
     isStepWanted = false;
-    trackMouse();
     sinceEvent.start();
     if (!layer())
         return;
@@ -75,11 +99,6 @@ void BendTool::endDrag(bool keep) {
     solve(true);
     refresh();
     view->update();
-}
-
-/// The mouse tells its way without a button, too, where that moves something: a handle, or the brush.
-void BendTool::trackMouse() {
-    view->setMouseTracking((drag && drag->modal) || (panel && panel->mode() == BendPanel::Brush));
 }
 
 /// One step a painted frame: the mouse moves more often.
@@ -161,6 +180,8 @@ void BendTool::endMarking() {
             session->mark(found, panel->tag());
     }
     session->endMarks(panel->radius() * session->diagonal());
+    if (panel->tag() >= 2)
+        active = panel->tag();
     showOverlay();
     solve(true);
     refresh();
@@ -202,6 +223,15 @@ void BendTool::showStretch() {
 
 void BendTool::draw() {
     isPainted = true;
+    if (drag) {
+        const double past = sinceDraw.isValid() ? double(sinceDraw.nsecsElapsed()) / 1e6 : 0;
+        frame = frame > 0 ? 0.8 * frame + 0.2 * past : past; // of about the last five
+        sinceDraw.start();
+    }
+    if (view && view->suspendedEditor != isSuspended) {
+        isSuspended = view->suspendedEditor;
+        QTimer::singleShot(0, this, [this] { refresh(); });
+    }
     double place[16], projection[16];
     int port[4];
     glGetDoublev(GL_MODELVIEW_MATRIX, place);
@@ -234,11 +264,12 @@ void BendTool::draw() {
 }
 
 void BendTool::drawOverlay() const {
-    drawPoints(*session, drag.get());
-    if (!panel)
+    const bool isBending = panel && panel->mode() == BendPanel::Bend && !isSuspended;
+    drawPoints(*session, drag.get(), isBending && !drag ? hovered : 0);
+    if (!panel || isSuspended)
         return;
-    if (panel->mode() == BendPanel::Bend && hasGizmo())
-        drawGizmo(seen, session->centerOf(active), drag.get());
+    if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
+        drawGizmo(seen, *shown, drag.get(), lit);
     if (panel->mode() == BendPanel::Brush) {
         const Eigen::Vector2d place =
             windowOf(marking ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()))).head<2>();

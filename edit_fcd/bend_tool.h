@@ -6,6 +6,7 @@
 
 #include "bend_display.h"
 #include "bend_drag.h"
+#include "bend_keys.h"
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
@@ -58,6 +59,10 @@ class BendTool : public HostEditTool {
     void onOptions();
     void setMode(BendPanel::Mode mode);
     void onCommand(int which);
+    void connectHandles();
+    void showHandles();
+    void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
+    QString stateText() const;
     void beginApply();
     void refresh();
 
@@ -70,9 +75,17 @@ class BendTool : public HostEditTool {
     bool isForLayer(QMouseEvent *event);
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);
+    void placePivot();
+    void act(BendAction action);
     bool grab();
+    int pointAt(const Eigen::Vector2d &window) const;
+    std::optional<std::size_t> slotAtMouse() const;
+    int handleAtMouse() const;
+    void hover();
 
-    bool hasGizmo() const;
+    int selected() const;
+    std::optional<Gizmo> gizmo() const;
+    Eigen::Matrix3d axesOf(int tag) const;
     void beginDrag(int tag, GizmoPart part, bool modal);
     void endDrag(bool keep);
     void requestStep();
@@ -100,18 +113,25 @@ class BendTool : public HostEditTool {
     std::unique_ptr<BendDisplay> display;             ///< beside the session
     std::unique_ptr<LayerOverlay> overlay;            ///< as well
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
+    BendOptions usual;                                ///< what the next layer begins with: as the last one had it
     QPointer<MeshDocument> document;
     BendView seen;
     std::unique_ptr<BendDrag> drag;
     std::unique_ptr<BendMarking> marking;
     QPointF mouse;
-    int active = 0; ///< the handle with the gizmo
+    int active = 0;               ///< the handle that was chosen last, if it is still there
+    int hovered = 0;              ///< the handle under the mouse, 0: none
+    std::optional<GizmoPart> lit; ///< the part of the gizmo under the mouse
+    bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
     bool isEnding = false; ///< done, and about to be told so
     bool isLive = false;   ///< the layer has a shape between two full solves
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;
     double milliseconds = 0; ///< of the last step
+    QElapsedTimer sinceDraw;
+    double frame =
+        0; ///< milliseconds from one drawing to the next, of the last ones while something is dragged; 0: none yet
 };
 
 #endif

@@ -141,8 +141,10 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Poi
             world = vcg::fcd::ToMotion(stepsOf(param, layer), barycenter);
             aboutPoint = param.rotationAngle != 0 && param.rotationCenter == HandleParam::Point;
             if (!told.empty() && listed.empty())
-                remark("Handle " + std::to_string(tag) +
-                       " is not in transforms: translation, rotation and matrix of the dialog move it.");
+                remark("Handle " + std::to_string(tag) + " is not in transforms: " +
+                       (world.matrix.isIdentity(0) && world.turn.isZero(0)
+                            ? "it stays where it is."
+                            : "translation, rotation and matrix of the dialog move it."));
             if (!listed.empty())
                 remark("Handle " + std::to_string(tag) + " has no matrix in " + param.transformFile.toStdString() +
                        ": translation, rotation and matrix of the dialog move it.");

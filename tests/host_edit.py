@@ -31,13 +31,9 @@ pytestmark = [
 ]
 
 VERSION = os.environ.get("FCD_MESHLAB_VERSION", "2020.09")
-# In the window, maximised on a screen of 1366 x 768: the middle of the view, with the tool's panel to the left of it, and what is
-# in the panel. The letters of 2020.09 are its own, those of the others DejaVu Sans.
-MIDDLE, DISTANCES, SHOW_STRETCH, MOTION_TEXT, TAKE_MOTIONS = {
-    "2020.09": [(662, 411), (235, 327), (14, 376), (185, 418), (95, 464)],
-    "2022.02": [(662, 411), (220, 309), (14, 352), (185, 392), (95, 432)],
-    "2025.07": [(642, 411), (220, 309), (14, 352), (185, 392), (95, 432)],
-}[VERSION]
+# In the window, maximised on a screen of 1366 x 768: the middle of the view, with the tool's panel to the left of it. (Where things of the
+# panel are, the tool tells: Window.place().)
+MIDDLE = {"2020.09": (662, 411), "2022.02": (662, 411), "2025.07": (642, 411)}[VERSION]
 
 
 def tube(rows, columns):
@@ -231,6 +227,21 @@ class Window:
         """The colours in the view, but for the lines of text at its lower edge."""
         x, y = MIDDLE
         return np.asarray(self.picture().convert("RGB"))[y - 300:y + 190, x - 270:x + 270].astype(int)
+
+    def box(self, name):
+        """Left, top, width and height of a thing of the tool's panel."""
+        self.wait(f"FCD trace: place: {name} ")
+        return list(map(int, re.findall(rf"FCD trace: place: {name} (\d+) (\d+) (\d+) (\d+)", self.text())[-1]))
+
+    def place(self, name):
+        """Where it begins, half way down: a button, or a check box."""
+        x, y, _, height = self.box(name)
+        return x + 8, y + height // 2
+
+    def more(self):
+        """Shows all that the panel has."""
+        self.click(self.place("more"))
+        self.wait("FCD trace: place: take ")
 
     def traces(self, kind):
         return [tuple(map(float, found)) for found in re.findall(
@@ -428,7 +439,8 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
     mark_two_regions(w)
     w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
     surface = load(w.save("surface.ply"))[0]
-    w.do("mousemove", *DISTANCES, "click", 5) # the wheel: the next choice
+    w.more()
+    w.do("mousemove", *w.place("distances"), "click", 5) # the wheel: the next choice
     w.shot("euclidean")
     w.do("mousemove", *MIDDLE)
     euclidean = load(w.save("euclidean.ply"))[0]
@@ -518,7 +530,7 @@ def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
     w.drag((x + 40, y), (x + 60, y - 120))
     bent = w.save("bent.ply")
     plain = w.seen()
-    w.click(SHOW_STRETCH)
+    w.click(w.place("stretch"))
     w.shot("stretch")
     shown = w.seen()
     assert w.save("shown.ply").read_bytes() == bent.read_bytes()
@@ -528,7 +540,7 @@ def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
     red = w.seen()
     assert np.count_nonzero(red[..., 0] > red[..., 2] + 60) < 200 # the point
     w.key("m")
-    w.click(SHOW_STRETCH, (x, y - 250))
+    w.click(w.place("stretch"), (x, y - 250))
     w.key("ctrl+z")
     w.toggle_tool()
     w.shot("left")
@@ -545,9 +557,10 @@ def test_says_what_cannot_be_done(window, tmp_path):
     w.wait("There is no handle yet: mark one, or drag a point of the surface.")
     mark_two_regions(w)
     x, y = MIDDLE
-    w.click(MOTION_TEXT)
+    w.more()
+    w.click(w.place("motions"))
     w.do("type", "--delay", "5", "7: translate 0 0 1")
-    w.click(TAKE_MOTIONS)
+    w.click(w.place("take"))
     w.wait("The motions move handle 7, but no vertex has that tag.")
     assert not any(nodes for _, nodes, *_ in w.traces("full")) # nothing was solved
 

@@ -223,19 +223,18 @@ def test_a_drag_marks_nothing(window, tmp_path, in_place):
     w.drag(*PULL)
     w.key("ctrl+Return" if in_place else "ctrl+shift+Return")
     w.wait("ms.apply_filter")
-    if in_place:
-        w.toggle_tool()
+    if not in_place:
+        w.wait("Started Mode FCD: Bend", 2) # on the new layer
+        time.sleep(0.5)
     for layer in [0] if in_place else [1, 0]:
-        choose_layer(w, layer)
-        if not in_place and layer == 0:
+        if layer == 0 and not in_place:
+            choose_layer(w, 0)
             assert w.save("source.ply").read_bytes() == before
-        w.start_tool()
         steps = len(w.traces("drag"))
         w.drag((X - 150, Y), (X - 150, Y + 60))
         w.shot(f"layer{layer}")
         assert len(w.traces("drag")) > steps + 3
         w.key("ctrl+z")
-        w.toggle_tool()
 
 
 def test_a_pose_stays_with_its_layer(window, tmp_path):

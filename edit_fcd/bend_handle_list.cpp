@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_handle_list.h"
+
+#include <QHeaderView>
+#include <QPixmap>
+#include <QSignalBlocker>
+
+BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(0, 5, parent) {
+    setHorizontalHeaderLabels({"Handle", "seen", "lock", "Motion", ""});
+    const char *const tips[] = {"Click selects: the gizmo is on it, and G, R and S move it. Double click: its name",
+                                "Whether its marks and its gizmo are shown",
+                                "A locked handle is not moved by the mouse",
+                                "Its motion as the filters take it; double click to type, empty for none",
+                                "Removes the handle: what it held is free"};
+    for (int i = 0; i < 5; ++i)
+        horizontalHeaderItem(i)->setToolTip(tips[i]);
+    verticalHeader()->hide();
+    verticalHeader()->setDefaultSectionSize(22);
+    setSelectionBehavior(SelectRows);
+    setSelectionMode(SingleSelection);
+    setEditTriggers(DoubleClicked);
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    const std::pair<int, int> widths[] = {{Name, 104}, {Shown, 38}, {Locked, 38}, {Remove, 22}};
+    for (const auto &[column, width] : widths) {
+        horizontalHeader()->setSectionResizeMode(column, QHeaderView::Fixed);
+        setColumnWidth(column, width);
+    }
+    horizontalHeader()->setSectionResizeMode(Motion, QHeaderView::Stretch);
+    horizontalHeader()->setMinimumSectionSize(16);
+    setFixedHeight(116);
+    connect(this, &QTableWidget::cellChanged, this, [this](int row, int) { onChanged(row); });
+    connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
+        if (column == Remove)
+            emit removed(shown[std::size_t(row)].tag);
+        else
+            emit selected(shown[std::size_t(row)].tag);
+    });
+}
+
+void BendHandleList::onChanged(int row) {
+    const BendHandleRow before = shown[std::size_t(row)];
+    emit edited(before.tag, item(row, Name)->text(), item(row, Motion)->text(),
+                item(row, Shown)->checkState() == Qt::Checked, item(row, Locked)->checkState() == Qt::Checked);
+}
+
+void BendHandleList::showRows(const std::vector<BendHandleRow> &rows) {
+    if (rows == shown || state() == EditingState)
+        return;
+    const QSignalBlocker blocked(this);
+    shown = rows;
+    setRowCount(int(rows.size()));
+    for (int row = 0; row < rowCount(); ++row) {
+        const BendHandleRow &each = rows[std::size_t(row)];
+        const auto put = [&](int column, const QString &text, Qt::ItemFlags flags) {
+            auto *cell = new QTableWidgetItem(text);
+            cell->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | flags);
+            setItem(row, column, cell);
+            return cell;
+        };
+        QPixmap square(12, 12);
+        square.fill(each.color);
+        put(Name, each.name, Qt::ItemIsEditable)->setIcon(QIcon(square));
+        put(Shown, {}, Qt::ItemIsUserCheckable)->setCheckState(each.isShown ? Qt::Checked : Qt::Unchecked);
+        put(Locked, {}, Qt::ItemIsUserCheckable)->setCheckState(each.isLocked ? Qt::Checked : Qt::Unchecked);
+        put(Motion, each.motion, Qt::ItemIsEditable)->setToolTip(each.motion);
+        put(Remove, QString(QChar(0xd7)), {});
+        if (each.isSelected)
+            selectRow(row);
+    }
+}
+
+#include "moc_bend_handle_list.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_session.h"
+
+#include <algorithm>
+
+// What belongs to one handle: its name, whether it is seen and can be moved, its pivot, its axes.
+
+using vcg::fcd::Error;
+using vcg::fcd::MotionStep;
+
+const BendHandle &BendSession::handle(int tag) const {
+    static const BendHandle usual;
+    const auto found = now.handles.find(tag);
+    return found == now.handles.end() ? usual : found->second;
+}
+
+std::string BendSession::nameOf(int tag) const {
+    const std::string &name = handle(tag).name;
+    return name.empty() ? "Handle " + std::to_string(tag) : name;
+}
+
+void BendSession::setHandle(int tag, BendHandle handle) {
+    if (handle == BendHandle())
+        now.handles.erase(tag);
+    else
+        now.handles[tag] = std::move(handle);
+}
+
+void BendSession::removeHandle(int tag) {
+    now.points.erase(tag);
+    if (now.marks && std::count(now.marks->begin(), now.marks->end(), tag) > 0) {
+        auto marks = std::make_shared<BendTags>(*now.marks);
+        std::replace(marks->begin(), marks->end(), tag, 1);
+        const bool isAny = std::any_of(marks->begin(), marks->end(), [](int each) { return each != 1; });
+        now.marks = isAny ? std::move(marks) : nullptr;
+    }
+    updateTags();
+    writeMarks();
+}
+
+void BendSession::setMotionText(int tag, const std::string &text) {
+    auto motion = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "The motion");
+    vcg::fcd::ToMotion(motion[tag], rest.world() * center.at(tag)); // to say what is wrong with it
+    setMotion(tag, std::move(motion[tag]));
+}
+
+std::string BendSession::motionTextOf(int tag) const {
+    const auto steps = now.motion.find(tag);
+    if (steps == now.motion.end() || steps->second.empty())
+        return {};
+    const std::string text = vcg::fcd::WriteMotionText({{tag, steps->second}});
+    return text.substr(text.find(':') + 2);
+}
+
+Eigen::Affine3d BendSession::motionAt(int tag) const {
+    const auto steps = now.motion.find(tag);
+    if (steps == now.motion.end())
+        return Eigen::Affine3d::Identity();
+    const Eigen::Vector3d place = rest.world() * center.at(tag);
+    return Eigen::Affine3d(vcg::fcd::ToMotion(steps->second, place).At(options.pose, place));
+}
+
+Eigen::Vector3d BendSession::centerOf(int tag) const { return motionAt(tag) * (rest.world() * center.at(tag)); }
+
+Eigen::Vector3d BendSession::pivotOf(int tag) const {
+    const auto &pivot = handle(tag).pivot;
+    return pivot ? motionAt(tag) * *pivot : centerOf(tag);
+}
+
+void BendSession::setPivot(int tag, const std::optional<Eigen::Vector3d> &place) {
+    BendHandle changed = handle(tag);
+    changed.pivot.reset();
+    if (place)
+        changed.pivot = motionAt(tag).inverse() * *place;
+    setHandle(tag, std::move(changed));
+}
+
+Eigen::Vector3d BendSession::normalOf(int tag) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < effective->size(); ++i)
+        if ((*effective)[i] == tag)
+            sum += toVector(rest.normals()[i]);
+    const Eigen::Vector3d turned =
+        (motionAt(tag) * rest.world()).linear().inverse().transpose() * sum; // as planes are turned
+    return turned.norm() > 0 ? Eigen::Vector3d(turned.normalized()) : Eigen::Vector3d::UnitZ();
+}
+
+Eigen::Matrix3d BendSession::axesOf(int tag) const {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    if (options.axes == BendAxes::Layer) {
+        for (int k = 0; k < 3; ++k)
+            axes.col(k) = rest.world().linear().col(k).normalized();
+    } else if (options.axes == BendAxes::Surface) {
+        axes.col(2) = normalOf(tag);
+        int least = 0;
+        axes.col(2).cwiseAbs().minCoeff(&least);
+        axes.col(0) = axes.col(2).cross(Eigen::Vector3d::Unit(least)).normalized();
+        axes.col(1) = axes.col(2).cross(axes.col(0));
+    }
+    return axes;
+}

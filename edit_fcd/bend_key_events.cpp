@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_tool.h"
+
+#include <QCursor>
+
+// The keys of the view.
+
+using vcg::fcd::Error;
+
+bool BendTool::eventFilter(QObject *object, QEvent *event) {
+    if (object == view && view && !view->suspendedEditor && session) {
+        if (event->type() == QEvent::Enter)
+            view->setFocus();                            // keys belong to what is under the mouse
+        if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+            const BendKey *key = bendKeyOf(*static_cast<QKeyEvent *>(event));
+            // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+            if (drag || (key && (key->action != BendAction::Cancel || marking))) {
+                event->accept();
+                return true;
+            }
+        }
+        if (event->type() == QEvent::MouseButtonDblClick && panel && panel->mode() != BendPanel::Bend) {
+            guarded([&] {
+                if (marking && marking->kind == BendMarking::Polygon)
+                    endMarking();
+                else
+                    press(static_cast<QMouseEvent *>(event));
+            });
+            return true;
+        }
+    }
+    return HostEditTool::eventFilter(object, event);
+}
+
+void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
+    const QString text = event->text();
+    switch (const int key = event->key()) {
+    case Qt::Key_Escape:
+    case Qt::Key_Return:
+    case Qt::Key_Enter: endDrag(key != Qt::Key_Escape); return;
+    case Qt::Key_X:
+    case Qt::Key_Y:
+    case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
+    case Qt::Key_G: drag->kind = BendDrag::Move; break;
+    case Qt::Key_R: drag->kind = BendDrag::Turn; break;
+    case Qt::Key_S: drag->kind = BendDrag::Scale; break;
+    case Qt::Key_Backspace:
+        if (!drag->typed.empty())
+            drag->typed.pop_back();
+        break;
+    default:
+        if (text.size() == 1 && QString("0123456789.-").contains(text))
+            drag->typed += text.toStdString();
+    }
+    requestStep();
+}
+
+/// Begins to move the handle under the mouse, or else the selected one, with the mouse, without a button.
+void BendTool::dragByKey(BendDrag::Kind kind) {
+    mouse = view->mapFromGlobal(QCursor::pos());
+    const int under = view->underMouse() ? handleAtMouse() : 0, tag = under ? under : selected();
+    if (!tag)
+        throw Error("There is no handle yet: mark one, or drag a point of the surface.");
+    session->change();
+    beginDrag(tag, {kind, -1}, true);
+}
+
+/// The selected handle turns where the mouse points at.
+void BendTool::placePivot() {
+    const int tag = selected();
+    if (!tag)
+        throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
+    mouse = view->mapFromGlobal(QCursor::pos());
+    const int other = handleAtMouse();
+    session->change();
+    session->setPivot(tag, other == tag ? std::nullopt
+                           : other != 0 ? std::optional<Eigen::Vector3d>(session->centerOf(other))
+                                        : pick());
+}
+
+void BendTool::act(BendAction action) {
+    switch (action) {
+    case BendAction::Move: dragByKey(BendDrag::Move); break;
+    case BendAction::Turn: dragByKey(BendDrag::Turn); break;
+    case BendAction::Scale: dragByKey(BendDrag::Scale); break;
+    case BendAction::Pivot: placePivot(); break;
+    case BendAction::Bend: setMode(BendPanel::Bend); break;
+    case BendAction::Brush: setMode(BendPanel::Brush); break;
+    case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
+    case BendAction::Polyline: setMode(BendPanel::Polyline); break;
+    case BendAction::Fixed: panel->setRole(BendPanel::Fixed, 2); break;
+    case BendAction::Free: panel->setRole(BendPanel::Free, 2); break;
+    case BendAction::Outside: panel->setRole(BendPanel::Outside, 2); break;
+    case BendAction::Handle:
+        panel->setRole(BendPanel::Handle, session->handleTags().empty() ? session->unusedTag() : 2);
+        break;
+    case BendAction::NextHandle: panel->setRole(BendPanel::Handle, session->unusedTag()); break;
+    case BendAction::Through: panel->toggleThrough(); break;
+    case BendAction::Undo: onCommand(BendPanel::Undo); break;
+    case BendAction::Redo: onCommand(BendPanel::Redo); break;
+    case BendAction::Reset: onCommand(BendPanel::Reset); break;
+    case BendAction::Cancel:
+        if (marking) {
+            marking.reset();
+            session->cancel();
+            showOverlay();
+        }
+        break;
+    case BendAction::End:
+        if (marking && marking->kind == BendMarking::Polygon)
+            endMarking();
+        break;
+    case BendAction::ApplyInPlace: onCommand(BendPanel::ApplyInPlace); break;
+    case BendAction::ApplyToNewLayer: onCommand(BendPanel::ApplyToNewLayer); break;
+    case BendAction::Page: panel->showKeys(); break;
+    }
+}
+
+void BendTool::pressKey(QKeyEvent *event) {
+    if (!layer() || !panel)
+        return;
+    event->accept();
+    if (drag) {
+        pressKeyWhileDragging(event);
+        return;
+    }
+    const BendKey *key = bendKeyOf(*event);
+    if (!key)
+        event->ignore();
+    else if (isReady())
+        act(key->action);
+    if (!view) // an apply to a new layer ended all
+        return;
+    refresh();
+    view->update();
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_keys.h"
+
+#include <QKeySequence>
+#include <QStringList>
+
+const std::vector<BendKey> &bendKeys() {
+    static const std::vector<BendKey> all = {
+        {BendAction::Bend, "M", "bend: drag a handle, or a point of the surface"},
+        {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
+        {BendAction::Rectangle, "V", "mark what is in a rectangle"},
+        {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
+        {BendAction::Fixed, "F", "what is marked becomes fixed"},
+        {BendAction::Free, "U", "free"},
+        {BendAction::Handle, "H", "a handle"},
+        {BendAction::NextHandle, "Shift+H", "the next handle"},
+        {BendAction::Outside, "O", "outside of the region of influence"},
+        {BendAction::Through, "T", "mark only what is seen, or through the mesh"},
+        {BendAction::Move, "G", "move the handle under the mouse, or else the selected one"},
+        {BendAction::Turn, "R", "turn it"},
+        {BendAction::Scale, "S", "scale it"},
+        {BendAction::Pivot, "P",
+         "what the mouse points at is where the selected handle turns: a place of the surface, or another handle's "
+         "middle; beside the mesh, its own again"},
+        {BendAction::Undo, "Ctrl+Z", "undo, also over applies"},
+        {BendAction::Redo, "Ctrl+Shift+Z", "redo"},
+        {BendAction::Reset, "Backspace", "take all motions back"},
+        {BendAction::Cancel, "Esc",
+         "cancel what is being moved or marked; else the mouse is the camera's until Esc is pressed again"},
+        {BendAction::End, "Return|Enter", "keep what is being moved; end a polyline"},
+        {BendAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter", "apply in place"},
+        {BendAction::ApplyToNewLayer, "Ctrl+Shift+Return|Ctrl+Shift+Enter", "apply to a new layer"},
+        {BendAction::Page, "?|Shift+?", "this page"},
+    };
+    return all;
+}
+
+const BendKey *bendKeyOf(const QKeyEvent &event) {
+    const QKeySequence pressed(event.key() | int(event.modifiers() & ~Qt::KeypadModifier));
+    for (const BendKey &each : bendKeys())
+        for (const QString &keys : QString(each.keys).split('|'))
+            if (pressed == QKeySequence(keys))
+                return &each;
+    return nullptr;
+}
+
+namespace {
+
+QString shown(const BendKey &key) { return QString(key.keys).section('|', 0, 0).replace("Return", "Enter"); }
+
+} // namespace
+
+QString withKeys(const QString &tip, BendAction action) {
+    for (const BendKey &each : bendKeys())
+        if (each.action == action)
+            return tip + " (" + shown(each) + ")";
+    return tip;
+}
+
+QString bendKeyPage() {
+    QString rows;
+    const auto add = [&](const QString &keys, const QString &text) {
+        rows += "<tr><td><b>" + keys + "</b>&nbsp;&nbsp;</td><td>" + text + "</td></tr>";
+    };
+    for (const BendKey &each : bendKeys())
+        add(shown(each), each.text);
+    add("while moving",
+        "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; wheel: how far it bends what "
+        "is around; click or Enter keeps, right click or Esc cancels");
+    add("camera", "drag beside the mesh, or with the right or middle button; wheel");
+    return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table>" + rows + "</table>";
+}

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
+in host_edit.py, with the same environment."""
+
+import numpy as np
+
+import host_edit
+from host_edit import MIDDLE, load, tube_of, write_ply
+from host_edit import window # noqa: F401, a fixture
+from host_edit_state import open_tube
+
+pytestmark = host_edit.pytestmark
+
+X, Y = MIDDLE
+
+
+def most_stretched(rest, now, faces):
+    edges = lambda points, k: np.linalg.norm(points[faces[:, k]] - points[faces[:, k - 1]], axis=1)
+    return max((edges(now, k) / edges(rest, k)).max() for k in range(3))
+
+
+def test_marks_never_touch(window, tmp_path):
+    """Neither a handle what is fixed, nor two handles: what is between them bends, and nothing is torn."""
+    w, points, faces = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "f")
+    w.drag((X - 280, Y - 200), (X + 280, Y + 200)) # all of it
+    w.key("h")
+    w.drag((X - 40, Y - 200), (X + 40, Y + 200))
+    w.key("shift+h")
+    w.drag((X + 40, Y + 200), (X + 120, Y - 200))
+    w.shot("marked")
+    w.key("m")
+    w.drag((X + 80, Y), (X + 80, Y - 30))
+    w.shot("moved")
+    bent = load(w.save("bent.ply"))[0]
+    moved = np.linalg.norm(bent - points, axis=1)
+    assert 0.2 < np.mean(moved > 0) < 0.4 and np.mean(abs(moved - moved.max()) < 1e-5) > 0.05
+    assert most_stretched(points, bent, faces) < 3.5 # torn: 5
+
+
+def colored(w, place, color):
+    """How many pixels around a place have about a color."""
+    x, y = place
+    seen = np.asarray(w.picture().convert("RGB"))[y - 12:y + 13, x - 12:x + 13].astype(int)
+    return np.count_nonzero(abs(seen - color).max(-1) < 25)
+
+
+def state_text(w):
+    """What the panel says, as a picture."""
+    x, y, width, height = w.box("state")
+    return np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].tobytes()
+
+
+LIT = (255, 225, 60)
+
+
+def test_handles_are_things(window, tmp_path):
+    """The gizmo is there from the start; what is under the mouse lights up, and is what keys move; a handle has a place to turn about, can
+    be locked and removed."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "h")
+    w.drag((X - 230, Y - 200), (X - 180, Y + 200))
+    w.key("shift+h")
+    w.drag((X + 180, Y - 200), (X + 230, Y + 200))
+    w.key("f")
+    w.drag((X - 20, Y - 200), (X + 20, Y + 200))
+    w.key("m")
+    left, right = points[:, 0] < -0.75, points[:, 0] > 0.75
+    w.do("mousemove", X + 205 + 60, Y) # the arrow of the gizmo of the handle that was marked last
+    w.shot("arrow")
+    assert colored(w, (X + 205 + 60, Y), LIT) > 30
+    w.do("mousemove", X - 215, Y + 30) # the other handle
+    w.shot("handle")
+    assert colored(w, (X - 205, Y), LIT) > 80
+    w.key("g", "y", "1", "Return")
+    moved = load(w.save("moved.ply"))[0] - points
+    assert np.abs(moved[left] - [0, 1, 0]).max() < 1e-5 and not moved[right].any()
+    w.do("mousemove", X + 150, Y - 170) # beside the mesh: the one that was moved last
+    w.key("g", "z", "1", "Return")
+    moved = load(w.save("moved_on.ply"))[0] - points
+    assert np.abs(moved[left] - [0, 1, 1]).max() < 1e-5 and not moved[right].any()
+
+    w.key("ctrl+z", "ctrl+z")
+    w.do("mousemove", X, Y)
+    w.key("p", "r", "z", "9", "0", "Return") # about the nearest point of the surface, which is before the tube's middle
+    turned = load(w.save("turned.ply"))[0]
+    assert np.abs(turned[left] - (points @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])[left]).max() < 0.03
+    w.shot("turned")
+
+    x, y, width, _ = w.box("handles")
+    row = lambda i: y + 35 + 22 * i
+    w.click((x + width - 12, row(1))) # removes the other one
+    w.click((x + 30, row(0)), count=2)
+    w.do("type", "arm")
+    w.key("Return")
+    w.do("mousemove", X - 215, Y + 180)
+    w.shot("removed")
+    w.click((x + 104 + 38 + 12, row(0))) # locks it
+    w.shot("locked")
+    w.do("mousemove", X, Y + 200)
+    w.key("g", "x", "1", "Return")
+    w.wait("arm is locked: the list of handles unlocks it.")
+    w.key("ctrl+z", "ctrl+z", "ctrl+z")
+    w.shot("undone")
+    w.do("mousemove", X + 215, Y + 30)
+    assert colored(w, (X + 205, Y), LIT) > 80
+
+
+def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
+    """Also after a number was typed; what the host would do with them does not happen; Esc and the slider of the pose say what they did."""
+    w, points, _ = open_tube(window, tmp_path)
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    x, y, width, _ = w.box("brush")
+    w.click((x + 20, y + 10)) # in a number
+    w.do("mousemove", X, Y)
+    w.key("v", "t", "h")
+    w.drag((X - 230, Y - 200), (X - 180, Y + 200))
+    w.key("shift+h") # which is MeshLab's own for the trackball
+    w.drag((X + 180, Y - 200), (X + 230, Y + 200))
+    w.key("m", "shift+question")
+    w.shot("keys")
+    x, y, *_ = w.box("page")
+    w.key("shift+question")
+    w.press_and_move((X + 205, Y), (X + 205, Y - 60))
+    w.key("ctrl+w") # nothing is closed under what is being dragged
+    w.shot("dragged")
+    w.do("mouseup", 1)
+    bent = load(w.save("bent.ply"))[0]
+    moved = np.linalg.norm(bent - points, axis=1)
+    assert moved[points[:, 0] > 0.75].min() > 0.1 and not moved[points[:, 0] < -0.75].any() # two handles
+
+    x, y, width, height = w.box("pose")
+    w.do("mousemove", x + width // 2, y + height // 2, "mousedown", 1)
+    for i in range(1, 6):
+        w.do("mousemove", x + width // 2 - i * width // 10, y + height // 2)
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    assert np.abs(load(w.save("none.ply"))[0] - points).max() < 0.01 # about 0 % of it
+    w.key("ctrl+z") # one step
+    assert np.array_equal(load(w.save("all.ply"))[0], bent)
+
+    gizmo = colored(w, (X + 205 + 80, Y - 60), (230, 40, 40))
+    said = state_text(w)
+    w.key("Escape")
+    w.shot("camera")
+    assert gizmo > 20 and colored(w, (X + 205 + 80, Y - 60), (230, 40, 40)) == 0 and state_text(w) != said
+    w.key("Escape", "ctrl+z")
+    assert w.save("undone.ply").read_bytes() == before
+
+
+def test_a_pull_takes_a_tip_along(window, tmp_path):
+    """What lies beyond the pulled part of a limb goes along, and is not left behind."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    w.drag((X + 110, Y), (X + 110, Y - 60))
+    w.shot("pulled")
+    moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
+    assert moved[points[:, 0] > 0.9].min() > 0.5 * moved.max() > 0.05
+    assert not moved[points[:, 0] < 0].any()
