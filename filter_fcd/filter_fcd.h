@@ -18,6 +18,7 @@ class FilterFcd : public HostFilterPlugin {
         BuildGraph,
         DeformMesh,
         FitMesh,
+        StraightenMesh,
         PoseInPlace,
         ResetPose,
         CopyDeformation,
@@ -49,6 +50,8 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues fitMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues straightenMesh(const RichParameterList &parameters, MeshDocument &document,
+                                  vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);

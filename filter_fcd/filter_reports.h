@@ -6,6 +6,7 @@
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_straightener.h>
 
 #include <string>
 #include <vector>
@@ -30,6 +31,11 @@ std::string describe(const FittedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
 /// A sentence for each thing for which a fit is not to be trusted.
 std::vector<std::string> warningsOf(const FittedLayers &made);
+
+/// How a layer was straightened, in words and in numbers.
+std::string describe(const StraightenedLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
+std::vector<std::string> warningsOf(const StraightenedLayers &made);
 
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);

@@ -48,6 +48,11 @@ void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen:
 Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, LineMotion motion, bool untwist,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
+/// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less than
+/// that, or more than its length. \param deformer as of Straighten
+std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
+                                    const FramedLine &line, const Progress &progress = {});
+
 } // namespace fcd
 } // namespace vcg
 

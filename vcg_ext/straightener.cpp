@@ -196,5 +196,24 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
     return pose;
 }
 
+std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
+                                    const FramedLine &line, const Progress &progress) {
+    const ToWorld toWorld(deformer.surface.frame, world);
+    const std::vector<double> place =
+        detail::PlacesAlong(line, deformer.graph.graph.adjacency, detail::NodesOf(deformer, toWorld));
+    std::vector<float> places(mesh.vertexSlots, 0);
+    ParallelFor(progress, "Following the line", places.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            if (mesh.IsDeleted(i))
+                continue;
+            const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
+            const Index node = deformer.surface.nodeOf[i];
+            places[i] = float(node < 0 ? line.Nearest(p, 0, line.Length())
+                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));
+        }
+    });
+    return places;
+}
+
 } // namespace fcd
 } // namespace vcg

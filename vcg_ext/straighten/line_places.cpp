@@ -52,6 +52,13 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
     return place;
 }
 
+double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+                 const std::vector<double> &place, Index node, const Eigen::Vector3d &p) {
+    const auto patch = std::size_t(deformer.patches.patchOf[std::size_t(node)]);
+    const double reach = mostStretch * double(deformer.graph.radius[patch]) * toWorld.scale;
+    return line.Nearest(p, place[patch] - reach, place[patch] + reach);
+}
+
 std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
                                  const std::vector<double> &place, Index count, unsigned threads) {
     const SurfaceGraph &surface = deformer.surface;
@@ -62,12 +69,8 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &def
             samples.push_back({u, 0, double(surface.nodeArea[std::size_t(u)]),
                                toWorld(surface.graph.position.col(u).cast<double>())});
     ParallelFor(threads, samples.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Index patch = deformer.patches.patchOf[std::size_t(samples[i].node)];
-            const double reach = mostStretch * double(deformer.graph.radius[std::size_t(patch)]) * toWorld.scale,
-                         s = place[std::size_t(patch)];
-            samples[i].s = line.Nearest(samples[i].at, s - reach, s + reach);
-        }
+        for (std::size_t i = begin; i < end; ++i)
+            samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);
     });
     return samples;
 }

@@ -36,6 +36,11 @@ Eigen::Matrix3Xd NodesOf(const Deformer &deformer, const ToWorld &toWorld);
 /// part of the line is told from that. \param position 3 x k, in the units of the line
 std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, const Eigen::Matrix3Xd &position);
 
+/// The place along a line of \p p, which is at or beside \p node of the surface.
+/// \param place of each node of the deformation graph
+double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+                 const std::vector<double> &place, Index node, const Eigen::Vector3d &p);
+
 /// A place of the surface.
 struct LineSample {
     Index node;         ///< of the surface
