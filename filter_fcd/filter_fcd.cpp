@@ -50,7 +50,7 @@ HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
     return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == CopyDeformation ? FilterClass(both)
-                                                                                             : Smoothing;
+                                                                                              : Smoothing;
 }
 
 int FilterFcd::changes(int id) const {
@@ -220,11 +220,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     return values;
 }
 
-HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
-                                                    vcg::CallBackPos *callback) {
-    const FittedLayers made = fitLayer(
-        document, input(document), fitMeshParam(parameters, document),
-        [this](const std::string &line) { logLine(line); }, Progress(callback));
+/// Logs what was made, and gives the numbers.
+template <class Made>
+HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
     logLine(describe(made));
     for (const std::string &warning : warningsOf(made))
@@ -232,16 +230,18 @@ HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &par
     return valuesOf(made);
 }
 
+HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
+                                                    vcg::CallBackPos *callback) {
+    return tell(fitLayer(
+        document, input(document), fitMeshParam(parameters, document),
+        [this](const std::string &line) { logLine(line); }, Progress(callback)));
+}
+
 HostFilterPlugin::ReturnedValues FilterFcd::straightenMesh(const RichParameterList &parameters, MeshDocument &document,
                                                            vcg::CallBackPos *callback) {
-    const StraightenedLayers made = straightenLayer(
+    return tell(straightenLayer(
         document, input(document), straightenMeshParam(parameters, document),
-        [this](const std::string &line) { logLine(line); }, Progress(callback));
-    logLine(describe(made.result.surface));
-    logLine(describe(made));
-    for (const std::string &warning : warningsOf(made))
-        logLine(warning, GLLogStream::WARNING);
-    return valuesOf(made);
+        [this](const std::string &line) { logLine(line); }, Progress(callback)));
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,

@@ -56,6 +56,8 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues clearTags(MeshModel &layer) const;
+    template <class Made>
+    ReturnedValues tell(const Made &made) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged) const;
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);

@@ -235,7 +235,8 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
     if (host::scriptsMayLackParameters)
         host::addParameter<RichBool>(
             list, host::Shown::Always, "inverse", param.inverse, "The way back",
-            "Writes the deformation that leads back: from where the source's vertices went to where they were, to carry "
+            "Writes the deformation that leads back: from where the source's vertices went to where they were, to "
+            "carry "
             "what was measured or marked on the deformed mesh onto the original. Where the deformation folds the mesh "
             "there is no way back; the log says at how many vertices.");
     return list;

@@ -89,16 +89,20 @@ QString FilterFcd::filterInfo(int id) const {
                reference;
     case StraightenMesh:
         return QString(
-                   "Straightens the current layer along a <b>line</b>, or bends it: fish, bones, roots, pipes, prints, to "
+                   "Straightens the current layer along a <b>line</b>, or bends it: fish, bones, roots, pipes, prints, "
+                   "to "
                    "measure and compare them. Each cross-section, at right angles to the line, goes as it is to its "
                    "place on a straight line, an arc, or the line of another layer, without a twist of its own.<br>"
                    "The line is a layer with edges, MeshLab's picked points in their order, or a list of points, in "
-                   "world coordinates; a smooth curve leads through its points. It lies on the surface or, better, runs "
-                   "through the middle of it: its length is kept, what lies at the inner side of a bend gets longer, and "
+                   "world coordinates; a smooth curve leads through its points. It lies on the surface or, better, "
+                   "runs "
+                   "through the middle of it: its length is kept, what lies at the inner side of a bend gets longer, "
+                   "and "
                    "what lies at the outer side shorter. Where cross-sections would meet and fold the surface, it "
                    "follows as rigidly as possible instead, and the log says where.<br>"
                    "The result is a new layer with all that the layer carries. The layers with the graph serve 'FCD: "
-                   "Apply Deformation to Layer' and 'FCD: Save Deformation', which carry clouds and landmarks there, and "
+                   "Apply Deformation to Layer' and 'FCD: Save Deformation', which carry clouds and landmarks there, "
+                   "and "
                    "back. Straighten, unbend, unroll, bend along a curve.") +
                reference;
     case PoseInPlace:

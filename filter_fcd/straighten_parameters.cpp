@@ -28,9 +28,15 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
         "semicolons or blanks between; lines that begin with # are comments. World coordinates. <b>Empty</b> (the "
         "default): the line is that of the layer above.");
     addParameter<RichFloat>(
-        list, Shown::Always, "line_smoothing", Scalarm(100 * param.smoothing), "Smooth the line (percent of its length)",
+        list, Shown::Always, "line_smoothing", Scalarm(100 * param.smoothing),
+        "Smooth the line (percent of its length)",
         "Smooths wiggles of the line away that are shorter than some six times this part of its length, such as the "
         "steps of a skeleton of voxels; 1 is much. <b>0</b> (the default): the line goes through its points.");
+    addParameter<RichBool>(
+        list, Shown::Always, "middle", param.middle, "Through the middle",
+        "Takes the line through the middles of the surface's cross-sections along the given one, which may then lie on "
+        "the surface, as picked points do. Without it, what lies beside the line at the inner side of a bend gets "
+        "longer, and the line keeps its length.");
     addParameter<RichEnum>(list, Shown::Always, "to", int(param.shape),
                            QStringList() << "A straight line"
                                          << "An arc"
@@ -47,19 +53,20 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
     addParameter<host::RichDirectionParam>(list, Shown::Always, "towards", toPoint(param.towards), "Bends towards",
                                            "The direction to which the ends of the arc bend. <b>0 0 0</b> (the "
                                            "default): to where those of the line do.");
-    host::addLayerParameter(list, Shown::Always, "target_layer", current, document, "Line of a layer",
-                            "A layer with edges that form one open path. The line is laid along it from its beginning, "
-                            "and goes on straight where it is longer. Only read when the line becomes that of a layer.");
+    host::addLayerParameter(
+        list, Shown::Always, "target_layer", current, document, "Line of a layer",
+        "A layer with edges that form one open path. The line is laid along it from its beginning, "
+        "and goes on straight where it is longer. Only read when the line becomes that of a layer.");
     addParameter<RichBool>(list, Shown::Always, "reverse", param.reverse, "From its other end",
                            "Lays the line along that of the layer from its other end. A line of a layer begins at the "
                            "end whose vertex has the smaller number.");
     addParameter<RichFloat>(list, Shown::Always, "length", Scalarm(param.length), "Length",
                             "How long the line gets, in world units: the surface is stretched along it, and keeps its "
                             "cross-sections. <b>0</b> (the default): as long as it is.");
-    addParameter<RichBool>(
-        list, Shown::Always, "untwist", param.untwist, "Take the twist out",
-        "Turns the cross-sections about the line so that their longest axes lie alike, as that in the middle. They must "
-        "not be round. Without it, the twist stays as it is.");
+    addParameter<RichBool>(list, Shown::Always, "untwist", param.untwist, "Take the twist out",
+                           "Turns the cross-sections about the line so that their longest axes lie alike, as that in "
+                           "the middle. They must "
+                           "not be round. Without it, the twist stays as it is.");
     addInitialPatches(list, param.bend.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, param.bend.smoothness);
     addRandomSeed(list, param.bend.graph.randomSeed);
@@ -80,6 +87,7 @@ StraightenMeshParam straightenMeshParam(const RichParameterList &list, const Mes
     param.lineLayer = host::layerParameter(list, "line_layer", document);
     param.lineFile = list.getOpenFileName("line_file");
     param.smoothing = list.getFloat("line_smoothing") / 100;
+    param.middle = list.getBool("middle");
     param.shape = StraightenMeshParam::Shape(enumValue(list, "to", 3));
     param.angle = list.getFloat("angle");
     param.direction = toVector(list.getPoint3m("direction"));

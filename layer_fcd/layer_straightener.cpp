@@ -30,6 +30,8 @@ LineGoal goalOf(const MeshModel &layer, const StraightenMeshParam &param) {
         goal.line = readLine(*param.lineLayer);
     goal.smoothing = param.smoothing;
     goal.length = param.length;
+    goal.middle = param.middle;
+    goal.untwist = param.untwist;
     if (param.shape == StraightenMeshParam::Line) {
         if (!param.targetLayer || param.targetLayer == &layer)
             throw Error("Choose the layer with the line that the mesh is bent along as 'target_layer'.");
@@ -52,7 +54,8 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
     StraightenedLayers made;
     vcg::fcd::DeformationResult &result = made.result;
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
-    const LineMotion motion = vcg::fcd::MotionTo(goalOf(layer, param));
+    const LineGoal goal = goalOf(layer, param);
+    vcg::fcd::MotionTo(goal); // what is wrong with the lines is told at once
     const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
     const SurfaceView view = surface.View();
     const vcg::fcd::Handles handles = vcg::fcd::AllFree(view.vertexSlots, world);
@@ -64,8 +67,8 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
     prepared->deformer = vcg::fcd::PrepareDeformer(view, handles, bend, progress.Slice(0.02, 0.6));
     prepared->tags = result.tags;
     const Deformer &deformer = *prepared->deformer;
-    result.pose =
-        vcg::fcd::Straighten(deformer, world, motion, param.untwist, bend, made.report, progress.Slice(0.6, 0.7));
+    const LineMotion motion = vcg::fcd::MotionTo(goal, deformer, world, made.report);
+    result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.6, 0.7));
     result.converged = result.pose.solved.converged;
     result.position = view.Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);

@@ -24,20 +24,23 @@ vcg::fcd::LineGoal goalOf(const nb::dict &given) {
     goal.arc.towards = pointsOf(given["towards"]);
     goal.length = nb::cast<double>(given["length"]);
     goal.smoothing = nb::cast<double>(given["smoothing"]);
+    goal.middle = nb::cast<bool>(given["middle"]);
+    goal.untwist = nb::cast<bool>(given["untwist"]);
     return goal;
 }
 
 } // namespace
 
 nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &goal, const nb::object &report) {
-    vcg::fcd::LineMotion motion = vcg::fcd::MotionTo(goalOf(goal));
-    const bool untwist = nb::cast<bool>(goal["untwist"]);
+    const vcg::fcd::LineGoal wanted = goalOf(goal);
     vcg::fcd::StraightenReport found;
     vcg::fcd::SurfacePose pose;
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const vcg::fcd::Progress &progress) {
-        pose = vcg::fcd::Straighten(*prepared->deformer, Eigen::Affine3d::Identity(), std::move(motion), untwist,
-                                    prepared->param, found, progress);
+        const Eigen::Affine3d world = Eigen::Affine3d::Identity();
+        pose = vcg::fcd::Straighten(*prepared->deformer, world,
+                                    vcg::fcd::MotionTo(wanted, *prepared->deformer, world, found), prepared->param,
+                                    found, progress);
     });
     nb::dict all;
     all["length"] = found.length;

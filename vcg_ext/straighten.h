@@ -4,7 +4,6 @@
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/line/line_motion.h>
-#include <vcg_ext/straighten/section_twist.h>
 
 #include <Eigen/Geometry>
 #include <limits>
@@ -36,20 +35,19 @@ struct StraightenReport {
 /// A tag for each vertex slot that lets all of them go along.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// Whether a line is where a surface is. \param line in the world \throw BadInput where less than half of it lies in the
-/// box of the surface
-void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen::Affine3d &world);
-
-/// The pose that goes with a line.
+/// The motion from one line to another one, with what the surface tells of it.
 /// \param deformer of a surface, all of which is free, prepared with bendsUnheld \param world the matrix of its layer
-/// \param motion in the world; its own twist is not read \param untwist whether the twist of the surface is taken out
-/// \throw BadInput a line that is elsewhere, cross-sections that are too round to tell a twist \throw Unsolvable
-/// \throw Cancelled
-Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, LineMotion motion, bool untwist,
+/// \throw BadInput as MotionTo; a line less than half of which lies in the box of the surface; too few cross-sections
+/// to find their middles, or too round ones to tell a twist
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report);
+
+/// The pose that goes with a line. \param deformer, world as of MotionTo \param motion in the world
+/// \throw Unsolvable \throw Cancelled
+Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
-/// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less than
-/// that, or more than its length. \param deformer as of Straighten
+/// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less
+/// than that, or more than its length. \param deformer as of MotionTo
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 

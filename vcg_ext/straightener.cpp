@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/straighten.h>
 #include <vcg_ext/straighten/line_places.h>
+#include <vcg_ext/straighten/line_sections.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,7 +80,8 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
     const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion);
     double squares = 0;
     std::size_t count = 0;
-    for (const detail::LineSample &each : detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress.threads)) {
+    for (const detail::LineSample &each :
+         detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress.threads)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
         bool isOfLine = held[std::size_t(patch)]; // and so is all around it
         for (Index i : deformer.graph.graph.adjacency[patch])
@@ -96,8 +98,7 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
     progress(1, "Following the line");
 }
 
-} // namespace
-
+/// \throw BadInput where less than half of the line lies in the box of the surface
 void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen::Affine3d &world) {
     const ToWorld toWorld(deformer.surface.frame, world);
     Eigen::AlignedBox3d box;
@@ -116,20 +117,31 @@ void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen:
                        "or through its middle.");
 }
 
-Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, LineMotion motion, bool untwist,
+} // namespace
+
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report) {
+    FramedLine line(goal.line, goal.smoothing);
+    ExpectInside(line, deformer, world);
+    if (goal.middle)
+        goal.line = detail::MiddleOf(deformer, world, line);
+    LineMotion motion = MotionTo(goal);
+    report.length = motion.From().Length();
+    report.newLength = motion.Length();
+    if (goal.untwist) {
+        motion.twist = detail::TwistOf(deformer, world, motion.From());
+        report.twist = (motion.twist(0).angle - motion.twist(report.length).angle) * 180 / double(EIGEN_PI);
+    }
+    return motion;
+}
+
+Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress) {
     const DeformationGraph &graph = deformer.graph;
     const FramedLine &line = motion.From();
     const Index k = graph.Size();
     const ToWorld toWorld(deformer.surface.frame, world);
-    ExpectInside(line, deformer, world);
     const Eigen::Matrix3Xd rest = detail::NodesOf(deformer, toWorld);
     progress(0, "Following the line");
-    report.length = line.Length();
-    report.newLength = motion.Length();
-    motion.twist = untwist ? TwistOf(deformer, world, line) : LineMotion::TwistAt();
-    if (untwist)
-        report.twist = (motion.twist(0).angle - motion.twist(line.Length()).angle) * 180 / double(EIGEN_PI);
     const std::vector<double> place = detail::PlacesAlong(line, graph.graph.adjacency, rest);
 
     std::vector<LineMotion::Moved> moved;
@@ -145,7 +157,8 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
         rigid.linear() = its.turn;
         rigid.translation() = after - its.turn * before;
         given.motion.push_back(rigid);
-        given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch && its.stretch > 1 / detail::mostStretch);
+        given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch &&
+                                    its.stretch > 1 / detail::mostStretch);
     }
     // Where neighbours are at places far apart, it would tear.
     const double ratio = std::max(1.0, motion.Length() / line.Length());

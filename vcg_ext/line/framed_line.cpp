@@ -67,8 +67,7 @@ FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
         return Eigen::Vector3d(2 * t.dot(way) * way - t);
     };
     direction.col(0) = n > 2 ? mirrored(chord.col(0), direction.col(1)) : Eigen::Vector3d(chord.col(0));
-    direction.col(n - 1) =
-        n > 2 ? mirrored(chord.col(n - 2), direction.col(n - 2)) : Eigen::Vector3d(chord.col(0));
+    direction.col(n - 1) = n > 2 ? mirrored(chord.col(n - 2), direction.col(n - 2)) : Eigen::Vector3d(chord.col(0));
 
     const Eigen::Index pieces = std::max<Eigen::Index>(2, 4 * stretches / (n - 1));
     Eigen::Matrix3Xd dense(3, pieces * (n - 1) + 1);
@@ -79,8 +78,8 @@ FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
         const double turned = std::max(0.0, 0.5 * (u + v).dot(chord.col(i))), speed = 2 * distance[i] / (1 + turned);
         for (Eigen::Index k = 1; k <= pieces; ++k) {
             const double t = double(k) / double(pieces), r = 1 - t;
-            dense.col(i * pieces + k) = r * r * (1 + 2 * t) * a + t * t * (1 + 2 * r) * b +
-                                        speed * t * r * (r * u - t * v);
+            dense.col(i * pieces + k) =
+                r * r * (1 + 2 * t) * a + t * t * (1 + 2 * r) * b + speed * t * r * (r * u - t * v);
         }
     }
     Resample(dense);
@@ -174,8 +173,8 @@ FramedLine::Frame FramedLine::At(double s) const {
     const Eigen::Index i = std::min(Eigen::Index(within / step), stretches - 1);
     const double t = within / step - double(i), r = 1 - t;
     const Eigen::Vector3d u = tangent.col(i), v = tangent.col(i + 1);
-    frame.point = r * r * (1 + 2 * t) * point.col(i) + t * t * (1 + 2 * r) * point.col(i + 1) +
-                  step * t * r * (r * u - t * v);
+    frame.point =
+        r * r * (1 + 2 * t) * point.col(i) + t * t * (1 + 2 * r) * point.col(i + 1) + step * t * r * (r * u - t * v);
     const Eigen::Vector3d along = (r * u + t * v).normalized();
     Eigen::Vector3d across = r * up[std::size_t(i)] + t * up[std::size_t(i) + 1];
     across = (across - across.dot(along) * along).normalized();
@@ -190,9 +189,7 @@ FramedLine::Frame FramedLine::At(double s) const {
 }
 
 double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) const {
-    const auto place = [&](double s) {
-        return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches)));
-    };
+    const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches))); };
     std::size_t best = place(from);
     double least = (point.col(Eigen::Index(best)) - p).squaredNorm();
     for (std::size_t i = best + 1; i <= place(to); ++i)

@@ -83,9 +83,9 @@ FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &p
         if (towards.norm() < 1e-3)
             towards = across(middle.axes.col(2));
     }
-    return FramedLine(ArcPoints(Eigen::Vector3d::Zero(), direction, towards.normalized(), length, param.degrees)
-                          .colwise() +
-                      line.Middle());
+    return FramedLine(
+        ArcPoints(Eigen::Vector3d::Zero(), direction, towards.normalized(), length, param.degrees).colwise() +
+        line.Middle());
 }
 
 LineMotion MotionTo(const LineGoal &goal) {

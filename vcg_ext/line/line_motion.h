@@ -48,19 +48,20 @@ class LineMotion {
 };
 
 /// The points of an arc of a circle, or of a straight line, of a length. \param middle of it \param direction along it
-/// in its middle, a unit vector \param towards in whose direction it bends, a unit vector across \param degrees by which
-/// it bends, below 360
+/// in its middle, a unit vector \param towards in whose direction it bends, a unit vector across \param degrees by
+/// which it bends, below 360
 Eigen::Matrix3Xd ArcPoints(const Eigen::Vector3d &middle, const Eigen::Vector3d &direction,
                            const Eigen::Vector3d &towards, double length, double degrees);
 
 /// How a line is bent to an arc.
 struct ArcParam {
-    double degrees = 0;                                   ///< 0: straight; (-360, 360)
-    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of its middle; 0: from end to end of the line
-    Eigen::Vector3d towards = Eigen::Vector3d::Zero();    ///< where it bends to; 0: where the line does
+    double degrees = 0;                                  ///< 0: straight; (-360, 360)
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero(); ///< of its middle; 0: from end to end of the line
+    Eigen::Vector3d towards = Eigen::Vector3d::Zero();   ///< where it bends to; 0: where the line does
 };
 
-/// The arc of \p length, which is positive, that lies where \p line does: their middles are at one place. \throw BadInput
+/// The arc of \p length, which is positive, that lies where \p line does: their middles are at one place. \throw
+/// BadInput
 FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &param);
 
 /// Which line goes where.
@@ -69,9 +70,12 @@ struct LineGoal {
     double smoothing = 0;    ///< as FramedLine takes it; of the target, too
     Eigen::Matrix3Xd target; ///< 3 x m, the points of the line that it goes to; empty: to an arc
     ArcParam arc;
-    double length = 0;       ///< that it is to have; 0: it keeps its own
+    double length = 0;    ///< that it is to have; 0: it keeps its own
+    bool middle = false;  ///< whether it goes through the middles of the surface's cross-sections instead
+    bool untwist = false; ///< whether the twist of the surface about it is taken out
 };
 
+/// The motion from one line to the other, without what only the surface tells: middle and untwist.
 /// \throw BadInput what is wrong with one of the lines, naming the target as such
 LineMotion MotionTo(const LineGoal &goal);
 

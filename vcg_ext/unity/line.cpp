@@ -5,5 +5,5 @@
 #include <vcg_ext/line/line_motion.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/line/line_points.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/straighten/line_places.cpp>   // NOLINT(bugprone-suspicious-include)
-#include <vcg_ext/straighten/section_twist.cpp> // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/straighten/line_sections.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/straightener.cpp>             // NOLINT(bugprone-suspicious-include)
