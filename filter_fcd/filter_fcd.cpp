@@ -303,25 +303,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
     vcg::fcd::Index folded = 0;
     const vcg::fcd::SampledField field =
         saveDeformation(saveDeformationParam(parameters, document), folded, Progress(callback));
-    const int samples = field.samples.Size();
-    std::ostringstream line;
-    line << samples << " samples; the vertices of the source that move are off by " << field.rms
-         << " (rms), and none of all its vertices by more than " << field.largest << ".";
-    logLine(line.str());
-    if (field.off + field.stirred > 0)
-        logLine(std::to_string(field.off + field.stirred) +
-                    " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
-                    "differently there, or a million samples are not enough. Where that matters, deform with the "
-                    "layers.",
-                GLLogStream::WARNING);
-    if (folded > 0)
-        logLine("The deformation folds the source at " + std::to_string(folded) +
-                    " of its vertices: from there it has no way back, and what is near them may come to another place.",
-                GLLogStream::WARNING);
-    return {{"samples", samples},
-            {"rms_difference", field.rms},
-            {"largest_difference", field.largest},
-            {"folded_vertices", folded}};
+    logLine(describe(field));
+    for (const std::string &warning : warningsOf(field, folded))
+        logLine(warning, GLLogStream::WARNING);
+    ReturnedValues values = valuesOf(field);
+    values["folded_vertices"] = folded;
+    return values;
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged) const {

@@ -199,3 +199,29 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         warnings.emplace_back("What does not go with the line did not come to rest there.");
     return warnings;
 }
+
+std::string describe(const vcg::fcd::SampledField &field) {
+    std::ostringstream line;
+    line << field.samples.Size() << " samples; the vertices of the source that move are off by " << field.rms
+         << " (rms), and none of all its vertices by more than " << field.largest << ".";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field) {
+    return {
+        {"samples", int(field.samples.Size())}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
+}
+
+std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded) {
+    std::vector<std::string> warnings;
+    if (field.off + field.stirred > 0)
+        warnings.push_back(
+            std::to_string(field.off + field.stirred) +
+            " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
+            "differently there, or a million samples are not enough. Where that matters, deform with the layers.");
+    if (folded > 0)
+        warnings.push_back("The deformation folds the source at " + std::to_string(folded) +
+                           " of its vertices: from there it has no way back, and what is near them may come to "
+                           "another place.");
+    return warnings;
+}

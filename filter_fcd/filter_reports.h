@@ -3,6 +3,7 @@
 #define FCD_FILTER_REPORTS_H
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
+#include <vcg_ext/field/field_sampling.h>
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/layer_fitter.h>
@@ -36,6 +37,12 @@ std::vector<std::string> warningsOf(const FittedLayers &made);
 std::string describe(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 std::vector<std::string> warningsOf(const StraightenedLayers &made);
+
+/// What a saved deformation is like, in words and in numbers.
+std::string describe(const vcg::fcd::SampledField &field);
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field);
+/// \param folded vertices of the source from where there is no way back, if that is what was saved
+std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded);
 
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);
