@@ -8,6 +8,7 @@
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 #include <layer_fcd/tagging.h>
@@ -38,8 +39,8 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, FitMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation, TagSelection,
-              TagsFromFiles, ClearTags, SaveTags});
+    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation,
+              TagSelection, TagsFromFiles, ClearTags, SaveTags});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -48,7 +49,8 @@ HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     // After a filter of textures the host shows those of the current layer, which is new.
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return id == DeformMesh || id == FitMesh || id == CopyDeformation ? FilterClass(both) : Smoothing;
+    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == CopyDeformation ? FilterClass(both)
+                                                                                              : Smoothing;
 }
 
 int FilterFcd::changes(int id) const {
@@ -101,6 +103,7 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case BuildGraph: return toRichParameters(BuildGraphParam(), document);
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
     case FitMesh: return toRichParameters(FitMeshParam(), document);
+    case StraightenMesh: return toRichParameters(StraightenMeshParam(), document);
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
     case CopyDeformation: return toRichParameters(CopyParam(), document);
@@ -120,6 +123,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
     case FitMesh: return fitMesh(parameters, document, callback);
+    case StraightenMesh: return straightenMesh(parameters, document, callback);
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
@@ -225,16 +229,28 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     return values;
 }
 
-HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
-                                                    vcg::CallBackPos *callback) {
-    const FittedLayers made = fitLayer(
-        document, input(document), fitMeshParam(parameters, document),
-        [this](const std::string &line) { logLine(line); }, Progress(callback));
+/// Logs what was made, and gives the numbers.
+template <class Made>
+HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
     logLine(describe(made));
     for (const std::string &warning : warningsOf(made))
         logLine(warning, GLLogStream::WARNING);
     return valuesOf(made);
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
+                                                    vcg::CallBackPos *callback) {
+    return tell(fitLayer(
+        document, input(document), fitMeshParam(parameters, document),
+        [this](const std::string &line) { logLine(line); }, Progress(callback)));
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::straightenMesh(const RichParameterList &parameters, MeshDocument &document,
+                                                           vcg::CallBackPos *callback) {
+    return tell(straightenLayer(
+        document, input(document), straightenMeshParam(parameters, document),
+        [this](const std::string &line) { logLine(line); }, Progress(callback)));
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
@@ -294,20 +310,15 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  vcg::CallBackPos *callback) {
+    vcg::fcd::Index folded = 0;
     const vcg::fcd::SampledField field =
-        saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
-    const int samples = field.samples.Size();
-    std::ostringstream line;
-    line << samples << " samples; the vertices of the source that move are off by " << field.rms
-         << " (rms), and none of all its vertices by more than " << field.largest << ".";
-    logLine(line.str());
-    if (field.off + field.stirred > 0)
-        logLine(std::to_string(field.off + field.stirred) +
-                    " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
-                    "differently there, or a million samples are not enough. Where that matters, deform with the "
-                    "layers.",
-                GLLogStream::WARNING);
-    return {{"samples", samples}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
+        saveDeformation(saveDeformationParam(parameters, document), folded, Progress(callback));
+    logLine(describe(field));
+    for (const std::string &warning : warningsOf(field, folded))
+        logLine(warning, GLLogStream::WARNING);
+    ReturnedValues values = valuesOf(field);
+    values["folded_vertices"] = folded;
+    return values;
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {

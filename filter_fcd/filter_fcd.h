@@ -19,6 +19,7 @@ class FilterFcd : public HostFilterPlugin {
         BuildGraph,
         DeformMesh,
         FitMesh,
+        StraightenMesh,
         PoseInPlace,
         ResetPose,
         CopyDeformation,
@@ -50,10 +51,14 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues fitMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues straightenMesh(const RichParameterList &parameters, MeshDocument &document,
+                                  vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues clearTags(MeshModel &layer) const;
+    template <class Made>
+    ReturnedValues tell(const Made &made) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;

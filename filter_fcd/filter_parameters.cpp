@@ -238,6 +238,13 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
     host::addParameter<host::RichSaveFileParam>(list, host::Shown::Always, "deformation_file", param.file, "*.ply",
                                                 "Deformation goes to (.ply)",
                                                 "The file to write. An existing file is replaced.");
+    if (host::scriptsMayLackParameters)
+        host::addParameter<RichBool>(
+            list, host::Shown::Always, "inverse", param.inverse, "The way back",
+            "Writes the deformation that leads back: from where the source's vertices went to where they were, to "
+            "carry "
+            "what was measured or marked on the deformed mesh onto the original. Where the deformation folds the mesh "
+            "there is no way back; the log says at how many vertices.");
     return list;
 }
 
@@ -247,6 +254,7 @@ SaveDeformationParam saveDeformationParam(const RichParameterList &list, const M
     param.restGraph = host::layerParameter(list, "rest_graph", document);
     param.deformedGraph = host::layerParameter(list, "deformed_graph", document);
     param.file = list.getSaveFileName("deformation_file");
+    param.inverse = host::scriptsMayLackParameters && list.getBool("inverse");
     param.validate();
     return param;
 }

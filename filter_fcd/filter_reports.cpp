@@ -187,3 +187,81 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.emplace_back("The fit did not come to rest: raise fit_steps.");
     return warnings;
 }
+
+std::string describe(const StraightenedLayers &made) {
+    const vcg::fcd::StraightenReport &report = made.report;
+    std::ostringstream line;
+    line << "The line is " << report.length << " long, and " << report.newLength << " now; " << report.following
+         << " of " << report.following + report.released << " nodes go with it. The surface is off from where its "
+         << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
+    if (report.twist != 0)
+        line << " A twist of " << report.twist << " degrees from end to end was taken out.";
+    line << " " << made.seconds << " s.";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
+    const vcg::fcd::StraightenReport &report = made.report;
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
+    values.insert({{"length", report.length},
+                   {"new_length", report.newLength},
+                   {"twist", report.twist},
+                   {"following_nodes", report.following},
+                   {"released_nodes", report.released},
+                   {"rms", report.rms},
+                   {"largest", report.largest},
+                   {"folded_triangles", made.result.check.flipped},
+                   {"nodes", int(made.result.rest.position.cols())},
+                   {"converged", made.result.converged},
+                   {"seconds", made.seconds}});
+    return values;
+}
+
+std::vector<std::string> warningsOf(const StraightenedLayers &made) {
+    const vcg::fcd::StraightenReport &report = made.report;
+    std::vector<std::string> warnings;
+    if (report.released > 0) {
+        std::ostringstream line;
+        line << "Beside the line from ";
+        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i)
+            line << (i > 0 ? ", from " : "") << report.releasedAt[i].first << " to " << report.releasedAt[i].second;
+        line << (report.releasedAt.size() > 5 ? ", and elsewhere," : "")
+             << " of its length its cross-sections meet, so going with them would fold the surface: there it follows "
+                "what is around as rigidly as possible. Lay the line through the middle, or raise line_smoothing.";
+        warnings.push_back(line.str());
+    }
+    if (made.result.check.flipped > 0)
+        warnings.push_back(std::to_string(made.result.check.flipped) +
+                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the surface is folded there. Lay the line through the middle, or raise "
+                           "line_smoothing.");
+    if (!made.result.converged)
+        warnings.emplace_back("What does not go with the line did not come to rest there.");
+    return warnings;
+}
+
+std::string describe(const vcg::fcd::SampledField &field) {
+    std::ostringstream line;
+    line << field.samples.Size() << " samples; the vertices of the source that move are off by " << field.rms
+         << " (rms), and none of all its vertices by more than " << field.largest << ".";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field) {
+    return {
+        {"samples", int(field.samples.Size())}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
+}
+
+std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded) {
+    std::vector<std::string> warnings;
+    if (field.off + field.stirred > 0)
+        warnings.push_back(
+            std::to_string(field.off + field.stirred) +
+            " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
+            "differently there, or a million samples are not enough. Where that matters, deform with the layers.");
+    if (folded > 0)
+        warnings.push_back("The deformation folds the source at " + std::to_string(folded) +
+                           " of its vertices: from there it has no way back, and what is near them may come to "
+                           "another place.");
+    return warnings;
+}

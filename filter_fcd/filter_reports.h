@@ -3,10 +3,12 @@
 #define FCD_FILTER_REPORTS_H
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
+#include <vcg_ext/field/field_sampling.h>
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/parameters.h>
 
 #include <string>
@@ -41,6 +43,17 @@ std::string describe(const FittedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
 /// A sentence for each thing for which a fit is not to be trusted.
 std::vector<std::string> warningsOf(const FittedLayers &made);
+
+/// How a layer was straightened, in words and in numbers.
+std::string describe(const StraightenedLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
+std::vector<std::string> warningsOf(const StraightenedLayers &made);
+
+/// What a saved deformation is like, in words and in numbers.
+std::string describe(const vcg::fcd::SampledField &field);
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field);
+/// \param folded vertices of the source from where there is no way back, if that is what was saved
+std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded);
 
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);

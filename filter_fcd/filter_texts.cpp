@@ -16,6 +16,7 @@ QString FilterFcd::filterName(int id) const {
     case BuildGraph: return "FCD: Build Deformation Graph";
     case DeformMesh: return "FCD: Deform Mesh";
     case FitMesh: return "FCD: Fit to Layer";
+    case StraightenMesh: return "FCD: Straighten Mesh";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
@@ -33,6 +34,7 @@ QString FilterFcd::scriptName(int id) const {
     case BuildGraph: return "generate_fcd_deformation_graph";
     case DeformMesh: return "generate_fcd_deformed_mesh";
     case FitMesh: return "generate_fcd_fitted_mesh";
+    case StraightenMesh: return "generate_fcd_straightened_mesh";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
     case CopyDeformation: return "generate_fcd_deformed_copy";
@@ -84,6 +86,24 @@ QString FilterFcd::filterInfo(int id) const {
                    "The result is a new layer with all that the source carries. The layers with the graph serve 'FCD: "
                    "Apply Deformation to Layer' and 'FCD: Save Deformation'. Non-rigid registration (ICP), template "
                    "fitting, shrink wrap, morph; as rigid as possible (ARAP).") +
+               reference;
+    case StraightenMesh:
+        return QString(
+                   "Straightens the current layer along a <b>line</b>, or bends it: fish, bones, roots, pipes, prints, "
+                   "to "
+                   "measure and compare them. Each cross-section, at right angles to the line, goes as it is to its "
+                   "place on a straight line, an arc, or the line of another layer, without a twist of its own.<br>"
+                   "The line is a layer with edges, MeshLab's picked points in their order, or a list of points, in "
+                   "world coordinates; a smooth curve leads through its points. It lies on the surface or, better, "
+                   "runs "
+                   "through the middle of it: its length is kept, what lies at the inner side of a bend gets longer, "
+                   "and "
+                   "what lies at the outer side shorter. Where cross-sections would meet and fold the surface, it "
+                   "follows as rigidly as possible instead, and the log says where.<br>"
+                   "The result is a new layer with all that the layer carries. The layers with the graph serve 'FCD: "
+                   "Apply Deformation to Layer' and 'FCD: Save Deformation', which carry clouds and landmarks there, "
+                   "and "
+                   "back. Straighten, unbend, unroll, bend along a curve.") +
                reference;
     case PoseInPlace:
         return QString(

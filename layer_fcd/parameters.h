@@ -5,6 +5,7 @@
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/fit.h>
+#include <vcg_ext/straighten.h>
 
 #include "meshlab_host.h"
 
@@ -80,6 +81,28 @@ struct FitMeshParam {
     Quality quality = Input; ///< of the fitted layer
 };
 
+/// What "FCD: Straighten Mesh" is asked for. All in the world.
+struct StraightenMeshParam {
+    enum Shape { Straight, Arc, Line };
+    enum Quality { Input, Place };
+
+    const MeshModel *lineLayer = nullptr; ///< with edges; the layer that is straightened, or null: not used
+    QString lineFile;                     ///< .pp, .csv or .txt, may be empty; goes before lineLayer
+    double smoothing = 0;                 ///< as FramedLine takes it
+    bool middle = false;                  ///< through the middles of the cross-sections instead
+    Shape shape = Straight;
+    double angle = 90;                                   ///< of the arc, degrees
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero(); ///< of its middle; 0: from end to end
+    Eigen::Vector3d towards = Eigen::Vector3d::Zero();   ///< where it bends to; 0: where the line does
+    const MeshModel *targetLayer = nullptr;              ///< with edges (Line)
+    bool reverse = false;                                ///< from the end of that line
+    double length = 0;                                   ///< of the line, then; 0: kept
+    bool untwist = false;
+    vcg::fcd::StraightenParam bend; ///< without nodes
+    bool graphLayers = true;        ///< keep the rest and the deformed graph as layers
+    Quality quality = Input;        ///< of the straightened layer
+};
+
 /// What "FCD: Pose in Place" is asked for.
 struct PoseParam {
     HandleParam handles;
@@ -107,7 +130,8 @@ struct CopyParam {
 /// What "FCD: Save Deformation" is asked for.
 struct SaveDeformationParam {
     MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
-    QString file; ///< .ply
+    QString file;         ///< .ply
+    bool inverse = false; ///< the way back
 
     /// \throw vcg::fcd::Error
     void validate() const;

@@ -8,7 +8,7 @@
 using vcg::fcd::Error;
 using vcg::fcd::PointPair;
 
-std::vector<PointPair> readPickedPoints(const QByteArray &text, const std::string &name) {
+std::vector<Eigen::Vector3d> readActivePoints(const QByteArray &text, const std::string &name) {
     QXmlStreamReader xml(text);
     const auto here = [&] { return name + ", line " + std::to_string(xml.lineNumber()) + ": "; };
     std::vector<Eigen::Vector3d> points;
@@ -36,6 +36,11 @@ std::vector<PointPair> readPickedPoints(const QByteArray &text, const std::strin
             reason.pop_back();
         throw Error(here() + "expected the XML of picked points: " + reason + ".");
     }
+    return points;
+}
+
+std::vector<PointPair> readPickedPoints(const QByteArray &text, const std::string &name) {
+    const std::vector<Eigen::Vector3d> points = readActivePoints(text, name);
     if (points.empty() || points.size() % 2)
         throw Error(name + " holds " + std::to_string(points.size()) +
                     " active points; expected pairs of them: start, target, start, target, ...");

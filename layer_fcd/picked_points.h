@@ -6,12 +6,14 @@
 
 #include <QByteArray>
 
-/// The active ones of MeshLab's picked points, in pairs of start and target. Knows of no host, so that it can be
-/// fuzzed.
+/// The active ones of MeshLab's picked points, in their order. Knows of no host, so that it can be fuzzed.
 ///
 /// \param text what a .pp file holds
 /// \param name of the file, for messages
 /// \throw vcg::fcd::Error with the line and what was expected there
+std::vector<Eigen::Vector3d> readActivePoints(const QByteArray &text, const std::string &name);
+
+/// The same in pairs of start and target, of which there is one at least.
 std::vector<vcg::fcd::PointPair> readPickedPoints(const QByteArray &text, const std::string &name);
 
 #endif

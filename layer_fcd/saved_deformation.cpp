@@ -29,7 +29,9 @@ void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matri
 
 } // namespace
 
-vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress) {
+vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, vcg::fcd::Index &folded,
+                                       const vcg::fcd::Progress &progress) {
+    folded = 0;
     progress(0, "Reading the source");
     const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
@@ -38,6 +40,10 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, const 
     vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
         .Apply(deformed, &linear, progress.Slice(0, 0.1));
     toWorld(matrix, rest, deformed, linear);
+    if (param.inverse) {
+        rest.swap(deformed);
+        folded = vcg::fcd::Invert(linear);
+    }
     vcg::fcd::SampledField field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed,
                                                          linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
     saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});

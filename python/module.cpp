@@ -4,11 +4,13 @@
 #include "field.h"
 #include "posed.h"
 #include "prepared.h"
+#include "straightened.h"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -65,6 +67,13 @@ std::unique_ptr<Posed> solve(const std::shared_ptr<Prepared> &prepared,
     return std::make_unique<Posed>(prepared, PoseParam{std::move(motions), targets, percent, steps}, start, report);
 }
 
+std::shared_ptr<Prepared> prepareFree(const Rows &vertices, const std::optional<Corners> &faces, const nb::dict &given,
+                                      unsigned threads, const nb::object &report) {
+    vcg::fcd::DeformationParam param = paramOf(given);
+    param.bendsUnheld = true;
+    return std::make_shared<Prepared>(vertices, faces, param, threads, report);
+}
+
 } // namespace
 
 NB_MODULE(_core, module) {
@@ -89,12 +98,15 @@ NB_MODULE(_core, module) {
         .def("check", &Posed::check, arg("vertices"), arg("report").none())
         .def("stretch", &Posed::stretch, arg("vertices"), arg("report").none())
         .def("map", &Posed::map, arg("points"), arg("normals").none(), arg("report").none())
-        .def("field", &Posed::field, arg("report").none())
+        .def("field", &Posed::field, arg("inverse"), arg("report").none())
         .def("nodes", &Posed::nodes)
         .def("info", &Posed::info);
     module.def("prepare", &prepare, arg("vertices"), arg("faces").none(), arg("tags"), arg("points"), arg("param"),
                arg("threads"), arg("report").none());
     module.def("solve", &solve, arg("prepared"), arg("motions"), arg("targets").none(), arg("percent"), arg("steps"),
                arg("start").none(), arg("report").none());
+    module.def("prepare_free", &prepareFree, arg("vertices"), arg("faces").none(), arg("param"), arg("threads"),
+               arg("report").none());
+    module.def("straighten", &straighten, arg("prepared"), arg("goal"), arg("report").none());
     module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"));
 }

@@ -16,6 +16,10 @@ Posed::Posed(std::shared_ptr<const Prepared> given, const PoseParam &param, cons
     Listener::Run(report, prepared->threads, [&](const Progress &progress) { solve(param, start, progress); });
 }
 
+Posed::Posed(std::shared_ptr<const Prepared> given, vcg::fcd::SurfacePose found, double seconds)
+    : prepared(std::move(given)), anyMoves(found.Moves()), pose(std::move(found)),
+      carrier(std::make_unique<const vcg::fcd::Carrier>(*prepared->deformer, pose)), secondsSolve(seconds) {}
+
 void Posed::setMotions(const PoseParam &param) {
     handles.point = prepared->handles.point;
     for (const auto &[tag, text] : param.motions) {
@@ -138,16 +142,21 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     return nb::make_tuple(positions, others);
 }
 
-std::pair<std::unique_ptr<Field>, int> Posed::field(const nb::object &report) const {
+std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb::object &report) const {
     vcg::fcd::SampledField sampled;
+    Index folded = 0;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
-        const Eigen::Matrix3Xd rest = prepared->view.Copy(prepared->threads);
+        Eigen::Matrix3Xd rest = prepared->view.Copy(prepared->threads);
         Eigen::Matrix3Xd deformed = rest;
         std::vector<Eigen::Matrix3f> linear;
         carrier->Apply(deformed, &linear, progress.Slice(0, 0.1));
+        if (inverse) {
+            rest.swap(deformed);
+            folded = vcg::fcd::Invert(linear);
+        }
         sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
     });
-    return {std::make_unique<Field>(std::move(sampled.samples)), int(sampled.off + sampled.stirred)};
+    return {std::make_unique<Field>(std::move(sampled.samples)), int(sampled.off + sampled.stirred), int(folded)};
 }
 
 nb::tuple Posed::nodes() const {

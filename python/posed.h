@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,8 @@ class Posed {
     /// Solved, but not yet mapped. \param start the pose to go on from
     Posed(std::shared_ptr<const Prepared> prepared, const PoseParam &param, const Posed *start,
           const nb::object &report);
+    /// A pose that something else has found. \param seconds that it took
+    Posed(std::shared_ptr<const Prepared> prepared, vcg::fcd::SurfacePose pose, double seconds);
     Posed(const Posed &) = delete;
     Posed &operator=(const Posed &) = delete;
 
@@ -38,8 +41,9 @@ class Posed {
     nb::object stretch(const Rows &vertices, const nb::object &report) const;
     /// Other points of the same space, and their normals.
     nb::tuple map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const;
-    /// The same as a field that is sampled, and how many vertices are farther off than it is meant to be.
-    std::pair<std::unique_ptr<Field>, int> field(const nb::object &report) const;
+    /// The same as a field that is sampled, how many vertices are farther off than it is meant to be, and, of the way
+    /// back, how many are folded, where there is none.
+    std::tuple<std::unique_ptr<Field>, int, int> field(bool inverse, const nb::object &report) const;
     /// Positions of the nodes, and their linear maps.
     nb::tuple nodes() const;
     nb::dict info() const;

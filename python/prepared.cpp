@@ -19,6 +19,20 @@ Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
                    const Given<std::int32_t, nb::ndim<1>> &tags, const Given<std::int64_t, nb::ndim<1>> &points,
                    const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report)
     : vertices(vertices), faces(faces), param(param), threads(threads) {
+    handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
+    for (std::size_t k = 0; k < points.shape(0); ++k)
+        handles.point.push_back({std::size_t(points.data()[k]), Eigen::Vector3d::Zero()});
+    prepare(report);
+}
+
+Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
+                   unsigned threads, const nb::object &report)
+    : vertices(vertices), faces(faces), param(param), threads(threads) {
+    handles.tag.assign(vertices.shape(0), 1);
+    prepare(report);
+}
+
+void Prepared::prepare(const nb::object &report) {
     view.position = vertices.data();
     view.vertexSlots = vertices.shape(0);
     if (faces) {
@@ -26,14 +40,12 @@ Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
         view.faces = faces->shape(0);
     }
     view.isCloud = view.faces == 0;
-    handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
-    for (std::size_t k = 0; k < points.shape(0); ++k)
-        handles.point.push_back({std::size_t(points.data()[k]), Eigen::Vector3d::Zero()});
     Listener::Run(report, threads, [&](const Progress &progress) {
         const vcg::fcd::Stopwatch watch;
         param.Validate();
         view.Validate(progress.Slice(0, 0.02));
-        this->tags = vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
+        tags = param.bendsUnheld ? vcg::fcd::CountTags(handles.tag, nullptr, threads)
+                                 : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
         deformer = vcg::fcd::PrepareDeformer(view, handles, param, progress.Slice(0.02, 1));
         findStill();
         for (std::size_t i = 0; i < view.vertexSlots; ++i)

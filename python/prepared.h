@@ -20,6 +20,9 @@ class Prepared {
     Prepared(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
              const Given<std::int64_t, nb::ndim<1>> &points, const vcg::fcd::DeformationParam &param, unsigned threads,
              const nb::object &report);
+    /// All of it is free, to be moved by something else than handles.
+    Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
+             unsigned threads, const nb::object &report);
 
     // What Python is told of it; see Deformer and Graph there.
     nb::tuple graph() const;
@@ -48,6 +51,7 @@ class Prepared {
     double seconds = 0;               ///< that it took
 
   private:
+    void prepare(const nb::object &report);
     void findStill();
 
     mutable std::once_flag placesMade;

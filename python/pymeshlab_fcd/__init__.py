@@ -11,6 +11,7 @@ from ._meshlab import VERSIONS, deform_layer
 from ._motion import Motion
 from ._pose import DeformationWarning, Pose, PoseInfo
 from ._progress import Progress
+from ._straighten import LineInfo, Straightened, straighten
 
-__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "Motion", "Pose", "PoseInfo", "Progress", "SurfaceInfo",
-           "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation"]
+__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "LineInfo", "Motion", "Pose", "PoseInfo", "Progress", "Straightened", "SurfaceInfo",
+           "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation", "straighten"]

@@ -173,17 +173,10 @@ class Deformer:
         threads: int = 0,
         progress: Progress = None,
     ) -> None:
-        self._mesh: object = None
-        taken = _meshes.taken(vertices)
-        if taken is not None:
-            if faces is not None:
-                raise TypeError("faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
-            self._mesh = vertices
-            vertices, faces = taken
-        self.vertices: Points = _inputs.rows("vertices", vertices, what="one row per vertex")
+        self._mesh, positions, corners = _surface(vertices, faces)
+        self.vertices: Points = positions
         """n x 3, at rest: the caller's own array where it is one of C-contiguous doubles."""
         n = len(self.vertices)
-        corners = _inputs.triangles(faces, n)
         self.faces: NDArray[np.uint32] | None = corners
         """m x 3, None for a cloud."""
         at: NDArray[np.int64] = np.zeros(0, np.int64)
@@ -220,6 +213,18 @@ class Deformer:
         self.points: NDArray[np.int64] = at
         """k, the vertices of the landmarks."""
         self._warn(0 if nodes is None else len(param["nodes"]))
+
+    @classmethod
+    def _free(cls, vertices: object, faces: ArrayLike | None, normals: ArrayLike | None, param: dict[str, Any], threads: int,
+              told: Any) -> Deformer:
+        """All of a surface is free, to be moved by something else than handles."""
+        made = cls.__new__(cls)
+        made._mesh, made.vertices, made.faces = _surface(vertices, faces)
+        made._starts = None
+        made._normals = None if normals is None else _inputs.normals(normals, len(made.vertices))
+        made.points = np.zeros(0, np.int64)
+        made._core = _core.prepare_free(made.vertices, made.faces, param, threads, told)
+        return made
 
     def _warn(self, nodes: int) -> None:
         info = self.info
@@ -334,6 +339,19 @@ class Deformer:
 
     def __repr__(self) -> str:
         return f"<Deformer of {len(self.vertices)} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"
+
+
+def _surface(vertices: object, faces: ArrayLike | None) -> tuple[object, Points, NDArray[np.uint32] | None]:
+    """The mesh of another library, if it is one; positions, corners."""
+    mesh: object = None
+    taken = _meshes.taken(vertices)
+    if taken is not None:
+        if faces is not None:
+            raise TypeError("faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
+        mesh = vertices
+        vertices, faces = taken
+    positions = _inputs.rows("vertices", vertices, what="one row per vertex")
+    return mesh, positions, _inputs.triangles(faces, len(positions))
 
 
 def _finite(name: str, values: Points) -> Points:

@@ -160,21 +160,26 @@ class Pose:
         """k x 3 x 3, how the surface turns and stretches at each node: the linear map of column vectors."""
         return self._core.nodes()[1]
 
-    def deformation(self, *, progress: Progress = None) -> Deformation:
+    def deformation(self, *, inverse: bool = False, progress: Progress = None) -> Deformation:
         """The same as a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points: its samples
         are as few as tell it to a ten-thousandth.
 
         Args:
+            inverse: Whether it is the way back, from where the surface went to where it was.
             progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
         Warns:
-            DeformationWarning: It is farther off at some vertices. `Deformation.largest_difference` tells by how much.
+            DeformationWarning: It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose
+                folds the surface somewhere, and there is no way back from there.
         """
-        return self._deformation(progress, 4)
+        return self._deformation(progress, 4, inverse)
 
-    def _deformation(self, progress: Progress, level: int) -> Deformation:
-        field, off = self._core.field(report(progress))
+    def _deformation(self, progress: Progress, level: int, inverse: bool = False) -> Deformation:
+        field, off, folded = self._core.field(inverse, report(progress))
         made = Deformation._of(field)
+        if folded > 0:
+            warnings.warn(f"The pose folds the surface at {folded} vertices: from there it has no way back, and what is near them may come "
+                          "to another place.", DeformationWarning, level)
         if off > 0:
             warnings.warn(f"{off} vertices are farther off than 0.01 percent, up to {made.largest_difference:g}: parts that lie at one place "
                           "move differently there, or there are more of them than a small file can tell apart. Where that matters, use "

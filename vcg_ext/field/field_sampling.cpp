@@ -283,5 +283,17 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     return result;
 }
 
+Index Invert(std::vector<Eigen::Matrix3f> &linear) {
+    Index folded = 0;
+    for (Eigen::Matrix3f &each : linear) {
+        const Eigen::Matrix3d map = each.cast<double>();
+        // What is flattened to a thousandth cannot be told from what is turned inside out.
+        const bool isFolded = !(map.determinant() > 1e-3);
+        folded += isFolded;
+        each = isFolded ? Eigen::Matrix3f::Identity() : Eigen::Matrix3f(map.inverse().cast<float>());
+    }
+    return folded;
+}
+
 } // namespace fcd
 } // namespace vcg

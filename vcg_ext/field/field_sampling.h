@@ -41,6 +41,10 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param = {},
                          const Progress &progress = {}, const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
 
+/// Inverts the maps of a deformation, so that SampleField takes it the other way: from where the surface went to where
+/// it was. \return how many are folded: there is no way back there, and they become the identity
+Index Invert(std::vector<Eigen::Matrix3f> &linear);
+
 } // namespace fcd
 } // namespace vcg
 

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/error.h>
+#include <vcg_ext/line/framed_line.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+/// How many stretches of equal length a line is told by. What is between is interpolated by cubics: a circle of a
+/// hundredth of the length in radius is then met to a ten-thousandth of that.
+constexpr Eigen::Index stretches = 4096;
+
+/// Points nearer to each other than this share of the length are at one place.
+constexpr double atOnePlace = 1e-9;
+
+void Check(const Eigen::Matrix3Xd &points) {
+    const Eigen::Index n = points.cols();
+    if (n < 2)
+        throw BadInput("The line has " + std::string(n == 0 ? "no point" : "one point only") +
+                       ". Give two at least, in the order in which it goes through them.");
+    if (!points.allFinite())
+        throw BadInput("A point of the line is not finite.");
+    double length = 0;
+    for (Eigen::Index i = 1; i < n; ++i)
+        length += (points.col(i) - points.col(i - 1)).stableNorm();
+    if (!(length > 0))
+        throw BadInput("The line has no extent: all its points are at one place.");
+    for (Eigen::Index i = 1; i < n; ++i)
+        if ((points.col(i) - points.col(i - 1)).stableNorm() <= atOnePlace * length)
+            throw BadInput("Points " + std::to_string(i) + " and " + std::to_string(i + 1) +
+                           " of the line are at one place. Leave one of them out.");
+    if ((points.col(n - 1) - points.col(0)).stableNorm() <= atOnePlace * length)
+        throw BadInput("The line is closed: its last point is at its first. Open it where it is to be cut.");
+}
+
+} // namespace
+
+FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
+    if (!(smoothing >= 0 && smoothing <= 0.25))
+        throw BadInput("The line can be smoothed over 0 to 25 percent of its length.");
+    Check(points);
+    const Eigen::Index n = points.cols();
+    Eigen::Matrix3Xd chord(3, n - 1), direction(3, n);
+    Eigen::VectorXd distance(n - 1);
+    for (Eigen::Index i = 0; i + 1 < n; ++i) {
+        chord.col(i) = points.col(i + 1) - points.col(i);
+        distance[i] = chord.col(i).stableNorm();
+        chord.col(i) /= distance[i];
+    }
+    for (Eigen::Index i = 1; i + 1 < n; ++i) {
+        direction.col(i) = chord.col(i - 1) * distance[i] + chord.col(i) * distance[i - 1];
+        // Within a thousandth of a radian of going back the way it came.
+        if (chord.col(i).dot(chord.col(i - 1)) < -1 + 5e-7)
+            throw BadInput("The line turns back on itself at point " + std::to_string(i + 1) +
+                           ". Give its points in the order in which it goes through them.");
+        direction.col(i).normalize();
+    }
+    // Ends as on a circle, too: the tangents at both ends of a chord mirror each other.
+    const auto mirrored = [](const Eigen::Vector3d &way, const Eigen::Vector3d &t) {
+        return Eigen::Vector3d(2 * t.dot(way) * way - t);
+    };
+    direction.col(0) = n > 2 ? mirrored(chord.col(0), direction.col(1)) : Eigen::Vector3d(chord.col(0));
+    direction.col(n - 1) = n > 2 ? mirrored(chord.col(n - 2), direction.col(n - 2)) : Eigen::Vector3d(chord.col(0));
+
+    const Eigen::Index pieces = std::max<Eigen::Index>(2, 4 * stretches / (n - 1));
+    Eigen::Matrix3Xd dense(3, pieces * (n - 1) + 1);
+    dense.col(0) = points.col(0);
+    for (Eigen::Index i = 0; i + 1 < n; ++i) {
+        const Eigen::Vector3d a = points.col(i), b = points.col(i + 1), u = direction.col(i), v = direction.col(i + 1);
+        // The length of the derivative with which the cubic meets the circle in its middle.
+        const double turned = std::max(0.0, 0.5 * (u + v).dot(chord.col(i))), speed = 2 * distance[i] / (1 + turned);
+        for (Eigen::Index k = 1; k <= pieces; ++k) {
+            const double t = double(k) / double(pieces), r = 1 - t;
+            dense.col(i * pieces + k) =
+                r * r * (1 + 2 * t) * a + t * t * (1 + 2 * r) * b + speed * t * r * (r * u - t * v);
+        }
+    }
+    Resample(dense);
+    if (smoothing > 0)
+        Smooth(smoothing * double(stretches));
+    FindFrames();
+}
+
+void FramedLine::Resample(const Eigen::Matrix3Xd &dense) {
+    std::vector<double> along(1, 0);
+    for (Eigen::Index i = 1; i < dense.cols(); ++i)
+        along.push_back(along.back() + (dense.col(i) - dense.col(i - 1)).stableNorm());
+    length = along.back();
+    step = length / double(stretches);
+    point.resize(3, stretches + 1);
+    std::size_t at = 0;
+    for (Eigen::Index i = 0; i <= stretches; ++i) {
+        const double s = double(i) * step;
+        while (at + 2 < along.size() && along[at + 1] < s)
+            ++at;
+        const double gap = along[at + 1] - along[at], t = gap > 0 ? std::clamp((s - along[at]) / gap, 0.0, 1.0) : 0;
+        point.col(i) = (1 - t) * dense.col(Eigen::Index(at)) + t * dense.col(Eigen::Index(at) + 1);
+    }
+}
+
+/// By twice a Gaussian less the Gaussian of that: a bend that is wide against it keeps its radius. The ends stay.
+/// \param sigma in stretches
+void FramedLine::Smooth(double sigma) {
+    const auto reach = Eigen::Index(std::ceil(4 * sigma));
+    std::vector<double> weight;
+    double sum = 0;
+    for (Eigen::Index k = -reach; k <= reach; ++k)
+        sum += weight.emplace_back(std::exp(-0.5 * std::pow(double(k) / sigma, 2)));
+    const auto blurred = [&](const Eigen::Matrix3Xd &from) {
+        const Eigen::Index last = from.cols() - 1;
+        // Beyond an end it is the line's own image in that point.
+        const auto at = [&](Eigen::Index i) -> Eigen::Vector3d {
+            if (i < 0)
+                return 2 * from.col(0) - from.col(std::min(-i, last));
+            if (i > last)
+                return 2 * from.col(last) - from.col(std::max<Eigen::Index>(2 * last - i, 0));
+            return from.col(i);
+        };
+        Eigen::Matrix3Xd to(3, from.cols());
+        for (Eigen::Index i = 0; i <= last; ++i) {
+            Eigen::Vector3d p = Eigen::Vector3d::Zero();
+            for (Eigen::Index k = -reach; k <= reach; ++k)
+                p += weight[std::size_t(k + reach)] * at(i + k);
+            to.col(i) = p / sum;
+        }
+        return to;
+    };
+    const Eigen::Matrix3Xd once = blurred(point), twice = blurred(once);
+    Eigen::Matrix3Xd smooth = 2 * once - twice;
+    smooth.col(0) = point.col(0);
+    smooth.col(stretches) = point.col(stretches);
+    Resample(smooth);
+}
+
+void FramedLine::FindFrames() {
+    const Eigen::Index last = stretches;
+    const auto slope = [&](const Eigen::Matrix3Xd &of, Eigen::Index i) -> Eigen::Vector3d {
+        if (i == 0)
+            return (4 * of.col(1) - 3 * of.col(0) - of.col(2)) / (2 * step);
+        if (i == last)
+            return (3 * of.col(last) - 4 * of.col(last - 1) + of.col(last - 2)) / (2 * step);
+        return (of.col(i + 1) - of.col(i - 1)) / (2 * step);
+    };
+    tangent.resize(3, last + 1);
+    bend.resize(3, last + 1);
+    for (Eigen::Index i = 0; i <= last; ++i)
+        tangent.col(i) = slope(point, i).normalized();
+    for (Eigen::Index i = 0; i <= last; ++i)
+        bend.col(i) = slope(tangent, i);
+    up.assign(1, tangent.col(0).unitOrthogonal());
+    for (Eigen::Index i = 0; i < last; ++i) {
+        const auto reflected = [](const Eigen::Vector3d &v, const Eigen::Vector3d &across) {
+            const double square = across.squaredNorm();
+            return square > 0 ? Eigen::Vector3d(v - (2 * v.dot(across) / square) * across) : v;
+        };
+        const Eigen::Vector3d way = point.col(i + 1) - point.col(i), t = tangent.col(i), next = tangent.col(i + 1);
+        Eigen::Vector3d r = reflected(reflected(up.back(), way), next - reflected(t, way));
+        r -= r.dot(next) * next;
+        up.push_back(r.normalized());
+    }
+}
+
+FramedLine::Frame FramedLine::At(double s) const {
+    Frame frame;
+    const double within = std::clamp(s, 0.0, length);
+    const Eigen::Index i = std::min(Eigen::Index(within / step), stretches - 1);
+    const double t = within / step - double(i), r = 1 - t;
+    const Eigen::Vector3d u = tangent.col(i), v = tangent.col(i + 1);
+    frame.point =
+        r * r * (1 + 2 * t) * point.col(i) + t * t * (1 + 2 * r) * point.col(i + 1) + step * t * r * (r * u - t * v);
+    const Eigen::Vector3d along = (r * u + t * v).normalized();
+    Eigen::Vector3d across = r * up[std::size_t(i)] + t * up[std::size_t(i) + 1];
+    across = (across - across.dot(along) * along).normalized();
+    frame.axes << along, across, along.cross(across);
+    frame.bend = r * bend.col(i) + t * bend.col(i + 1);
+    frame.bend -= frame.bend.dot(along) * along;
+    if (s != within) { // straight on
+        frame.point += (s - within) * along;
+        frame.bend.setZero();
+    }
+    return frame;
+}
+
+double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) const {
+    const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches))); };
+    std::size_t best = place(from);
+    double least = (point.col(Eigen::Index(best)) - p).squaredNorm();
+    for (std::size_t i = best + 1; i <= place(to); ++i)
+        if (const double square = (point.col(Eigen::Index(i)) - p).squaredNorm(); square < least) {
+            least = square;
+            best = i;
+        }
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const double begin = double(best) * step, low = best == 0 ? -any : begin - step,
+                 high = best == std::size_t(stretches) ? any : begin + step;
+    double s = begin;
+    for (int k = 0; k < 4; ++k) { // Newton's, from within a stretch
+        const Frame frame = At(s);
+        const Eigen::Vector3d off = p - frame.point;
+        s += off.dot(frame.axes.col(0)) / std::max(0.1, 1 - frame.bend.dot(off));
+        s = std::clamp(s, low, high);
+    }
+    return s;
+}
+
+void FramedLine::TurnTo(double s, const Eigen::Vector3d &across) {
+    const Eigen::Matrix3d axes = At(s).axes;
+    const double angle = std::atan2(across.dot(axes.col(2)), across.dot(axes.col(1)));
+    for (std::size_t i = 0; i < up.size(); ++i) {
+        const Eigen::Vector3d t = tangent.col(Eigen::Index(i));
+        up[i] = std::cos(angle) * up[i] + std::sin(angle) * t.cross(up[i]);
+    }
+}
+
+} // namespace fcd
+} // namespace vcg

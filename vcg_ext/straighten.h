@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_STRAIGHTEN_H
+#define VCG_FCD_STRAIGHTEN_H
+
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/line/line_motion.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <utility>
+#include <vector>
+
+/// \file
+/// Straightens a surface along a line, or bends it along another one. The nodes of its deformation graph go with the
+/// cross-sections of the line that they lie in; where these would fold it, or tear it apart, it follows as rigidly as
+/// possible instead.
+
+namespace vcg {
+namespace fcd {
+
+/// How a surface is prepared for it: all is free, and bends.
+struct StraightenParam : DeformationParam {
+    StraightenParam();
+};
+
+/// What became of it.
+struct StraightenReport {
+    double length = 0, newLength = 0; ///< of the line, before and after, world units
+    double twist = 0;                 ///< of the surface about the line, from end to end, degrees; 0 where not measured
+    Index following = 0, released = 0; ///< nodes that go with the line, and that do not, as it would fold or tear there
+    std::vector<std::pair<double, double>> releasedAt; ///< where these are along the line: from, to, world units
+    double rms = 0, largest = 0; ///< by how much the surface is off from the cross-sections' motions, world units
+};
+
+/// A tag for each vertex slot that lets all of them go along.
+Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
+
+/// The motion from one line to another one, with what the surface tells of it.
+/// \param deformer of a surface, all of which is free, prepared with bendsUnheld \param world the matrix of its layer
+/// \throw BadInput as MotionTo; a line less than half of which lies in the box of the surface; too few cross-sections
+/// to find their middles, or too round ones to tell a twist
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report);
+
+/// The pose that goes with a line. \param deformer, world as of MotionTo \param motion in the world
+/// \throw Unsolvable \throw Cancelled
+Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
+                          const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
+
+/// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less
+/// than that, or more than its length. \param deformer as of MotionTo
+std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
+                                    const FramedLine &line, const Progress &progress = {});
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

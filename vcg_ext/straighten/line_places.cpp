@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/straighten/line_places.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <tuple>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+Eigen::Matrix3Xd NodesOf(const Deformer &deformer, const ToWorld &toWorld) {
+    Eigen::Matrix3Xd position(3, deformer.graph.Size());
+    for (Index j = 0; j < deformer.graph.Size(); ++j)
+        position.col(j) = toWorld(deformer.graph.graph.position.col(j).cast<double>());
+    return position;
+}
+
+namespace {
+
+/// What comes back along the line from beyond its end, where \p before is, is still beyond, if by nothing.
+double StillBeyond(const FramedLine &line, double before, double s) {
+    return before < 0               ? std::min(s, std::nextafter(0.0, -1.0))
+           : before > line.Length() ? std::max(s, std::nextafter(line.Length(), 2 * line.Length()))
+                                    : s;
+}
+
+} // namespace
+
+std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, const Eigen::Matrix3Xd &position) {
+    const Index k = adjacency.Size();
+    std::vector<double> place(std::size_t(k), 0);
+    std::vector<char> isKnown(std::size_t(k), 0);
+    struct Offer {
+        bool isBeyond; // an end of the line
+        double distance;
+        Index node;
+        double s;
+        bool operator>(const Offer &other) const {
+            return std::tie(isBeyond, distance, node, s) >
+                   std::tie(other.isBeyond, other.distance, other.node, other.s);
+        }
+    };
+    const auto offer = [&](Index j, double from, double to, double before) {
+        const double s = StillBeyond(line, before, line.Nearest(position.col(j), from, to));
+        return Offer{s < 0 || s > line.Length(), (line.At(s).point - position.col(j)).norm(), j, s};
+    };
+    std::vector<Offer> first;
+    for (Index j = 0; j < k; ++j)
+        first.push_back(offer(j, 0, line.Length(), 0));
+    std::sort(first.begin(), first.end(), [](const Offer &a, const Offer &b) { return b > a; });
+    // The nearest node of each component first; then on from there, the nearest next, and what is beyond the ends last.
+    std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue;
+    for (const Offer &each : first) {
+        if (!isKnown[std::size_t(each.node)])
+            queue.push(each);
+        while (!queue.empty()) {
+            const Offer best = queue.top();
+            queue.pop();
+            const Index j = best.node;
+            if (isKnown[std::size_t(j)])
+                continue;
+            isKnown[std::size_t(j)] = 1;
+            place[std::size_t(j)] = best.s;
+            for (Index i : adjacency[j])
+                if (!isKnown[std::size_t(i)]) {
+                    const double reach = mostStretch * (position.col(i) - position.col(j)).norm();
+                    queue.push(offer(i, best.s - reach, best.s + reach, best.s));
+                }
+        }
+    }
+    return place;
+}
+
+double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+                 const std::vector<double> &place, Index node, const Eigen::Vector3d &p) {
+    const auto patch = std::size_t(deformer.patches.patchOf[std::size_t(node)]);
+    const double reach = mostStretch * double(deformer.graph.radius[patch]) * toWorld.scale;
+    return StillBeyond(line, place[patch], line.Nearest(p, place[patch] - reach, place[patch] + reach));
+}
+
+std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+                                     const std::vector<double> &place, Index count, unsigned threads) {
+    const SurfaceGraph &surface = deformer.surface;
+    const Index stride = std::max<Index>(1, surface.graph.Size() / count);
+    std::vector<LineSample> samples;
+    for (Index u = 0; u < surface.graph.Size(); u += stride)
+        if (deformer.patches.patchOf[std::size_t(u)] >= 0)
+            samples.push_back({u, 0, double(surface.nodeArea[std::size_t(u)]),
+                               toWorld(surface.graph.position.col(u).cast<double>())});
+    ParallelFor(threads, samples.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);
+    });
+    return samples;
+}
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_LINE_SECTIONS_H
+#define VCG_FCD_LINE_SECTIONS_H
+
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/line/line_motion.h>
+
+/// \file
+/// What the cross-sections of a surface along a line tell.
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// Points of the line through the middles of the cross-sections along \p line, as long as it. \param world the matrix
+/// of the layer \param line in the world, on the surface, in it or beside it \return 3 x n, in the world \throw
+/// BadInput where there is hardly a cross-section
+Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
+
+/// What takes the twist of a surface about a line out: the longest axes of the cross-sections turn to where that in the
+/// middle is. \throw BadInput where the cross-sections are so round that they have none
+LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/straighten.h>
+#include <vcg_ext/straighten/line_places.h>
+#include <vcg_ext/straighten/line_sections.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+StraightenParam::StraightenParam() {
+    bendsUnheld = true;
+    graph.initialPatches = 1000; // a patch of something that is fifty times as long as thick is no wider than that
+}
+
+Handles AllFree(std::size_t slots, const Eigen::Affine3d &world) {
+    Handles handles;
+    handles.tag.assign(slots, 1);
+    handles.world = world;
+    return handles;
+}
+
+namespace {
+
+using detail::ToWorld;
+
+/// Holds of each component of a graph in which nothing is held the node that is nearest to the line.
+void HoldComponents(const Csr &adjacency, const FramedLine &line, const Eigen::Matrix3Xd &position,
+                    const std::vector<double> &place, std::vector<bool> &held) {
+    std::vector<char> seen(held.size(), 0);
+    for (Index first = 0; first < adjacency.Size(); ++first) {
+        if (seen[std::size_t(first)])
+            continue;
+        std::vector<Index> component(1, first);
+        seen[std::size_t(first)] = 1;
+        std::pair<double, Index> nearest(std::numeric_limits<double>::infinity(), first);
+        bool isHeld = false;
+        for (std::size_t n = 0; n < component.size(); ++n) {
+            const Index j = component[n];
+            isHeld = isHeld || held[std::size_t(j)];
+            nearest = std::min(nearest, {(line.At(place[std::size_t(j)]).point - position.col(j)).norm(), j});
+            for (Index i : adjacency[j])
+                if (!seen[std::size_t(i)]) {
+                    seen[std::size_t(i)] = 1;
+                    component.push_back(i);
+                }
+        }
+        if (!isHeld)
+            held[std::size_t(nearest.second)] = true;
+    }
+}
+
+/// Where along the line nodes are released, in report.releasedAt: as far as their patches reach, together where these
+/// touch.
+void ListReleased(const std::vector<double> &place, const std::vector<bool> &held, const DeformationGraph &graph,
+                  double scale, StraightenReport &report) {
+    std::vector<std::pair<double, double>> at;
+    for (std::size_t j = 0; j < held.size(); ++j)
+        if (!held[j]) {
+            const double reach = double(graph.radius[j]) * scale;
+            at.emplace_back(std::clamp(place[j] - reach, 0.0, report.length),
+                            std::clamp(place[j] + reach, 0.0, report.length));
+        }
+    std::sort(at.begin(), at.end());
+    for (const auto &each : at)
+        if (!report.releasedAt.empty() && each.first <= report.releasedAt.back().second)
+            report.releasedAt.back().second = std::max(report.releasedAt.back().second, each.second);
+        else
+            report.releasedAt.push_back(each);
+}
+
+/// How far the surface is from where its cross-sections went, in report.rms and report.largest.
+void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
+                       const std::vector<double> &place, const std::vector<bool> &held, const Deformer::Pose &pose,
+                       const Progress &progress, StraightenReport &report) {
+    progress(0, "Following the line");
+    const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion);
+    double squares = 0;
+    std::size_t count = 0;
+    for (const detail::LineSample &each :
+         detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress.threads)) {
+        const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
+        bool isOfLine = held[std::size_t(patch)]; // and so is all around it
+        for (Index i : deformer.graph.graph.adjacency[patch])
+            isOfLine = isOfLine && held[std::size_t(i)];
+        if (!isOfLine)
+            continue;
+        const Eigen::Vector3d at = toWorld(mapped(each.node, toWorld.Back(each.at)));
+        const double off = (at - motion.At(each.s, each.at).position).norm();
+        squares += off * off;
+        report.largest = std::max(report.largest, off);
+        ++count;
+    }
+    report.rms = count > 0 ? std::sqrt(squares / double(count)) : 0;
+    progress(1, "Following the line");
+}
+
+/// \throw BadInput where less than half of the line lies in the box of the surface
+void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen::Affine3d &world) {
+    const ToWorld toWorld(deformer.surface.frame, world);
+    Eigen::AlignedBox3d box;
+    for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
+        box.extend(toWorld(deformer.surface.graph.position.col(u).cast<double>()));
+    const Eigen::Vector3d hair = Eigen::Vector3d::Constant(0.01 * box.diagonal().norm()); // it may be drawn beside it
+    box.extend(Eigen::Vector3d(box.min() - hair));
+    box.extend(Eigen::Vector3d(box.max() + hair));
+    const int places = 100;
+    int inside = 0;
+    for (int i = 0; i < places; ++i)
+        inside += box.contains(line.At(line.Length() * (i + 0.5) / places).point);
+    if (2 * inside < places)
+        throw BadInput("The line is outside of the surface: " + std::to_string(places - inside) +
+                       " percent of it lie beside the surface's box. Give it in world coordinates, along the surface "
+                       "or through its middle.");
+}
+
+} // namespace
+
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report) {
+    FramedLine line(goal.line, goal.smoothing);
+    ExpectInside(line, deformer, world);
+    if (goal.middle)
+        goal.line = detail::MiddleOf(deformer, world, line);
+    LineMotion motion = MotionTo(goal);
+    report.length = motion.From().Length();
+    report.newLength = motion.Length();
+    if (goal.untwist) {
+        motion.twist = detail::TwistOf(deformer, world, motion.From());
+        report.twist = (motion.twist(0).angle - motion.twist(report.length).angle) * 180 / double(EIGEN_PI);
+    }
+    return motion;
+}
+
+Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
+                          const DeformationParam &param, StraightenReport &report, const Progress &progress) {
+    const DeformationGraph &graph = deformer.graph;
+    const FramedLine &line = motion.From();
+    const Index k = graph.Size();
+    const ToWorld toWorld(deformer.surface.frame, world);
+    const Eigen::Matrix3Xd rest = detail::NodesOf(deformer, toWorld);
+    progress(0, "Following the line");
+    const std::vector<double> place = detail::PlacesAlong(line, graph.graph.adjacency, rest);
+
+    std::vector<LineMotion::Moved> moved;
+    NodeConstraints given;
+    given.compliant.assign(std::size_t(k), false);
+    given.heldArea.assign(std::size_t(k), 0);
+    double farthest = 0; // that anything moves, frame units
+    for (Index j = 0; j < k; ++j) {
+        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[std::size_t(j)], rest.col(j)));
+        const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(its.position);
+        farthest = std::max({farthest, (after - before).norm(), (its.linear - Eigen::Matrix3d::Identity()).norm()});
+        Eigen::Affine3d rigid;
+        rigid.linear() = its.turn;
+        rigid.translation() = after - its.turn * before;
+        given.motion.push_back(rigid);
+        given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch &&
+                                    its.stretch > 1 / detail::mostStretch);
+    }
+    // Where neighbours are at places far apart, it would tear.
+    const double ratio = std::max(1.0, motion.Length() / line.Length());
+    std::vector<char> tears(std::size_t(k), 0);
+    for (Index j = 0; j < k; ++j)
+        for (Index i : graph.graph.adjacency[j]) {
+            const Eigen::Vector3d way = rest.col(j) - rest.col(i);
+            const LineMotion::Moved &a = moved[std::size_t(i)], &b = moved[std::size_t(j)];
+            const Eigen::Vector3d expected = 0.5 * (a.linear + b.linear) * way;
+            tears[std::size_t(j)] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
+        }
+    for (Index j = 0; j < k; ++j)
+        if (tears[std::size_t(j)])
+            given.constrained[std::size_t(j)] = false;
+    HoldComponents(graph.graph.adjacency, line, rest, place, given.constrained);
+
+    Deformer::Pose pose = deformer.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
+    report.released = Index(std::count(given.constrained.begin(), given.constrained.end(), false));
+    report.following = k - report.released;
+    GraphPose solved;
+    if (report.released > 0) {
+        std::vector<double> area(std::size_t(k), 0);
+        for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
+            if (const Index j = deformer.patches.patchOf[std::size_t(u)]; j >= 0)
+                area[std::size_t(j)] += double(deformer.surface.nodeArea[std::size_t(u)]);
+        solved = PartsDeformer(graph, area, given, param.shape.heldDepth).Solve(given, param, progress.Slice(0.1, 0.8));
+        pose.iterations = solved.iterations;
+    } else {
+        solved = pose.solved;
+        for (Index j = 0; j < k; ++j) {
+            solved.position.col(j) = toWorld.Back(moved[std::size_t(j)].position);
+            solved.linear[std::size_t(j)] = moved[std::size_t(j)].turn;
+        }
+    }
+    // What moves by no more than numbers are rounded by, does not.
+    solved.moves = farthest > 1e-12;
+    solved.rests.assign(std::size_t(k), !solved.moves);
+    pose.solved = solved;
+    pose.graph = solved;
+    FitLinear(graph, given.constrained, pose.graph, param.shape.openness);
+    for (Index j = 0; j < k; ++j)
+        if (given.constrained[std::size_t(j)])
+            pose.graph.linear[std::size_t(j)] = moved[std::size_t(j)].linear;
+    pose.nodeMotion = given.motion;
+
+    ListReleased(place, given.constrained, graph, toWorld.scale, report);
+    MeasureDifference(deformer, toWorld, motion, place, given.constrained, pose, progress.Slice(0.8, 1), report);
+    return pose;
+}
+
+std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
+                                    const FramedLine &line, const Progress &progress) {
+    const ToWorld toWorld(deformer.surface.frame, world);
+    const std::vector<double> place =
+        detail::PlacesAlong(line, deformer.graph.graph.adjacency, detail::NodesOf(deformer, toWorld));
+    std::vector<float> places(mesh.vertexSlots, 0);
+    ParallelFor(progress, "Following the line", places.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            if (mesh.IsDeleted(i))
+                continue;
+            const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
+            const Index node = deformer.surface.nodeOf[i];
+            places[i] = float(node < 0 ? line.Nearest(p, 0, line.Length())
+                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));
+        }
+    });
+    return places;
+}
+
+} // namespace fcd
+} // namespace vcg
