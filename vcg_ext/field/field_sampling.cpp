@@ -103,10 +103,15 @@ class FieldSampler {
     bool Refine(const DeformationField &field, bool nearby, SampledField &result, const Progress &progress) {
         const std::size_t slotCount = counts.size();
         error.resize(slotCount, 0);
+        std::vector<NearestPlace::Hint> nearPatch(std::size_t(patches.Size()));
+        for (std::size_t t = 0; t < dual.size(); ++t)
+            for (Index patch : dual[t])
+                nearPatch[std::size_t(patch)].triangle = Index(t);
         ParallelFor(progress, "Comparing", slotCount, 1 << 12, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
                 if (surface.nodeOf[i] >= 0 && (!nearby || isNear[i])) {
-                    const Eigen::Vector3d p = rest.col(Eigen::Index(i)), way = field(p);
+                    NearestPlace::Hint hint = nearPatch[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
+                    const Eigen::Vector3d p = rest.col(Eigen::Index(i)), way = field(p, nullptr, &hint);
                     error[i] = float((p + way - deformed.col(Eigen::Index(i))).norm());
                     if (Rests(i) && p + way != p)
                         error[i] = std::max(error[i], std::numeric_limits<float>::min());
