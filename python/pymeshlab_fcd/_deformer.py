@@ -284,9 +284,11 @@ class Deformer:
                 targets = targets + (self.vertices[self.points] - self._starts)
         if start is not None:
             if not isinstance(start, Pose) or start.deformer is not self:
-                raise TypeError(f"start must be a Pose of this Deformer; it is {'one of another' if isinstance(start, Pose) else repr(start)}")
+                raise TypeError(f"start must be a Pose of this Deformer; it is {'one of another' if isinstance(start, Pose) else f'a {type(start).__name__}'}")
             if steps != 1:
                 raise ValueError("steps lead from rest; with start, pose in a loop, each from the one before")
+        if not isinstance(check, (bool, np.bool_)):
+            raise TypeError(f"check must be True or False; it is {check!r}")
         vertices = np.empty((n, 3)) if out is None else _inputs.written("out", out, n)
         turned = None if out_normals is None else _inputs.written("out_normals", out_normals, n)
         for name, array in (("out", out), ("out_normals", out_normals)):

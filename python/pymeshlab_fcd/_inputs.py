@@ -10,35 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._motion import Motion
+from ._numbers import plain, told_shape
 
 Points = NDArray[np.float64]
 TAGS: Final = "0 fixed, 1 free, 2 and up handles, negative outside"
 _LAST_INT32: Final = 2**31 - 1
-
-
-def plain(name: str, values: object) -> NDArray[Any]:
-    """An array of any kind of numbers, of any shape; the caller's own where it is one."""
-    if values is None:
-        raise TypeError(f"{name} is None; give an array of numbers")
-    if isinstance(values, np.ma.MaskedArray):
-        if np.ma.getmaskarray(values).any():
-            raise ValueError(f"{name} has masked values; give it without them, as values.compressed() or values.filled(...)")
-        values = values.data
-    try:
-        array = np.asarray(values)
-    except Exception as error:  # of another library
-        raise TypeError(f"{name} cannot be read as an array of numbers: {error}") from error
-    if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be an array of numbers; {_kind(values, array)} is none")
-    return array
-
-
-def _kind(values: object, array: NDArray[Any]) -> str:
-    return f"an array of {array.dtype}" if isinstance(values, np.ndarray) else f"a {type(values).__name__} that holds {array.dtype}"
-
-
-def _shape(array: NDArray[Any]) -> str:
-    return " x ".join(map(str, array.shape)) or "a single number"
 
 
 def rows(name: str, values: object, count: int | None = None, what: str = "one row per point") -> Points:
@@ -47,7 +23,7 @@ def rows(name: str, values: object, count: int | None = None, what: str = "one r
     if array.dtype.kind == "b":
         raise TypeError(f"{name} must be coordinates, not a mask")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} must be n x 3, {what}; it is {_shape(array)}")
+        raise ValueError(f"{name} must be n x 3, {what}; it is {told_shape(array)}")
     if count is not None and len(array) != count:
         raise ValueError(f"{name} must have {count} rows, {what}; it has {len(array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
@@ -79,7 +55,7 @@ def triangles(values: object, vertices: int) -> NDArray[np.uint32] | None:
     if array.size == 0:
         return None
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"faces must be m x 3, the numbers of the vertices at the corners of triangles; it is {_shape(array)}. "
+        raise ValueError(f"faces must be m x 3, the numbers of the vertices at the corners of triangles; it is {told_shape(array)}. "
                          "Split other polygons into triangles first; give None for a cloud")
     if array.dtype.kind not in "iu":
         raise TypeError(f"faces must be whole numbers, those of the vertices at the corners; it holds {array.dtype}. "
@@ -97,7 +73,7 @@ def tags(values: object, vertices: int) -> NDArray[np.int32]:
     if array.dtype.kind == "b":
         raise TypeError(f"tags must be whole numbers ({TAGS}), not a mask; np.where(mask, 2, 1) makes handles of where it is true")
     if array.shape != (vertices,):
-        raise ValueError(f"tags must be {vertices} whole numbers, one for each vertex ({TAGS}); it is {_shape(array)}")
+        raise ValueError(f"tags must be {vertices} whole numbers, one for each vertex ({TAGS}); it is {told_shape(array)}")
     if array.dtype.kind == "f":
         odd = ~(array == np.rint(array))  # NaN, too
         if odd.any():
@@ -179,7 +155,7 @@ def points(values: object, vertices: int) -> NDArray[np.int64] | Points:
     if array.size == 0:
         return np.zeros(0, np.int64)
     if array.dtype.kind not in "iu" or array.ndim != 1:
-        raise ValueError(f"points must be numbers of vertices, or k x 3 places; it is {_shape(array)} of {array.dtype}")
+        raise ValueError(f"points must be numbers of vertices, or k x 3 places; it is {told_shape(array)} of {array.dtype}")
     if array.min() < 0 or array.max() >= vertices:
         raise ValueError(f"points must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
     return np.ascontiguousarray(array, dtype=np.int64)

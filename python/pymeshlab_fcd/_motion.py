@@ -7,16 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._numbers import plain, told_shape
+
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
     """Each to the bit."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise TypeError(f"{name} must be {' x '.join(map(str, shape))} numbers: {error}") from error
+    what = f"{' x '.join(map(str, shape))} numbers" if shape else "a number"
+    array = plain(name, values, what)
+    if array.dtype.kind == "b":
+        raise TypeError(f"{name} must be {what}, not a mask")
     if array.shape != shape:
-        raise ValueError(f"{name} must be {' x '.join(map(str, shape))} numbers; it is {' x '.join(map(str, array.shape)) or 'one'}. "
+        raise ValueError(f"{name} must be {what}; it is {told_shape(array)}. "
                          "A motion is a 4 x 4 matrix, or a Motion, as Motion.translate([0, 0, 5])")
+    array = array.astype(np.float64)
     if not np.isfinite(array).all():
         raise ValueError(f"{name} must be finite numbers")
     return " ".join(repr(float(x)) for x in array.ravel())

@@ -108,6 +108,8 @@ CASES = {
     "transforms: to None": (dict(transforms={2: None}), (TypeError, ValueError), "the motion of handle 2"),
     "transforms: 3 x 3": (dict(transforms={2: np.eye(3)}), ValueError, "the motion of handle 2: the matrix must be 4 x 4 numbers; it is 3 x 3"),
     "transforms: a way": (dict(transforms={2: [0, 0, 1]}), ValueError, r"Motion.translate"),
+    "transforms: masked": (dict(transforms={2: np.ma.masked_array(LIFT, np.eye(4) > 0)}), ValueError, "the motion of handle 2: the matrix has masked"),
+    "transforms: texts": (dict(transforms={2: LIFT.astype(str)}), TypeError, "the motion of handle 2: the matrix must be 4 x 4 numbers; an array of <U"),
     "transforms: NaN": (dict(transforms={2: LIFT * np.nan}), ValueError, "finite"),
     "transforms: rows": (dict(transforms={2: LIFT.T}), ValueError, "Transpose a matrix for row vectors"),
     "transforms: mirrors": (dict(transforms={2: mirrored()}), ValueError, "mirrors or flattens"),
@@ -125,7 +127,8 @@ CASES = {
     "percent: np.float32": (dict(percent=np.float32(50)), None, ""),
     "steps: 1.5": (dict(steps=1.5), TypeError, "steps must be a whole number"),
     "steps: 0": (dict(steps=0), ValueError, "steps must be from 1 to 1000"),
-    "start: a number": (dict(start=1), TypeError, "start must be a Pose of this Deformer"),
+    "start: a number": (dict(start=1), TypeError, "start must be a Pose of this Deformer; it is a int"),
+    "check: a word": (dict(check="no"), TypeError, "check must be True or False; it is 'no'"),
     "smoothness: text": (dict(smoothness="loose"), TypeError, "smoothness must be a number"),
     "smoothness: 10^400": (dict(smoothness=10**400), ValueError, "a number that a double holds"),
     "smoothness: negative": (dict(smoothness=-1), ValueError, "smoothness must be a finite number, 0 or more"),
@@ -155,7 +158,7 @@ def test_each_is_taken_or_an_error_that_says_what_to_do(name):
     change, error, words = CASES[name]
     given = {**dict(vertices=V, faces=F, tags=T, transforms={2: LIFT}), **change}
     given = {**given, "faces": None} if isinstance(given["vertices"], Broken) else given
-    of_poses = {key: given.pop(key) for key in ("transforms", "landmarks", "percent", "steps", "start") if key in given}
+    of_poses = {key: given.pop(key) for key in ("transforms", "landmarks", "percent", "steps", "start", "check") if key in given}
     if np.size(given.get("points", [])) > 0 and given["points"] is not None:  # beside what is fixed, but no handle
         given["tags"] = np.minimum(T, 1)
         of_poses["transforms"] = None
@@ -185,7 +188,8 @@ def test_each_is_taken_or_an_error_that_says_what_to_do(name):
 @pytest.mark.parametrize("make, error, words", [
     (lambda: Motion.translate([0, 0]), ValueError, "by must be 3 numbers; it is 2"), (lambda: Motion.translate("up"), TypeError, "by must be 3 numbers"),
     (lambda: Motion.rotate([0, 0, 0], 90), ValueError, "axis must have a length"), (lambda: Motion.rotate([0, 0, 1], np.inf), ValueError, "finite"),
-    (lambda: Motion.rotate([0, 0, 1], [1, 2]), ValueError, "degrees must be"), (lambda: Motion.scale(0), ValueError, "greater than 0"),
+    (lambda: Motion.rotate([0, 0, 1], [1, 2]), ValueError, "degrees must be a number; it is 2"), (lambda: Motion.translate(None), TypeError, "by is None"),
+    (lambda: Motion.rotate([0, 0, 1], "90"), TypeError, "degrees must be a number; a str"), (lambda: Motion.translate([True] * 3), TypeError, "mask"), (lambda: Motion.scale(0), ValueError, "greater than 0"),
     (lambda: Motion.scale([1, 2]), ValueError, "factors must be 3 numbers"), (lambda: Motion.parse(3), TypeError, "must be a text"),
     (lambda: Motion.parse("2: translate 0 0 1"), ValueError, "without its tag"), (lambda: Motion.scale(2).then(LIFT), TypeError, r"Motion.affine\(matrix\)")])
 def test_motions_that_are_none(make, error, words):
