@@ -19,7 +19,7 @@ void BendTool::makePanel() {
     panel = new BendPanel(view->window());
     connect(panel, &BendPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
     connect(panel, &BendPanel::poseBegins, this, [this] {
-        if (session && !drag)
+        if (session && !drag && !preparing)
             session->change();
     });
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
@@ -269,6 +269,13 @@ QString BendTool::stateText() const {
 void BendTool::refresh() {
     if (!panel || !session)
         return;
+    if (preparing) {
+        panel->showState(
+            preparing->cancelled()
+                ? "Stopping ..."
+                : QString("Preparing the layer: %1 %. Esc or a right click stops that.").arg(preparing->percent()));
+        return;
+    }
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
     panel->showState(stateText());

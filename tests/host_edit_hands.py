@@ -2,6 +2,8 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import time
+
 import numpy as np
 
 import host_edit
@@ -160,3 +162,22 @@ def test_a_pull_takes_a_tip_along(window, tmp_path):
     moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
     assert moved[points[:, 0] > 0.9].min() > 0.5 * moved.max() > 0.05
     assert not moved[points[:, 0] < 0].any()
+
+
+def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
+    """A pull that is over before the layer is prepared is made then; Esc stops preparing, and leaves all as it was."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1, pause=1.5)
+    w.shot("stopped")
+    assert w.save("stopped.ply").read_bytes() == before and "trace: press" not in w.text()
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 50, Y - 40, "mousemove", X + 60, Y - 80, "mouseup", 1, pause=0)
+    w.wait("trace: full", w.text().count("trace: full") + 1)
+    time.sleep(0.5)
+    w.shot("pulled")
+    moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
+    assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
+    w.key("ctrl+z", pause=0.5)
+    assert w.save("undone.ply").read_bytes() == before
