@@ -5,6 +5,7 @@ in host_edit.py, with the same environment."""
 import time
 
 import numpy as np
+import pytest
 
 import host_edit
 from host_edit import MIDDLE, load, tube_of, write_ply
@@ -181,3 +182,28 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
     w.key("ctrl+z", pause=0.5)
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_axes_and_steps(window, tmp_path):
+    """Of the surface: z is its normal; with Ctrl, a drag goes in round lengths."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "h")
+    w.drag((X - 40, Y - 55), (X + 40, Y - 15)) # what is seen of the upper half
+    w.key("m")
+    w.do("mousemove", *w.place("axes"), "click", "--repeat", 3, "--delay", 100, 5, pause=0.3) # the wheel: Surface
+    w.do("mousemove", X - 200, Y - 180)
+    w.key("g", "z", "1", "Return", pause=0.4)
+    moved = load(w.save("along.ply"))[0] - points
+    along = moved[np.linalg.norm(moved, axis=1).argmax()]
+    assert np.linalg.norm(along) == pytest.approx(1, abs=1e-3)
+    assert abs(along[0]) < 0.05 and along[1] > 0.4 and along[2] > 0.4
+    w.key("ctrl+z")
+    w.do("mousemove", X, Y - 30, "mousedown", 1, "keydown", "ctrl")
+    for i in range(1, 6):
+        w.do("mousemove", X + 12 * i, Y - 30 - 9 * i, pause=0.05)
+    w.do("mouseup", 1, "keyup", "ctrl", pause=0.5)
+    w.shot("in_steps")
+    moved = load(w.save("in_steps.ply"))[0] - points
+    steps = moved[np.linalg.norm(moved, axis=1).argmax()] / 0.05 # 20 pixels are 0.08
+    assert np.abs(steps).max() > 1 and np.abs(steps - steps.round()).max() < 1e-3
