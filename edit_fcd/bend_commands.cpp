@@ -252,6 +252,12 @@ QString BendTool::stateText() const {
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     else if (drag)
         text = QString::fromStdString(session->nameOf(drag->tag) + ": " + drag->text(seen));
+    else if (lit)
+        text = QString::fromStdString(session->nameOf(selected())) +
+               (lit->axis < 0
+                    ? QString(": drag moves it in the view")
+                    : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
+                          .arg("xyz"[lit->axis]));
     else if (hovered)
         text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
     else

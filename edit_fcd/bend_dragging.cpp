@@ -52,7 +52,6 @@ void BendTool::beginDrag(const Grip &what) {
     grip = what;
     gripped = mouseInWindow();
     isReleased = false;
-    display->move();
     const double radius = panel->radius() * session->diagonal();
     const auto prepare = [this, radius](const vcg::fcd::Progress &progress) {
         if (!grip.tag)
@@ -97,6 +96,9 @@ void BendTool::beginDrag(const Grip &what) {
     preparingTimer.callOnTimeout(this, [this] { refresh(); });
     preparingTimer.start(100);
     refresh();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
+                     double(sinceEvent.nsecsElapsed()) / 1e6);
 }
 
 /// What has been begun for a drag is taken back.
@@ -121,6 +123,7 @@ void BendTool::dragWhenPrepared() {
     const int tag = active = grip.tag;
     drag = std::make_unique<BendDrag>();
     drag->tag = tag;
+    display->move();
     drag->kind = grip.part.kind;
     drag->axis = grip.part.axis;
     drag->modal = grip.modal;
@@ -199,12 +202,14 @@ void BendTool::solve(bool full) {
     isLive = !full;
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
-    milliseconds = double(watch.nsecsElapsed()) / 1e6;
+    const double took = double(watch.nsecsElapsed()) / 1e6;
+    if (!full)
+        milliseconds = took; // of a step
     if (std::getenv("FCD_TRACE"))
         std::fprintf(
             stderr,
             "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
             "since the event %.1f ms\n",
             full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
-            milliseconds - solved, milliseconds, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+            took - solved, took, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
 }
