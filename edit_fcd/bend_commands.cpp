@@ -19,7 +19,7 @@ void BendTool::makePanel() {
     panel = new BendPanel(view->window());
     connect(panel, &BendPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
     connect(panel, &BendPanel::poseBegins, this, [this] {
-        if (session && !drag)
+        if (session && !drag && !preparing)
             session->change();
     });
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
@@ -252,6 +252,12 @@ QString BendTool::stateText() const {
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     else if (drag)
         text = QString::fromStdString(session->nameOf(drag->tag) + ": " + drag->text(seen));
+    else if (lit)
+        text = QString::fromStdString(session->nameOf(selected())) +
+               (lit->axis < 0
+                    ? QString(": drag moves it in the view")
+                    : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
+                          .arg("xyz"[lit->axis]));
     else if (hovered)
         text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
     else
@@ -269,6 +275,13 @@ QString BendTool::stateText() const {
 void BendTool::refresh() {
     if (!panel || !session)
         return;
+    if (preparing) {
+        panel->showState(
+            preparing->cancelled()
+                ? "Stopping ..."
+                : QString("Preparing the layer: %1 %. Esc or a right click stops that.").arg(preparing->percent()));
+        return;
+    }
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
     panel->showState(stateText());

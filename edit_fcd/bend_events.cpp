@@ -47,6 +47,11 @@ void BendTool::toCamera(QMouseEvent *event) {
 void BendTool::press(QMouseEvent *event) {
     sinceEvent.start();
     mouse = event->localPos();
+    if (preparing) {
+        if (event->button() == Qt::RightButton)
+            preparing->cancel();
+        return;
+    }
     if (drag) {
         endDrag(event->button() == Qt::LeftButton);
         return;
@@ -94,7 +99,9 @@ bool BendTool::isForLayer(QMouseEvent *event) {
     const bool isForCamera = isCamera; // a release ends that
     if (isForCamera)
         toCamera(event);
-    return !isForCamera && layer();
+    if (preparing && event->type() == QEvent::MouseButtonRelease)
+        isReleased = true;
+    return !isForCamera && !preparing && layer();
 }
 
 void BendTool::move(QMouseEvent *event) {
@@ -187,8 +194,7 @@ bool BendTool::grab() {
     const Eigen::Vector2d window = mouseInWindow().head<2>();
     if (const std::optional<Gizmo> shown = gizmo())
         if (const std::optional<GizmoPart> part = gizmoAt(seen, *shown, window)) {
-            session->change();
-            beginDrag(selected(), *part, false);
+            beginDrag({selected(), 0, *part, false});
             return true;
         }
     int tag = pointAt(window);
@@ -202,12 +208,10 @@ bool BendTool::grab() {
                 panel->showState("This part is fixed. Mark it as free first, or clear the marks.");
                 return false;
             }
-            session->change();
-            beginDrag(session->addPoint(*slot, panel->radius() * session->diagonal()), {}, false);
+            beginDrag({0, *slot, {}, false});
             return true;
         }
     }
-    session->change();
-    beginDrag(tag, {}, false);
+    beginDrag({tag, 0, {}, false});
     return true;
 }

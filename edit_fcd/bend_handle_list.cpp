@@ -27,6 +27,7 @@ BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(0, 5, parent) {
     }
     horizontalHeader()->setSectionResizeMode(Motion, QHeaderView::Stretch);
     horizontalHeader()->setMinimumSectionSize(16);
+    setWordWrap(false);
     setFixedHeight(116);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int) { onChanged(row); });
     connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {

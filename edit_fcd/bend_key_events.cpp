@@ -14,7 +14,7 @@ bool BendTool::eventFilter(QObject *object, QEvent *event) {
         if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
             const BendKey *key = bendKeyOf(*static_cast<QKeyEvent *>(event));
             // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
-            if (drag || (key && (key->action != BendAction::Cancel || marking))) {
+            if (drag || preparing || (key && (key->action != BendAction::Cancel || marking))) {
                 event->accept();
                 return true;
             }
@@ -61,8 +61,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
     const int under = view->underMouse() ? handleAtMouse() : 0, tag = under ? under : selected();
     if (!tag)
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    session->change();
-    beginDrag(tag, {kind, -1}, true);
+    beginDrag({tag, 0, {kind, -1}, true});
 }
 
 /// The selected handle turns where the mouse points at.
@@ -120,6 +119,11 @@ void BendTool::pressKey(QKeyEvent *event) {
     if (!layer() || !panel)
         return;
     event->accept();
+    if (preparing) {
+        if (event->key() == Qt::Key_Escape)
+            preparing->cancel();
+        return;
+    }
     if (drag) {
         pressKeyWhileDragging(event);
         return;

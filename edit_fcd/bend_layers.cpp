@@ -97,6 +97,8 @@ void BendTool::leave() {
 }
 
 void BendTool::close() {
+    if (preparing)
+        stopPreparing();
     if (drag && layer())
         endDrag(false);
     drag.reset();
@@ -126,7 +128,7 @@ void BendTool::close() {
 
 /// Whether there is a layer to work on; begins anew with one that something else has changed.
 bool BendTool::isReady() {
-    if (!view || !view->md())
+    if (!view || !view->md() || preparing)
         return false;
     MeshModel *current = view->md()->getMesh(layerId);
     if (!current || !session) {

@@ -120,6 +120,7 @@ void BendPanel::addMarking(QBoxLayout &column) {
     axesChoice = withTip(new QComboBox,
                          "What the gizmo and X, Y, Z move along and turn about: the axes of the world, of the layer, "
                          "of the view, or of the surface under the handle (z is its normal)");
+    axesChoice->setObjectName("axes");
     axesChoice->addItems({"World", "Layer", "View", "Surface"});
     frame->addWidget(mirrorAxis);
     frame->addWidget(new QLabel("Axes"));

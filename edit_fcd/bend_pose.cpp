@@ -26,12 +26,12 @@ bool BendSession::moves() const {
            });
 }
 
-double BendSession::prepare() {
+double BendSession::prepare(const vcg::fcd::Progress &progress) {
     if (solver.isPrepared(effective, options))
         return 0;
     const vcg::fcd::Stopwatch watch;
     rest.restoreVertices();
-    solver.prepare(effective, options);
+    solver.prepare(effective, options, progress);
     return 1000 * watch.Seconds();
 }
 

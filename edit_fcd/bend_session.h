@@ -109,8 +109,9 @@ class BendSession {
     /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
     /// \param faces normals of faces in any case \throw vcg::fcd::Error
     Times pose(bool full, bool faces = false);
-    /// Prepares the deformer if it is not. \throw vcg::fcd::Error
-    double prepare();
+    /// Prepares the deformer if it is not; until that is done, the layer is at rest. \throw vcg::fcd::Error
+    /// \throw vcg::fcd::Cancelled \return milliseconds
+    double prepare(const vcg::fcd::Progress &progress = {});
     bool moves() const; ///< whether anything leads away from rest
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->graph.Size()) : 0; }
 

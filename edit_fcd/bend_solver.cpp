@@ -17,11 +17,12 @@ bool BendSolver::isPrepared(const std::shared_ptr<const BendTags> &tags, const B
            preparedWeights == options.weights;
 }
 
-void BendSolver::prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) {
+void BendSolver::prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options,
+                         const vcg::fcd::Progress &progress) {
     last.reset();
     preparedFor.reset();
     deformer.takeTags(*tags);
-    deformer.prepare(deformationOf(options));
+    deformer.prepare(deformationOf(options), progress);
     preparedFor = tags;
     preparedPatches = options.initialPatches;
     preparedWeights = options.weights;

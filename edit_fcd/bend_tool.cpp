@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include <QCursor>
 
@@ -17,129 +15,6 @@ void BendTool::say(const std::string &text, bool warning) {
     view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, line.c_str());
     if (panel && warning)
         panel->showState(QString::fromStdString(text));
-}
-
-// --- the drag of a handle ---
-
-/// The handle that keys move where none is under the mouse; 0 where there is none.
-int BendTool::selected() const {
-    const std::vector<int> handles = session->handleTags();
-    if (std::count(handles.begin(), handles.end(), active) > 0)
-        return active;
-    return handles.empty() ? 0 : handles.front();
-}
-
-Eigen::Matrix3d BendTool::axesOf(int tag) const {
-    if (session->options.axes != BendAxes::View)
-        return session->axesOf(tag);
-    const Eigen::Vector3d at = session->pivotOf(tag), window = seen.toWindow(at);
-    Eigen::Matrix3d axes;
-    axes.col(0) = (seen.toWorld({window[0] + 1, window[1], window[2]}) - at).normalized();
-    axes.col(2) = seen.towardsEye(at);
-    axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
-    return axes;
-}
-
-/// That of the selected handle.
-std::optional<Gizmo> BendTool::gizmo() const {
-    const int tag = drag ? drag->tag : selected();
-    if (!tag || session->handle(tag).isHidden || session->handle(tag).isLocked)
-        return {};
-    return Gizmo{session->pivotOf(tag), drag ? drag->axes : axesOf(tag)};
-}
-
-/// \pre session->change()
-void BendTool::beginDrag(int tag, GizmoPart part, bool modal) {
-    if (session->handle(tag).isLocked)
-        throw vcg::fcd::Error(session->nameOf(tag) + " is locked: the list of handles unlocks it.");
-    session->setPose(100); // a drag says where that is
-    panel->setPose(100);
-    active = tag;
-    drag = std::make_unique<BendDrag>();
-    drag->tag = tag;
-    drag->kind = part.kind;
-    drag->axis = part.axis;
-    drag->modal = modal;
-    drag->pivot = session->pivotOf(tag);
-    drag->isAbout = session->handle(tag).pivot.has_value();
-    drag->axes = axesOf(tag);
-    frame = 0;
-    sinceDraw.invalidate();
-    drag->from = drag->last = mouseInWindow();
-    const auto steps = session->state().motion.find(tag);
-    if (steps != session->state().motion.end())
-        drag->begin = steps->second;
-    display->move();
-    try {
-        const double took = session->prepare();
-        if (took > 0 && session->moves())
-            solve(false);
-        if (std::getenv("FCD_TRACE"))
-            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
-                         model->cm.vn, took, double(sinceEvent.nsecsElapsed()) / 1e6);
-    } catch (...) {
-        endDrag(false);
-        throw;
-    }
-}
-
-void BendTool::endDrag(bool keep) {
-    if (!drag)
-        return;
-    if (!keep)
-        session->cancel();
-    else if (layer())
-        session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
-    drag.reset();
-    isStepWanted = false;
-    sinceEvent.start();
-    if (!layer())
-        return;
-    display->rest();
-    solve(true);
-    refresh();
-    view->update();
-}
-
-/// One step a painted frame: the mouse moves more often.
-void BendTool::requestStep() {
-    isStepWanted = true;
-    if (isPainted)
-        step();
-}
-
-void BendTool::step() {
-    isStepWanted = false;
-    if (!drag || !layer())
-        return;
-    session->setMotion(drag->tag, drag->motion(seen));
-    solve(false);
-    refresh();
-}
-
-void BendTool::solve(bool full) {
-    QElapsedTimer watch;
-    watch.start();
-    BendSession::Times times;
-    try {
-        times = session->pose(full, display->showsFaces());
-    } catch (...) {
-        session->restore();
-        isLive = false;
-        showVertices(true);
-        throw;
-    }
-    isLive = !full;
-    const double solved = double(watch.nsecsElapsed()) / 1e6;
-    showVertices(full);
-    milliseconds = double(watch.nsecsElapsed()) / 1e6;
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(
-            stderr,
-            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
-            "since the event %.1f ms\n",
-            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
-            milliseconds - solved, milliseconds, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
 }
 
 // --- marks ---
@@ -248,7 +123,9 @@ void BendTool::draw() {
                     step();
             });
         });
-    if (layer()) {
+    if (preparing) {
+        overlay->draw(model->cm);
+    } else if (layer()) {
         overlay->draw(model->cm);
         drawOverlay();
     } else if (!session && !isEnding && view)

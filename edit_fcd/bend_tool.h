@@ -10,6 +10,7 @@
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
+#include "bend_work.h"
 #include "layer_overlay.h"
 
 #include <layer_fcd/edit_host.h>
@@ -86,7 +87,16 @@ class BendTool : public HostEditTool {
     int selected() const;
     std::optional<Gizmo> gizmo() const;
     Eigen::Matrix3d axesOf(int tag) const;
-    void beginDrag(int tag, GizmoPart part, bool modal);
+    /// What is going to be dragged, once the layer is prepared for it.
+    struct Grip {
+        int tag = 0;          ///< of a handle, or
+        std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
+        GizmoPart part;
+        bool modal = false;
+    };
+    void beginDrag(const Grip &grip);
+    void dragWhenPrepared();
+    void stopPreparing();
     void endDrag(bool keep);
     void requestStep();
     void step();
@@ -117,6 +127,12 @@ class BendTool : public HostEditTool {
     QPointer<MeshDocument> document;
     BendView seen;
     std::unique_ptr<BendDrag> drag;
+    Grip grip;                           ///< of what is dragged
+    Eigen::Vector3d gripped;             ///< where the mouse was then, window
+    double tookToPrepare = 0;            ///< milliseconds
+    bool isReleased = false;             ///< the button, before the layer was prepared
+    std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
+    QTimer preparingTimer;               ///< to say how far that is
     std::unique_ptr<BendMarking> marking;
     QPointF mouse;
     int active = 0;               ///< the handle that was chosen last, if it is still there

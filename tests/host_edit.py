@@ -555,6 +555,8 @@ def test_says_what_cannot_be_done(window, tmp_path):
     w.wait("Nothing was moved, so there is nothing to apply.")
     w.key("g")
     w.wait("There is no handle yet: mark one, or drag a point of the surface.")
+    w.key("p")
+    w.wait("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.")
     mark_two_regions(w)
     x, y = MIDDLE
     w.more()
@@ -622,7 +624,7 @@ def test_monkey(window, tmp_path):
         if what < 0.45:
             w.drag(place(), place(), button=rng.choice([1, 1, 1, 1, 2, 3]))
         elif what < 0.65:
-            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "o", "t", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]))
+            w.key(rng.choice(["b", "v", "l", "m", "m", "m", "f", "u", "h", "shift+h", "o", "t", "p", "question", "Return", "BackSpace", "ctrl+z", "ctrl+shift+z"]))
         elif what < 0.75: # a motion by keys
             w.key(rng.choice("grs"), rng.choice("xyz"))
             w.do("mousemove", *place())
@@ -632,6 +634,9 @@ def test_monkey(window, tmp_path):
             w.do("mousemove", *place(), "click", rng.choice([1, 4, 5]))
         elif what < 0.85:
             w.do("mousemove", 1030, rng.choice([133, 164]), "click", 1) # another layer
+            if rng.random() < 0.5: # or what is in the list of handles
+                x, y, width, _ = w.box("handles")
+                w.do("mousemove", x + rng.choice([20, 112, 150, width - 12]), y + 35 + 22 * rng.randint(0, 2), "click", 1)
             w.do("mousemove", *MIDDLE)
         elif what < 0.9: # off and on
             w.toggle_tool()

@@ -2,7 +2,10 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import time
+
 import numpy as np
+import pytest
 
 import host_edit
 from host_edit import MIDDLE, load, tube_of, write_ply
@@ -160,3 +163,47 @@ def test_a_pull_takes_a_tip_along(window, tmp_path):
     moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
     assert moved[points[:, 0] > 0.9].min() > 0.5 * moved.max() > 0.05
     assert not moved[points[:, 0] < 0].any()
+
+
+def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
+    """A pull that is over before the layer is prepared is made then; Esc stops preparing, and leaves all as it was."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1)
+    w.shot("stopped")
+    assert w.save("stopped.ply").read_bytes() == before and "trace: press" not in w.text()
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 50, Y - 40, "mousemove", X + 60, Y - 80, "mouseup", 1)
+    w.wait("trace: full", w.text().count("trace: full") + 1)
+    time.sleep(0.5)
+    w.shot("pulled")
+    moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
+    assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
+    w.key("ctrl+z")
+    assert w.save("undone.ply").read_bytes() == before
+
+
+def test_axes_and_steps(window, tmp_path):
+    """Of the surface: z is its normal; with Ctrl, a drag goes in round lengths."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "h")
+    w.drag((X - 40, Y - 55), (X + 40, Y - 15)) # what is seen of the upper half
+    w.key("m")
+    w.do("mousemove", *w.place("axes"), "click", "--repeat", 3, "--delay", 100, 5) # the wheel: Surface
+    w.do("mousemove", X - 200, Y - 180)
+    w.key("g", "z", "1", "Return")
+    moved = load(w.save("along.ply"))[0] - points
+    along = moved[np.linalg.norm(moved, axis=1).argmax()]
+    assert np.linalg.norm(along) == pytest.approx(1, abs=1e-3)
+    assert abs(along[0]) < 0.05 and along[1] > 0.4 and along[2] > 0.4
+    w.key("ctrl+z")
+    w.do("mousemove", X, Y - 30, "mousedown", 1, "keydown", "ctrl")
+    for i in range(1, 6):
+        w.do("mousemove", X + 12 * i, Y - 30 - 9 * i)
+    w.do("mouseup", 1, "keyup", "ctrl")
+    w.shot("in_steps")
+    moved = load(w.save("in_steps.ply"))[0] - points
+    steps = moved[np.linalg.norm(moved, axis=1).argmax()] / 0.05 # 20 pixels are 0.08
+    assert np.abs(steps).max() > 1 and np.abs(steps - steps.round()).max() < 1e-3

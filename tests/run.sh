@@ -270,6 +270,7 @@ start window-2020.09 window
 start bend-2020.09 with_meshlabserver tests/host_edit.py
 start sanitized-window sanitized_window
 start bend-state-2020.09 with_meshlabserver tests/host_edit_state.py
+start bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_tool.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+// The drag of a handle: what is gripped, how the layer is prepared for it, and its steps.
+
+/// The handle that keys move where none is under the mouse; 0 where there is none.
+int BendTool::selected() const {
+    const std::vector<int> handles = session->handleTags();
+    if (std::count(handles.begin(), handles.end(), active) > 0)
+        return active;
+    return handles.empty() ? 0 : handles.front();
+}
+
+Eigen::Matrix3d BendTool::axesOf(int tag) const {
+    if (session->options.axes != BendAxes::View)
+        return session->axesOf(tag);
+    const Eigen::Vector3d at = session->pivotOf(tag), window = seen.toWindow(at);
+    Eigen::Matrix3d axes;
+    axes.col(0) = (seen.toWorld({window[0] + 1, window[1], window[2]}) - at).normalized();
+    axes.col(2) = seen.towardsEye(at);
+    axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
+    return axes;
+}
+
+/// That of the selected handle.
+std::optional<Gizmo> BendTool::gizmo() const {
+    const int tag = drag ? drag->tag : selected();
+    if (!tag || session->handle(tag).isHidden || session->handle(tag).isLocked)
+        return {};
+    return Gizmo{session->pivotOf(tag), drag ? drag->axes : axesOf(tag)};
+}
+
+namespace {
+
+// Of a layer that is prepared in less than 0.2 s (two cores; 1.2 million take 0.5 s, and their surface is read before).
+const int preparedAtOnce = 200000;
+
+} // namespace
+
+/// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside the
+/// window.
+void BendTool::beginDrag(const Grip &what) {
+    if (what.tag && session->handle(what.tag).isLocked)
+        throw vcg::fcd::Error(session->nameOf(what.tag) + " is locked: the list of handles unlocks it.");
+    session->change();
+    session->setPose(100); // a drag says where that is
+    panel->setPose(100);
+    grip = what;
+    gripped = mouseInWindow();
+    isReleased = false;
+    const double radius = panel->radius() * session->diagonal();
+    const auto prepare = [this, radius](const vcg::fcd::Progress &progress) {
+        if (!grip.tag)
+            grip.tag = session->addPoint(grip.slot, radius);
+        tookToPrepare = session->prepare(progress);
+    };
+    if (model->cm.vn <= preparedAtOnce) {
+        try {
+            prepare({});
+        } catch (...) {
+            stopPreparing();
+            throw;
+        }
+        dragWhenPrepared();
+        return;
+    }
+    preparing = std::make_unique<BendWork>(prepare, [this] {
+        QMetaObject::invokeMethod(
+            this,
+            [this] {
+                if (!preparing)
+                    return; // it was stopped
+                guarded([&] {
+                    try {
+                        preparing->finish();
+                        preparing.reset();
+                    } catch (const vcg::fcd::Cancelled &) {
+                        stopPreparing();
+                        return;
+                    } catch (...) {
+                        stopPreparing();
+                        throw;
+                    }
+                    preparingTimer.stop();
+                    view->unsetCursor();
+                    dragWhenPrepared();
+                });
+            },
+            Qt::QueuedConnection);
+    });
+    view->setCursor(Qt::BusyCursor);
+    preparingTimer.callOnTimeout(this, [this] { refresh(); });
+    preparingTimer.start(100);
+    refresh();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
+                     double(sinceEvent.nsecsElapsed()) / 1e6);
+}
+
+/// What has been begun for a drag is taken back.
+void BendTool::stopPreparing() {
+    const bool wasBeside = preparing != nullptr;
+    preparing.reset(); // waits for it
+    preparingTimer.stop();
+    preparingTimer.disconnect(this);
+    session->cancel();
+    display->rest();
+    if (!layer())
+        return;
+    if (wasBeside)
+        view->unsetCursor();
+    solve(true);
+    refresh();
+    view->update();
+}
+
+void BendTool::dragWhenPrepared() {
+    preparingTimer.disconnect(this);
+    const int tag = active = grip.tag;
+    drag = std::make_unique<BendDrag>();
+    drag->tag = tag;
+    display->move();
+    drag->kind = grip.part.kind;
+    drag->axis = grip.part.axis;
+    drag->modal = grip.modal;
+    drag->pivot = session->pivotOf(tag);
+    drag->isAbout = session->handle(tag).pivot.has_value();
+    drag->axes = axesOf(tag);
+    drag->from = drag->last = gripped;
+    frame = 0;
+    sinceDraw.invalidate();
+    const auto steps = session->state().motion.find(tag);
+    if (steps != session->state().motion.end())
+        drag->begin = steps->second;
+    try {
+        if (tookToPrepare > 0 && session->moves())
+            solve(false);
+        if (std::getenv("FCD_TRACE"))
+            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
+                         model->cm.vn, tookToPrepare, double(sinceEvent.nsecsElapsed()) / 1e6);
+    } catch (...) {
+        endDrag(false);
+        throw;
+    }
+    drag->moveTo(seen, mouseInWindow());
+    if (isReleased && !grip.modal)
+        endDrag(true);
+    else if (model->cm.vn > preparedAtOnce)
+        requestStep();
+}
+
+void BendTool::endDrag(bool keep) {
+    if (!drag)
+        return;
+    if (!keep)
+        session->cancel();
+    else if (layer())
+        session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
+    drag.reset();
+    isStepWanted = false;
+    sinceEvent.start();
+    if (!layer())
+        return;
+    display->rest();
+    solve(true);
+    refresh();
+    view->update();
+}
+
+/// One step a painted frame: the mouse moves more often.
+void BendTool::requestStep() {
+    isStepWanted = true;
+    if (isPainted)
+        step();
+}
+
+void BendTool::step() {
+    isStepWanted = false;
+    if (!drag || !layer())
+        return;
+    session->setMotion(drag->tag, drag->motion(seen));
+    solve(false);
+    refresh();
+}
+
+void BendTool::solve(bool full) {
+    QElapsedTimer watch;
+    watch.start();
+    BendSession::Times times;
+    try {
+        times = session->pose(full, display->showsFaces());
+    } catch (...) {
+        session->restore();
+        isLive = false;
+        showVertices(true);
+        throw;
+    }
+    isLive = !full;
+    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    showVertices(full);
+    const double took = double(watch.nsecsElapsed()) / 1e6;
+    if (!full)
+        milliseconds = took; // of a step
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(
+            stderr,
+            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
+            "since the event %.1f ms\n",
+            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
+            took - solved, took, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_WORK_H
+#define FCD_BEND_WORK_H
+
+#include <vcg_ext/base/progress.h> // before Qt
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <thread>
+
+/// Work that runs beside the window.
+class BendWork {
+  public:
+    using Work = std::function<void(const vcg::fcd::Progress &)>;
+
+    /// Begins. \param done called when it has ended, in its thread
+    BendWork(Work work, std::function<void()> done);
+    BendWork(const BendWork &) = delete;
+    BendWork &operator=(const BendWork &) = delete;
+    /// Cancels it, and waits until it has ended.
+    ~BendWork();
+
+    int percent() const { return told; }
+    void cancel() { isCancelled = true; }
+    bool cancelled() const { return isCancelled; }
+    /// Waits until it has ended. \throw what it has thrown, vcg::fcd::Cancelled among these
+    void finish();
+
+  private:
+    static bool tell(int percent, const char *stage);
+
+    std::atomic<int> told{0};
+    std::atomic<bool> isCancelled{false};
+    std::exception_ptr thrown;
+    std::thread thread; ///< last: it uses the others
+};
+
+#endif
