@@ -413,7 +413,7 @@ TEST(Straighten, TellsPlacesAlongTheLine) {
 }
 
 TEST(LinePlaces, DoNotJumpToAnotherTurn) {
-    // A chain of nodes along a spiral whose turns are nearer to each other than its nodes are to the line.
+    // A chain of nodes that leaves a spiral towards the turn inside, until it is nearer to that.
     std::vector<Vector3d> spiral;
     for (int i = 0; i <= 300; ++i) {
         const double a = 6 * pi * i / 300, r = 4 + 0.3 * a;
@@ -425,7 +425,7 @@ TEST(LinePlaces, DoNotJumpToAnotherTurn) {
     Matrix3Xd at(3, count);
     for (int i = 0; i < count; ++i) {
         const FramedLine::Frame frame = line.At(line.Length() * (i + 0.5) / count);
-        at.col(i) = frame.point + 1.1 * frame.bend.normalized(); // towards the turn inside of it
+        at.col(i) = frame.point + std::min(1.1, 0.02 * i) * frame.bend.normalized();
         if (i > 0)
             chain.item.push_back(i - 1);
         if (i + 1 < count)
