@@ -14,10 +14,11 @@ using vcg::fcd::Error;
 
 namespace {
 
-using Kept = std::shared_ptr<const Deformation>;
+// A host does not free what a mesh's attributes hold when the mesh goes: the document does that, see keepDeformation.
+using Kept = std::weak_ptr<const Deformation>;
 
 // Changes with the layout of Deformation and of all that it holds, where no size below tells.
-const int layout = 2;
+const int layout = 3;
 
 /// What is kept is no plain data, so only a library that was built in the same way may find it: by this name.
 std::string deformationName() {
@@ -42,11 +43,18 @@ bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
 
 } // namespace
 
-void keepDeformation(MeshModel &graph, const MeshModel &restGraph, const MeshModel &source,
-                     const std::shared_ptr<const Prepared> &prepared, const vcg::fcd::Deformer::Pose &pose) {
-    auto deformation = std::make_shared<const Deformation>(
-        Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
-    host::madeMeshAttribute<Kept>(graph.cm, deformationName()) = std::move(deformation);
+void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshModel &restGraph,
+                     const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
+                     const vcg::fcd::Deformer::Pose &pose) {
+    // Not by make_shared, whose memory goes with the last weak pointer.
+    auto held = std::make_shared<std::shared_ptr<const Deformation>>(
+        new Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
+    host::madeMeshAttribute<Kept>(graph.cm, deformationName()) = *held;
+    // What is connected holds it, and goes with the document.
+    QObject::connect(&document, &MeshDocument::meshRemoved, [held, layer = graph.id()](int gone) {
+        if (gone == layer)
+            held->reset();
+    });
 }
 
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
@@ -54,13 +62,14 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
         throw Error("source_layer, rest_graph and deformed_graph must be layers of this document, where there is no "
                     "deformation_file.");
     const Kept *kept = host::meshAttribute<Kept>(deformedGraph->cm, deformationName());
-    if (!kept || !*kept)
+    const std::shared_ptr<const Deformation> found = kept ? kept->lock() : nullptr;
+    if (!found)
         throw Error("The layer " + quoted(*deformedGraph) +
                     " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
                     "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': layers that "
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
-    const Deformation &deformation = **kept;
+    const Deformation &deformation = *found; // held by the document
     const CMeshO &mesh = source->cm;
     const bool isThere = isAsDeformed(*source, deformation) ||
                          (RestShape::exists(*source) && RestShape(*source).shape() == deformation.shape);
@@ -94,9 +103,10 @@ DeformationLayers lastDeformation(const MeshDocument &document) {
     DeformationLayers last;
     for (const MeshModel *layer : layers) {
         const Kept *kept = host::meshAttribute<Kept>(layer->cm, deformationName());
-        if (!kept || !*kept || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
+        const std::shared_ptr<const Deformation> found = kept ? kept->lock() : nullptr;
+        if (!found || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
             continue;
-        const MeshModel *source = layerOf((*kept)->source), *restGraph = layerOf((*kept)->restGraph);
+        const MeshModel *source = layerOf(found->source), *restGraph = layerOf(found->restGraph);
         if (source && restGraph)
             last = {source, restGraph, layer};
     }

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <memory>
 
-/// What FCD: Deform Mesh did to a layer. Its deformed graph keeps it, as long as the layer is there.
+/// What FCD: Deform Mesh did to a layer. Its deformed graph keeps it, as long as that layer is there.
 struct Deformation {
     std::shared_ptr<const Prepared> prepared;
     vcg::fcd::Deformer::Pose pose;
@@ -19,8 +19,9 @@ struct Deformation {
 };
 
 /// Lets \p graph, a layer, keep what was done to \p source, whose graph at rest is \p restGraph.
-void keepDeformation(MeshModel &graph, const MeshModel &restGraph, const MeshModel &source,
-                     const std::shared_ptr<const Prepared> &prepared, const vcg::fcd::Deformer::Pose &pose);
+void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshModel &restGraph,
+                     const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
+                     const vcg::fcd::Deformer::Pose &pose);
 
 /// What was done to \p source. \throw vcg::fcd::Error when the layers are not those of one deformation
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph);

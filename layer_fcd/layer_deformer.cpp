@@ -117,14 +117,15 @@ namespace {
 
 /// Adds the layers of a deformation: if wanted, the graph at rest and the deformed one, which keeps the deformation;
 /// last, the deformed mesh.
-std::vector<MeshModel *> addResult(NewLayers &layers, const MeshModel &layer, const std::shared_ptr<Prepared> &prepared,
-                                   const vcg::fcd::DeformationResult &result, const DeformMeshParam &param) {
+std::vector<MeshModel *> addResult(NewLayers &layers, const MeshDocument &document, const MeshModel &layer,
+                                   const std::shared_ptr<Prepared> &prepared, const vcg::fcd::DeformationResult &result,
+                                   const DeformMeshParam &param) {
     static const std::vector<float> none;
     std::vector<MeshModel *> added;
     if (param.graphLayers) {
         added.push_back(&layers.addGraph("graph", result.rest));
         added.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(*added.back(), *added.front(), layer, prepared, result.pose);
+        keepDeformation(document, *added.back(), *added.front(), layer, prepared, result.pose);
     }
     added.push_back(&layers.addDeformed("deformed", result.position, result.linear,
                                         param.quality == DeformMeshParam::Stretch    ? result.stretch
@@ -167,7 +168,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
     made.replaced = int(earlier.size());
     NewLayers layers(document, layer, remark, earlier);
-    made.layers = addResult(layers, layer, found, result, param);
+    made.layers = addResult(layers, document, layer, found, result, param);
     adding(1, "Done");
     layers.keep(*made.layers.back());
     if (inWindow) // one sees what one asked for, and the next try takes its place

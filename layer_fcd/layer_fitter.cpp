@@ -129,7 +129,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
         prepared->tags = result.tags;
         made.layers.push_back(&layers.addGraph("graph", result.rest));
         made.layers.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(*made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
+        keepDeformation(document, *made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
     }
     made.layers.push_back(&layers.addDeformed("fitted", result.position, result.linear, quality));
     adding(1, "Done");

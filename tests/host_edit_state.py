@@ -16,6 +16,7 @@ from host_edit import window # noqa: F401, a fixture
 pytestmark = host_edit.pytestmark
 
 X, Y = MIDDLE
+SHADING_BY_FACE = 1180, 439 # in the list of layers
 PULL, PULL_ON = ((X + 40, Y), (X + 60, Y - 120)), ((X - 120, Y), (X - 130, Y + 80))
 
 
@@ -115,6 +116,33 @@ def test_a_layer_is_not_touched_by_marks(window, tmp_path):
     w.toggle_tool()
     assert np.array_equal(settings(), shown)
     assert w.save("left.ply").read_bytes() == before
+
+
+def grain(seen):
+    """How much the colours change from one pixel to the next, on the fixed end of the tube."""
+    end = seen[300 - 40:300 + 40, 20:120].sum(-1)
+    return np.abs(np.diff(end, axis=1)).mean()
+
+
+def test_shading_by_face_comes_back_after_a_drag(window, tmp_path):
+    points, faces = tube(180, 160)
+    assert len(faces) > 50000 # shaded by vertex while they are dragged
+    points[:, 1:] *= 1 + 0.03 * np.random.default_rng(0).random((len(points), 1), np.float32)
+    w = window(write_ply(tmp_path / "rough.ply", points, faces))
+    w.click(SHADING_BY_FACE)
+    w.start_tool()
+    mark_two_regions(w)
+    w.do("mousemove", X, Y - 250)
+    plain = w.seen()
+    w.press_and_move((X + 225, Y), (X + 165, Y - 150))
+    dragged = w.seen()
+    w.shot("dragged")
+    w.do("mouseup", 1)
+    released = w.seen()
+    w.shot("released")
+    assert grain(dragged) < 0.8 * grain(plain) and abs(grain(released) / grain(plain) - 1) < 0.05
+    w.key("ctrl+z")
+    assert np.array_equal(w.seen()[:, :270], plain[:, :270]) # the gizmo is on the right
 
 
 def longest_edges(points, faces):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Posing a layer in place inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import ctypes
 import gc
 import tempfile
 from pathlib import Path
@@ -435,6 +436,47 @@ def test_deformers_of_what_is_gone_are_dropped():
     assert is_prepared_anew(third)
     third.delete_current_mesh()
     assert is_prepared_anew(third) and not is_prepared_anew(second)
+
+
+class MallocInfo(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks",
+                                                     "keepcost")]
+
+
+def allocated():
+    """Megabytes that somebody holds, whatever the process keeps to itself."""
+    call = ctypes.CDLL(None).mallinfo2
+    call.restype = MallocInfo
+    gc.collect()
+    info = call()
+    return (info.uordblks + info.hblkhd) / 2**20
+
+
+def test_a_document_that_is_closed_leaves_nothing_in_memory():
+    def use(k):
+        """Poses and deforms a sheet, none like another. Returns what is held before its document is closed."""
+        ms = pymeshlab.MeshSet()
+        ms.add_mesh(pymeshlab.Mesh(np.stack([x, y, k * np.sin(x)], 1), faces, v_scalar_array=tags))
+        before = allocated()
+        if k % 2: # one by its layers, one by its document
+            ms.apply_filter(DEFORM, translation=np.array([0, 0, 30.0]))
+            takes = allocated() - before
+            for layer in list(ms):
+                ms.set_current_mesh(layer.id())
+                ms.delete_current_mesh()
+            assert allocated() - before < takes / 3
+            return takes
+        ms.apply_filter(DEFORM, translation=np.array([0, 0, 30.0]))
+        return allocated() - before
+
+    x, y = (a.ravel().astype(float) for a in np.meshgrid(np.arange(120), np.arange(80), indexing="ij"))
+    first = (np.arange(119)[:, None] * 80 + np.arange(79)).ravel()
+    faces = np.concatenate([np.stack([first, first + 80, first + 1], 1), np.stack([first + 1, first + 80, first + 81], 1)])
+    tags = np.where(x < 15, 0.0, np.where(x > 105, 2.0, 1.0))
+    use(0)
+    before = allocated()
+    takes = [use(k) for k in range(1, 5)]
+    assert min(takes) > 1 and allocated() - before < min(takes) / 2, (takes, allocated() - before)
 
 
 # --- the table of docs/layers.md: what becomes of a layer that was tagged, posed and then changed ----------------------------
