@@ -215,7 +215,7 @@ ERRORS = {
     "smoothing": ({"line_layer": 0, "line_smoothing": 30}, polyline(axis()), "0 to 25 percent"),
     "round": ({"line_layer": 0, "untwist": True}, polyline(axis()), "as good as round"),
     "empty file": ({"line_file": "# nothing\n"}, None, "holds no points"),
-    "two numbers": ({"line_file": "1 2\n"}, None, "found 2 numbers"),
+    "two numbers": ({"line_file": "1 2\n"}, None, "line.txt', line 1: found 2 numbers"),
     "one point": ({"line_file": "1 2 3\n"}, None, "has one point only"),
     "doubled": ({"line_file": "0 0 0\n5 0 0\n5 0 0\n9 0 0\n"}, None, "Points 2 and 3 of the line are at one place"),
     "no extent": ({"line_file": "1 0 0\n1 0 0\n"}, None, "has no extent"),
