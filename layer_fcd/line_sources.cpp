@@ -2,7 +2,6 @@
 #include <vcg_ext/handles/handle_file.h> // these before Qt
 #include <vcg_ext/line/line_points.h>
 
-#include "layer_contents.h"
 #include "layer_matrix.h"
 #include "line_sources.h"
 #include "picked_points.h"
@@ -27,8 +26,8 @@ Eigen::Matrix3Xd readLine(const MeshModel &layer) {
 }
 
 Eigen::Matrix3Xd readLine(const QString &file) {
-    const std::size_t mostBytes = 100000000; // a million points
-    const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes);
+    const std::size_t most = 100000000; // bytes, of a million points
+    const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most);
     if (!file.endsWith(".pp", Qt::CaseInsensitive))
         return vcg::fcd::ReadLineText(text, file.toStdString());
     const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), "'" + file.toStdString() + "'");

@@ -204,7 +204,7 @@ def test_a_bend_along_a_line(tmp_path):
     line.write_text("".join(f"{x}, 0, 0\n" for x in (0, 0.3, 0.6, 1)))  # the bone lies along x
     run = Run(tmp_path, BONE, straighten_filter(0, line))
     assert "The line is 1 long, and 1 now" in run.log and run.value("length") == "1"
-    before, after = run.meshes["bone"].vertex_matrix(), run.meshes["bone_straightened"]
+    before, after = run.meshes["bone"].vertex_matrix(), run.meshes["bonestraightened"]
     assert np.abs(after.vertex_scalar_array() - before[:, 0]).max() < 1e-4
     turn, radius = (before[:, 0] - 0.5) * np.pi / 2, 2 / np.pi
     places = np.stack([0.5 + (radius - before[:, 2]) * np.sin(turn), before[:, 1], radius - (radius - before[:, 2]) * np.cos(turn)], 1)

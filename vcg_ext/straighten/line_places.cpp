@@ -22,9 +22,9 @@ namespace {
 
 /// What comes back along the line from beyond its end, where \p before is, is still beyond, if by nothing.
 double StillBeyond(const FramedLine &line, double before, double s) {
-    return before < 0               ? std::min(s, std::nextafter(0.0, -1.0))
-           : before > line.Length() ? std::max(s, std::nextafter(line.Length(), 2 * line.Length()))
-                                    : s;
+    if (before < 0)
+        return std::min(s, std::nextafter(0.0, -1.0));
+    return before > line.Length() ? std::max(s, std::nextafter(line.Length(), 2 * line.Length())) : s;
 }
 
 } // namespace
