@@ -225,9 +225,10 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         line << "Beside the line from ";
         for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i)
             line << (i > 0 ? ", from " : "") << report.releasedAt[i].first << " to " << report.releasedAt[i].second;
-        line << (report.releasedAt.size() > 5 ? ", and elsewhere," : "")
-             << " of its length its cross-sections meet, so going with them would fold the surface: there it follows "
-                "what is around as rigidly as possible. Lay the line through the middle, or raise line_smoothing.";
+        line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
+             << " of its length, going with its cross-sections would fold the surface, or make it twice or half as "
+                "long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
+                "through the middle, or raise line_smoothing.";
         warnings.push_back(line.str());
     }
     if (made.result.check.flipped > 0)

@@ -2,7 +2,6 @@
 #include <vcg_ext/handles/handle_file.h> // these before Qt
 #include <vcg_ext/line/line_points.h>
 
-#include "layer_contents.h"
 #include "layer_matrix.h"
 #include "line_sources.h"
 #include "picked_points.h"
@@ -27,12 +26,11 @@ Eigen::Matrix3Xd readLine(const MeshModel &layer) {
 }
 
 Eigen::Matrix3Xd readLine(const QString &file) {
-    const std::size_t mostBytes = 100000000; // a million points
-    const std::string name = QFile::encodeName(file).toStdString(), quoted = "'" + file.toStdString() + "'";
-    const std::string text = vcg::fcd::ReadFile(name, mostBytes);
+    const std::size_t most = 100000000; // bytes, of a million points
+    const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most);
     if (!file.endsWith(".pp", Qt::CaseInsensitive))
-        return vcg::fcd::ReadLineText(text, quoted);
-    const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), quoted);
+        return vcg::fcd::ReadLineText(text, file.toStdString());
+    const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), "'" + file.toStdString() + "'");
     Eigen::Matrix3Xd points(3, Eigen::Index(picked.size()));
     for (std::size_t i = 0; i < picked.size(); ++i)
         points.col(Eigen::Index(i)) = picked[i];

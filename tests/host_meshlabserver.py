@@ -103,6 +103,17 @@ def fit_filter(target_layer, graph_layers=True, fit_quality=0):
             choice("fit_quality", fit_quality, 3) + handles + "</filter>")
 
 
+def straighten_filter(layer, line_file, to=1, angle=90, straightened_quality=1):
+    return ('<filter name="FCD: Straighten Mesh">' + parameter("Mesh", "line_layer", value=layer) +
+            parameter("OpenFile", "line_file", value=line_file, exts_cardinality=3, exts_val0="*.pp", exts_val1="*.csv", exts_val2="*.txt") +
+            parameter("Float", "line_smoothing", value=0) + boolean("middle", False) + choice("to", to, 3) +
+            parameter("Float", "angle", value=angle) + point("direction", (0, 0, 0)) + point("towards", (0, 0, 1)) +
+            parameter("Mesh", "target_layer", value=layer) + boolean("reverse", False) + parameter("Float", "length", value=0) +
+            boolean("untwist", False) + parameter("Int", "initial_patches", value=1000) + parameter("Float", "smoothness", value=0.0058) +
+            parameter("Int", "random_seed", value=1) + boolean("graph_layers", True) +
+            choice("straightened_quality", straightened_quality, 2) + "</filter>")
+
+
 def reset_filter(keep_shape=False, to=None):
     """Scripts of before lack the first."""
     return ('<filter name="FCD: Reset Pose">' + ("" if to is None else choice("to", to, 2)) + boolean("keep_shape", keep_shape) +
@@ -186,6 +197,18 @@ def test_fit_to_a_layer(tmp_path):
     off = [np.sqrt(((points - truth) ** 2).sum(1).mean()) for points in (start, result.vertex_matrix())]
     assert off[1] < 0.1 * off[0]
     assert float(run.value("matched")) > 0.95 and np.median(result.vertex_scalar_array()) < 0.1 * off[0]
+
+
+def test_a_bend_along_a_line(tmp_path):
+    line = tmp_path / "line.csv"
+    line.write_text("".join(f"{x}, 0, 0\n" for x in (0, 0.3, 0.6, 1)))  # the bone lies along x
+    run = Run(tmp_path, BONE, straighten_filter(0, line))
+    assert "The line is 1 long, and 1 now" in run.log and run.value("length") == "1"
+    before, after = run.meshes["bone"].vertex_matrix(), run.meshes["bonestraightened"]
+    assert np.abs(after.vertex_scalar_array() - before[:, 0]).max() < 1e-4
+    turn, radius = (before[:, 0] - 0.5) * np.pi / 2, 2 / np.pi
+    places = np.stack([0.5 + (radius - before[:, 2]) * np.sin(turn), before[:, 1], radius - (radius - before[:, 2]) * np.cos(turn)], 1)
+    assert np.abs(after.vertex_matrix() - places).max() < 2e-3
 
 
 def test_files_and_graph_layer(tmp_path):

@@ -88,7 +88,7 @@ def straighten_logged(ms, capfd, **parameters):
 def test_what_is_done_is_logged(capfd, tmp_path):
     ms = layers(bent(tube()[0]), polyline(bent(axis())))
     result, log = straighten_logged(ms, capfd, line_layer=0)
-    assert "The line is 10" in log and "nodes go with it" in log and "meet" not in log and "twist" not in log
+    assert "The line is 10" in log and "nodes go with it" in log and "would fold" not in log and "twist" not in log
     oval = tube()[0] * [1, 1, 0.5]
     ms = layers(oval, polyline(axis()))
     assert "A twist of" in straighten_logged(ms, capfd, line_layer=0, untwist=True)[1]
@@ -98,7 +98,7 @@ def test_folds_are_warned_of(capfd, tmp_path):
     """A thick tube laid round a corner, and the way back from there."""
     ms = layers(tube()[0] * [1, 2.5, 2.5], polyline(np.array([[0, 0, 0], [3, 0, 0], [4, 0, 0], [4.05, 0.05, 0], [4.05, 0.5, 0], [4.05, 5, 0.0]])))
     result, log = straighten_logged(ms, capfd, line_file=line_file(tmp_path / "l.csv", axis()), to=2, target_layer=0)
-    assert result["released_nodes"] > 0 and "Beside the line from" in log and "its cross-sections meet" in log
+    assert result["released_nodes"] > 0 and "Beside the line from" in log and "would fold the surface" in log
     assert result["folded_triangles"] > 0 and "turned over: the surface is folded there" in log
     saved = ms.apply_filter(SAVE, deformation_file=str(tmp_path / "back.ply"), inverse=True, source_layer=1, rest_graph=2, deformed_graph=3)
     assert saved["folded_vertices"] > 0 and "it has no way back" in capfd.readouterr().err
@@ -215,7 +215,7 @@ ERRORS = {
     "smoothing": ({"line_layer": 0, "line_smoothing": 30}, polyline(axis()), "0 to 25 percent"),
     "round": ({"line_layer": 0, "untwist": True}, polyline(axis()), "as good as round"),
     "empty file": ({"line_file": "# nothing\n"}, None, "holds no points"),
-    "two numbers": ({"line_file": "1 2\n"}, None, "found 2 numbers"),
+    "two numbers": ({"line_file": "1 2\n"}, None, "line.txt', line 1: found 2 numbers"),
     "one point": ({"line_file": "1 2 3\n"}, None, "has one point only"),
     "doubled": ({"line_file": "0 0 0\n5 0 0\n5 0 0\n9 0 0\n"}, None, "Points 2 and 3 of the line are at one place"),
     "no extent": ({"line_file": "1 0 0\n1 0 0\n"}, None, "has no extent"),

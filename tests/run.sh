@@ -129,7 +129,7 @@ pymeshlab() {
         faults "pymeshlab-$1"
         local pairs=()
         [ "$1" != 2025.7 ] || pairs=(tests/host_fit_pairs.py) # the method is the same in the other
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_process.py "${pairs[@]}"
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_process.py "${pairs[@]}"
     fi
 }
 # sanitized_plugins HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/NAME. Their runtime has to be
@@ -152,7 +152,7 @@ sanitized_plugins() {
 sanitized_host() {
     sanitized_plugins pymeshlab-2025.7 filter_fcd || return
     FCD_PLUGIN=$build/$name/plugins/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw \
-        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py
+        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py
     check coverage-host bash tests/coverage.sh layer_fcd 80 "$build/$name/plugins/libfilter_fcd.so" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
 }

@@ -6,7 +6,6 @@
 #include <vcg_ext/line/line_motion.h>
 
 #include <Eigen/Geometry>
-#include <limits>
 #include <utility>
 #include <vector>
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -221,8 +222,9 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &def
                 continue;
             const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
             const Index node = deformer.surface.nodeOf[i];
-            places[i] = float(node < 0 ? line.Nearest(p, 0, line.Length())
-                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));
+            const bool isLoose = node < 0 || deformer.patches.patchOf[std::size_t(node)] < 0;
+            places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
+                                      : detail::PlaceNear(line, deformer, toWorld, place, node, p));
         }
     });
     return places;

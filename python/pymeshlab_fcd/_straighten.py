@@ -29,7 +29,7 @@ class LineInfo:
     following: int
     """Nodes of the deformation graph that go with the line."""
     released: int
-    """Nodes that do not, as cross-sections meet there and would fold the surface."""
+    """Nodes that do not, as that would fold the surface there, or make it twice or half as long."""
     released_at: list[tuple[float, float]]
     """Where these are along the line: from, to."""
     rms: float
@@ -139,9 +139,9 @@ def straighten(
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""
-        texts.append(f"Beside the line from {places}{more} of its length its cross-sections meet, so going with them would fold the surface: "
-                     "there it follows what is around as rigidly as possible. Lay the line through the middle (middle=True), or raise "
-                     "smoothing.")
+        texts.append(f"Beside the line from {places}{more} of its length, going with its cross-sections would fold the surface, or make it "
+                     "twice or half as long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
+                     "through the middle (middle=True), or raise smoothing.")
     folded = made._check(report(told, 95, 100))["folded"]
     if folded > 0:
         texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the surface is folded there. Lay the line "

@@ -7,6 +7,7 @@
 #include <vcg_ext/field/deformation_file.h>
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/motion_text.h>
+#include <vcg_ext/line/line_points.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -92,12 +93,18 @@ static void SavedDeformation(const std::string &text) {
     }
 }
 
+static void Line(const std::string &text) {
+    const Eigen::Matrix3Xd points = ReadLineText(text, "input");
+    REQUIRE(points.cols() > 0 && points.allFinite());
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
     const std::string text(reinterpret_cast<const char *>(data), size);
     Try("'input', line ", [&] { Tags(text); });
     Try("'input', line ", [&] { Transforms(text); });
     Try("'input', line ", [&] { Points(ReadPointHandleText(text, "input")); });
     Try("'input'", [&] { Points(readPickedPoints(QByteArray::fromStdString(text), "'input'")); });
+    Try("'input', line ", [&] { Line(text); });
     Try("input, character ", [&] { Motions(text); });
     Try("'input' ", [&] { SavedDeformation(text); });
     return 0;

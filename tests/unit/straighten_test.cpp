@@ -157,6 +157,8 @@ TEST(FramedLine, RefusesWhatIsNoOpenLine) {
     EXPECT_NE(of({o, x, y, o}).find("is closed"), std::string::npos);
     EXPECT_NE(of({o, x, 0.5 * x, y}).find("turns back on itself at point 2"), std::string::npos);
     EXPECT_NE(of({o, x, Vector3d(std::nan(""), 0, 0)}).find("is not finite"), std::string::npos);
+    EXPECT_NE(of({o, x, Vector3d(1e101, 0, 0)}).find("beyond 1e100"), std::string::npos);
+    EXPECT_NE(of({o, 1e-101 * x}).find("no extent"), std::string::npos);
     EXPECT_NE(of({o, x}, 0.3).find("0 to 25 percent"), std::string::npos);
     EXPECT_NO_THROW(FramedLine(Points({o, x})));
 }

@@ -25,12 +25,12 @@ void Check(const Eigen::Matrix3Xd &points) {
     if (n < 2)
         throw BadInput("The line has " + std::string(n == 0 ? "no point" : "one point only") +
                        ". Give two at least, in the order in which it goes through them.");
-    if (!points.allFinite())
-        throw BadInput("A point of the line is not finite.");
+    if (!(points.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100)) // then squares are finite, too
+        throw BadInput("A point of the line is not finite, or beyond 1e100.");
     double length = 0;
     for (Eigen::Index i = 1; i < n; ++i)
         length += (points.col(i) - points.col(i - 1)).stableNorm();
-    if (!(length > 0))
+    if (!(length > 1e-100))
         throw BadInput("The line has no extent: all its points are at one place.");
     for (Eigen::Index i = 1; i < n; ++i)
         if ((points.col(i) - points.col(i - 1)).stableNorm() <= atOnePlace * length)

@@ -22,9 +22,9 @@ namespace {
 
 /// What comes back along the line from beyond its end, where \p before is, is still beyond, if by nothing.
 double StillBeyond(const FramedLine &line, double before, double s) {
-    return before < 0               ? std::min(s, std::nextafter(0.0, -1.0))
-           : before > line.Length() ? std::max(s, std::nextafter(line.Length(), 2 * line.Length()))
-                                    : s;
+    if (before < 0)
+        return std::min(s, std::nextafter(0.0, -1.0));
+    return before > line.Length() ? std::max(s, std::nextafter(line.Length(), 2 * line.Length())) : s;
 }
 
 } // namespace
@@ -90,6 +90,9 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &def
         if (deformer.patches.patchOf[std::size_t(u)] >= 0)
             samples.push_back({u, 0, double(surface.nodeArea[std::size_t(u)]),
                                toWorld(surface.graph.position.col(u).cast<double>())});
+    if (std::all_of(samples.begin(), samples.end(), [](const LineSample &each) { return !(each.weight > 0); }))
+        for (LineSample &each : samples) // points that stand for no area
+            each.weight = 1;
     ParallelFor(threads, samples.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);

@@ -44,7 +44,7 @@ double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld
 /// A place of the surface.
 struct LineSample {
     Index node;         ///< of the surface
-    double s, weight;   ///< along the line; area
+    double s, weight;   ///< along the line; area around it, or 1 where no node has any
     Eigen::Vector3d at; ///< in the world
 };
 

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Straightening, and bending along a line."""
+import warnings
+
+import numpy as np
+import pytest
+
+from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Straightened, straighten
+from shapes import same
+
+LENGTH, RADIUS = 10.0, 0.6
+AXIS = np.stack([np.linspace(0, LENGTH, 9), np.zeros(9), np.zeros(9)], 1)
+CORNER = np.array([[0, 0, 0], [3, 0, 0], [4, 0, 0], [4.05, 0.05, 0], [4.05, 0.5, 0], [4.05, 5, 0.0]])
+
+
+def tube(rings=101, around=24, radius=RADIUS):
+    """Along x: (vertices, faces)."""
+    x, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, LENGTH, rings), 2 * np.pi * np.arange(around) / around, indexing="ij")]
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    faces = [face for r in range(rings - 1) for face in (
+        np.stack([here, here + around, beside], 1) + r * around, np.stack([beside, here + around, beside + around], 1) + r * around)]
+    return np.stack([x, radius * np.cos(a), radius * np.sin(a)], 1), np.concatenate(faces)
+
+
+def bent(points, degrees=120.0):
+    """Along an arc in the plane of x and y."""
+    radius = LENGTH / np.radians(degrees)
+    turn = points[:, 0] / radius
+    return np.stack([(radius - points[:, 1]) * np.sin(turn), radius - (radius - points[:, 1]) * np.cos(turn), points[:, 2]], 1)
+
+
+def rms_apart(points, truth):
+    """After the best rigid motion."""
+    a, b = points - points.mean(0), truth - truth.mean(0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    turn = u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v
+    return np.sqrt(((a @ turn - b) ** 2).sum(1).mean())
+
+
+def test_a_bent_tube_becomes_straight():
+    vertices, faces = tube()
+    made = straighten(bent(vertices), faces, bent(AXIS))
+    assert isinstance(made, Straightened) and isinstance(made, Pose)
+    assert rms_apart(made.vertices, vertices) < 1e-3 * LENGTH
+    assert made.line.length == made.line.new_length == pytest.approx(LENGTH, rel=1e-3)
+    assert made.line.released == 0 and made.line.released_at == [] and made.line.rms < made.line.largest < 5e-3 * LENGTH
+    assert made.info.folded == 0 and 0.5 < made.stretch().min() < made.stretch().max() < 1.5
+    assert np.allclose(np.linalg.norm(made.normals, axis=1), 1)
+    inside = made.map(bent(AXIS))
+    assert rms_apart(inside, AXIS) < 0.01 * LENGTH
+    again = straighten(bent(vertices), faces, bent(AXIS), threads=1)
+    assert same(again.vertices, made.vertices)
+    cloud = straighten(bent(vertices), None, bent(AXIS))
+    assert rms_apart(cloud.vertices, vertices) < 2e-3 * LENGTH
+
+
+def test_there_and_back():
+    vertices, faces = tube()
+    made = straighten(vertices, faces, AXIS, degrees=120, towards=[0, 1, 0])
+    assert rms_apart(made.vertices, bent(vertices)) < 1e-3 * LENGTH
+    back = made.deformation(inverse=True)
+    assert isinstance(back, Deformation) and back.largest_difference < 1e-3 * LENGTH
+    assert np.linalg.norm(back(made.vertices) - vertices, axis=1).max() < 1e-3 * LENGTH
+    inside = AXIS[1:-1]  # at its ends, the open tube tells less of what is in it
+    assert np.linalg.norm(back(made.deformation()(inside)) - inside, axis=1).max() < 1e-3 * LENGTH
+    assert Deformation(back._field.content()) == back
+
+
+def test_middle_twist_length_and_target():
+    vertices, faces = tube()
+    beside = AXIS + [0, -RADIUS, 0]
+    assert straighten(bent(vertices), faces, bent(beside)).line.length == pytest.approx(LENGTH + RADIUS * np.radians(120), rel=0.01)
+    assert straighten(bent(vertices), faces, bent(beside), middle=True).line.length == pytest.approx(LENGTH, rel=0.01)
+    angle = 2 * vertices[:, :1] / LENGTH
+    oval = vertices * [1, 1, 0.5]
+    twisted = np.concatenate([oval[:, :1], np.cos(angle) * oval[:, 1:2] - np.sin(angle) * oval[:, 2:],
+                              np.sin(angle) * oval[:, 1:2] + np.cos(angle) * oval[:, 2:]], 1)
+    untwisted = straighten(twisted, faces, AXIS, untwist=True)
+    assert untwisted.line.twist == pytest.approx(np.degrees(2), abs=6) and rms_apart(untwisted.vertices, oval) < 0.05
+    longer = straighten(vertices, faces, AXIS, length=20, direction=[0, 0, 5])
+    assert np.ptp(longer.vertices[:, 2]) == pytest.approx(20, abs=1e-6) and longer.line.new_length == 20
+    along = straighten(vertices, faces, AXIS, bent(AXIS) + [5, 6, 7])
+    assert np.abs(along.vertices - bent(vertices) - [5, 6, 7]).max() < 0.05 or rms_apart(along.vertices, bent(vertices)) < 1e-3 * LENGTH
+    assert same(straighten(vertices, faces, AXIS).vertices, vertices)  # it is straight already
+
+
+def test_meshes_of_other_libraries():
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces = tube()
+    mesh = trimesh.Trimesh(bent(vertices), faces, process=False)
+    made = straighten(mesh, None, bent(AXIS))
+    assert rms_apart(np.asarray(made.mesh().vertices), vertices) < 1e-3 * LENGTH
+    with pytest.raises(TypeError, match="faces cannot be given beside a mesh"):
+        straighten(mesh, faces, AXIS)
+
+
+def test_progress_goes_on():
+    told = []
+    vertices, faces = tube()
+    straighten(bent(vertices), faces, bent(AXIS), progress=lambda percent, stage: told.append(percent))
+    assert told == sorted(told) and told[-1] == 100 and len(told) > 5
+
+
+def test_folds_are_warned_of():
+    vertices, faces = tube(radius=1.5)
+    with pytest.warns(DeformationWarning) as caught:
+        made = straighten(vertices, faces, AXIS, CORNER)
+    texts = [str(each.message) for each in caught]
+    assert any("would fold the surface" in text for text in texts) and any("turned over" in text for text in texts)
+    assert made.line.released > 0 and 0 <= made.line.released_at[0][0] < made.line.released_at[0][1] <= LENGTH
+    with pytest.warns(DeformationWarning, match="has no way back"):
+        made.deformation(inverse=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        straighten(*tube(), AXIS, degrees=60)
+
+
+@pytest.mark.parametrize("line, given, message", [
+    ([[1, 2, 3]], {}, "one point only"),
+    (np.zeros((0, 3)), {}, "no point"),
+    ([[0, 0, 0], [0, 0, 0]], {}, "no extent"),
+    ([[0, 0, 0], [5, 0, 0], [5, 0, 0], [9, 0, 0]], {}, "Points 2 and 3 of the line are at one place"),
+    ([[0, 0, 0], [5, 0, 0], [5, 1, 0], [0, 0, 0]], {}, "closed"),
+    ([[0, 0, 0], [5, 0, 0], [2, 0, 0]], {}, "turns back on itself at point 2"),
+    (AXIS + [0, 40, 0], {}, "outside of the surface"),
+    (AXIS, {"degrees": 400}, "less than 360"),
+    (AXIS, {"length": -2}, "positive number"),
+    (AXIS, {"smoothing": 0.5}, "0 to 25 percent"),
+    (AXIS, {"untwist": True}, "as good as round"),
+    (AXIS, {"degrees": 90, "towards": [1, 0, 0]}, "cannot bend in its own direction"),
+    (AXIS, {"target": bent(AXIS), "degrees": 90}, "not both"),
+    (AXIS, {"target": [[0, 0, 0]]}, "Of the line that it goes to: The line has one point only"),
+    (AXIS[:, :2], {}, "line must be n x 3"),
+    (AXIS * np.nan, {}, "line must be finite"),
+    (AXIS, {"direction": [1, 2]}, "direction must be n x 3"),
+])
+def test_what_cannot_be_taken(line, given, message):
+    with pytest.raises(ValueError, match=message):
+        straighten(*tube(21, 8), line, **given)
