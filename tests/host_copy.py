@@ -262,7 +262,7 @@ def applied(points, path, faces=None, normals=None):
 
 def test_parameters_of_saving_and_what_it_returns(tmp_path):
     ms = bent_bone()
-    assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file"]
+    assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file", "inverse"]
     assert list(ms.filter_parameter_values(COPY)) == ["deformation_file", "source_layer", "rest_graph", "deformed_graph", "all_visible"]
     before = snapshot(ms.mesh(0))
     result = saved(ms, tmp_path / "bend.ply")
