@@ -83,7 +83,7 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
     if (param.graphLayers) {
         made.layers.push_back(&layers.addGraph("graph", result.rest));
         made.layers.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(*made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
+        keepDeformation(document, *made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
     }
     made.layers.push_back(&layers.addDeformed("straightened", result.position, result.linear, quality));
     adding(1, "Done");
