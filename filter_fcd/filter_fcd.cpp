@@ -222,7 +222,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                    {"iterations", result.iterations},
                    {"converged", result.converged},
                    {"energy", result.energy},
-                   {"discretisation_error", result.discretisationError},
+                   {"discretisation_error", valueOfDiscretisation(result.discretisationError)},
                    {"seconds_graph", result.secondsGraph},
                    {"seconds_solve", result.secondsSolve},
                    {"seconds_map", result.secondsMap}});
@@ -272,7 +272,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},
                    {"converged", result.converged},
-                   {"discretisation_error", result.discretisationError},
+                   {"discretisation_error", valueOfDiscretisation(result.discretisationError)},
                    {"prepared", result.prepared},
                    {"seconds_find", result.secondsFind},
                    {"seconds_prepare", result.secondsPrepare},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_reports.h"
 
+#include <cmath>
 #include <sstream>
 
 std::string describe(const vcg::fcd::SurfaceReport &surface) {
@@ -98,6 +99,8 @@ std::string describeDiscretisation(double error) {
          << " percent of the diagonal of what bends (rms): more of them bring it nearer. Raise initial_patches.";
     return line.str();
 }
+
+double valueOfDiscretisation(double error) { return std::isfinite(error) ? error : -1; }
 
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
     std::vector<std::string> warnings;

@@ -37,6 +37,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
 
 /// A sentence where there are too few nodes. \param error as Deformer::DiscretisationError gives it
 std::string describeDiscretisation(double error);
+/// The same for scripts, all of whose values are finite: -1 where it cannot be told.
+double valueOfDiscretisation(double error);
 
 /// How well a layer fits, in words and in numbers.
 std::string describe(const FittedLayers &made);

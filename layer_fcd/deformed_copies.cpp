@@ -134,6 +134,10 @@ std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &he
     return text.str();
 }
 
+bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size_t i) {
+    return !layer.cm.vert[i].IsD() && position.col(Eigen::Index(i)).allFinite();
+}
+
 /// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
            const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
@@ -147,7 +151,7 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
         Eigen::Matrix3f map;
         for (std::size_t i = first; i < last; ++i) {
             const Eigen::Vector3d p = position.col(Eigen::Index(i));
-            if (mesh.vert[i].IsD() || !p.allFinite())
+            if (!isPlace(target, position, i))
                 continue;
             const Eigen::Vector3d normal = toVector(mesh.vert[i].cN());
             const Eigen::Vector3d way =
@@ -170,6 +174,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     std::unique_ptr<const VerticesAtPlaces> vertices;
     std::unique_ptr<const DeformationField> field;
     Displacement displacement;
+    int sides = 0; // of the source, as the normals of the layer at hand tell them
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
@@ -181,7 +186,10 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
             const Eigen::Vector3d &x = vertex.position;
             if (const std::ptrdiff_t same = (*vertices)(vertex.slot, x, vertex.normal); same >= 0)
                 return Eigen::Vector3d((*carrier)(std::size_t(same), x, map) - x);
-            return carrier->Displacement((*source->places)(x), x, map);
+            NearestPlace::Hint none;
+            const vcg::fcd::SurfacePlace place =
+                sides == 0 ? (*source->places)(x, none) : (*source->places)(x, none, sides * vertex.normal);
+            return carrier->Displacement(place, x, map);
         };
         matrix = source->matrix;
     } else {
@@ -205,6 +213,17 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
                 describeSpace(target, boxOf(position, invertibleMatrixOf(target), &target.cm), sourceBox);
             !text.empty())
             made.warnings.push_back(std::move(text));
+        if (source) { // a file takes points as they come, in any pieces
+            const Eigen::Affine3d to = matrix.inverse() * invertibleMatrixOf(target);
+            sides = source->places->SidesTold(
+                target.cm.vert.size(),
+                [&](std::size_t i) { return Eigen::Vector3d(to * Eigen::Vector3d(position.col(Eigen::Index(i)))); },
+                [&](std::size_t i) {
+                    return isPlace(target, position, i)
+                               ? Eigen::Vector3d(to.linear() * toVector(target.cm.vert[i].cN()))
+                               : Eigen::Vector3d(Eigen::Vector3d::Zero());
+                });
+        }
         carry(target, matrix, displacement,
               progress.Slice(0.2 + 0.8 * double(t) / double(targets.size()),
                              0.2 + 0.8 * double(t + 1) / double(targets.size())),

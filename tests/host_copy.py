@@ -144,6 +144,37 @@ def test_a_layer_that_touches_itself_is_copied_as_it_was_deformed(shift, least):
         assert same_points(points[tags[same] == 0], rest[same][tags[same] == 0])
 
 
+def hairpin(spacing, wave):
+    """Two walls of 20 x 6, 0.1 apart and waved alike, that are one sheet, folded at x = 20. Points, faces, and which wall."""
+    along = np.arange(0, 20 + 1e-9, spacing)
+    x = np.r_[along, along[::-1]]
+    top = np.r_[np.zeros(len(along)), np.ones(len(along))]
+    y = np.arange(0, 6 + 1e-9, spacing)
+    points = np.column_stack([np.repeat(x, len(y)), np.tile(y, len(x)), np.repeat(0.1 * top + wave * np.sin(np.pi * x / 2), len(y))])
+    a = (np.arange(len(x) - 1)[:, None] * len(y) + np.arange(len(y) - 1)).ravel()
+    faces = np.vstack([np.column_stack([a, a + len(y), a + 1]), np.column_stack([a + 1, a + len(y), a + len(y) + 1])])
+    return points, faces, np.repeat(top, len(y)) > 0
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_a_thin_copy_of_a_fold_drives_each_wall_as_its_own(inside_out):
+    points, faces, top = hairpin(2, 0)  # the waves fall between its points
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=np.where(points[:, 0] > 1, 1.0, np.where(top, 2.0, 0.0))))
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 5.0]))
+    moved = ms.current_mesh().vertex_matrix()
+    fine, triangles, upper = hairpin(0.25, 0.055)
+    ms.add_mesh(pymeshlab.Mesh(fine, triangles[:, ::-1] if inside_out else triangles), "fine")
+    ms.apply_filter(COPY, **LAYERS)
+    lift = ms.current_mesh().vertex_matrix()[:, 2] - fine[:, 2]
+    crests = (np.abs(fine[:, 0] % 2 - 1) < 1e-9) & (np.abs(fine[:, 1] - 3) < 2) & (np.abs(fine[:, 0] - 9) < 7)
+    assert (crests & ~upper & (fine[:, 2] > 0.05)).sum() > 10, "these are nearer to the other wall"
+    for wall, own in ((upper, top), (~upper, ~top)):
+        rows = [(moved - points)[own & (points[:, 0] == x), 2].mean() for x in range(0, 21, 2)]
+        expected = np.interp(fine[crests & wall, 0], range(0, 21, 2), rows)
+        assert np.abs(lift[crests & wall] - expected).max() < 0.5  # the walls are 1 to 5 apart
+
+
 def test_all_visible_layers():
     ms = bent_bone()
     for name in ("one", "other"):

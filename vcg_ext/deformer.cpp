@@ -103,10 +103,12 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     SolverParam steps = solver;
     steps.accelerated = solver.accelerated && beyond.acceleration;
     steps.follow = beyond.steps;
+    const double error =
+        vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape);
+    if (!(error > 0)) // also without any nodes
+        return error;
     const Eigen::Matrix3Xf &rest = graph.graph.position;
-    const double diagonal = double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
-    return vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape) /
-           std::max(diagonal, std::numeric_limits<double>::min());
+    return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
 }
 
 Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,

@@ -92,6 +92,11 @@ TEST(DiscretisationError, IsNothingWhereNothingMovesAndUnknownForOneNode) {
     param.graph.targetRadius = 100;
     EXPECT_TRUE(std::isnan(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError));
     param = {};
+    const Case nowhere = CaseOf(Moved(Tube(24, 20), Affine3d(Eigen::Scaling(0.0))), [](const Vector3d &) { return 1; });
+    Handles held = nowhere.handles;
+    held.tag[0] = 2;
+    held.motion[2] = Motion(bend.matrix());
+    EXPECT_FALSE(vcg::tri::DeformCentroidal(MeshD(nowhere.shape), held, param).discretisationError > 0);
     EXPECT_GT(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
     c.handles.motion.clear();
     EXPECT_EQ(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);

@@ -172,3 +172,47 @@ TEST(NearestPlace, FindsTheOnlyVertexAndTheOnlyTriangle) {
     const SurfacePlace onFace = NearestPlace(position, {{{0, 1, 2}}}, {})(Vector3d(0.25, 0.25, 9));
     EXPECT_LE((PointAt(onFace, position) - Vector3d(0.25, 0.25, 0)).norm(), 1e-15);
 }
+
+/// Two walls that look at each other, of triangles with edges of up to root 2.
+struct Walls {
+    Shape shape;
+    Index half;
+    Eigen::Matrix3Xd position;
+    std::unique_ptr<NearestPlace> nearest;
+
+    explicit Walls(double gap) : shape(Join(Grid(11, 11), Grid(11, 11, 1, gap))), half(shape.Size() / 2) {
+        position.resize(3, shape.Size());
+        for (int i = 0; i < shape.Size(); ++i)
+            position.col(i) = shape.position[std::size_t(i)];
+        std::vector<std::array<Index, 3>> triangle;
+        for (const auto &f : shape.face)
+            triangle.push_back(f[0] < half ? std::array<Index, 3>{f[0], f[1], f[2]}
+                                           : std::array<Index, 3>{f[0], f[2], f[1]});
+        nearest = std::make_unique<NearestPlace>(position, triangle, std::vector<char>());
+    }
+    bool IsLow(double z, const Vector3d &normal) const {
+        NearestPlace::Hint hint;
+        return (*nearest)(Vector3d(4.3, 5.2, z), hint, normal).slot[0] < half;
+    }
+    int Sides(const Vector3d &low, const Vector3d &high) const {
+        return nearest->SidesTold(
+            std::size_t(shape.Size()), [&](std::size_t i) { return Vector3d(position.col(Eigen::Index(i))); },
+            [&](std::size_t i) { return Index(i) < half ? low : high; });
+    }
+};
+
+TEST(NearestPlace, BindsToTheWallThatLooksTheSameWay) {
+    const Vector3d up = Vector3d::UnitZ(), none = Vector3d::Zero();
+    const Walls fold(0.1);
+    for (const double z : {-0.4, 0.02, 0.04, 0.09, 0.3}) { // of one of the walls, as it is triangulated otherwise
+        EXPECT_EQ(fold.IsLow(z, none), z < 0.05) << z;
+        EXPECT_TRUE(fold.IsLow(z, up)) << z;
+        EXPECT_FALSE(fold.IsLow(z, -up)) << z;
+    }
+    EXPECT_FALSE(Walls(2).IsLow(1.9, up)) << "what is farther away than another triangulation leads is another thing";
+    EXPECT_EQ(fold.Sides(up, -up), 1);
+    EXPECT_EQ(fold.Sides(-up, up), -1);
+    EXPECT_EQ(fold.Sides(up, up), 0);
+    EXPECT_EQ(fold.Sides(none, none), 0);
+    EXPECT_EQ(fold.Sides(up, none), 1);
+}

@@ -77,6 +77,8 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         return 0;
     const CoarseGraph coarse = Coarsen(graph, area, given.constrained, weights, shape);
     const Index k = coarse.graph.Size();
+    if (k == graph.Size()) // nothing is joined, as in parts of a node each
+        return unknown;
     NodeConstraints held{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k), {}};
     GraphPose begin;
     begin.position.resize(3, k);

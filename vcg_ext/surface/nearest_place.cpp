@@ -29,14 +29,20 @@ class NearestPlace::Search {
         vertices = std::make_unique<PointTree<double>>(point);
     }
 
-    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const {
+    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
         SurfacePlace place;
         if (vertices) {
             Among(p, place);
             return place;
         }
-        const detail::TriangleTree::Nearest nearest = (*triangles)(p, hint.triangle);
+        detail::TriangleTree::Nearest nearest = (*triangles)(p, hint.triangle);
         hint.triangle = nearest.triangle;
+        if (normal && nearest.triangle >= 0 && triangles->NormalOf(nearest.triangle).dot(*normal) < 0) {
+            const double reach = std::sqrt(nearest.square) + 0.5 * triangles->LongestEdgeOf(nearest.triangle);
+            const detail::TriangleTree::Nearest facing = triangles->Facing(p, *normal, reach);
+            if (facing.triangle >= 0)
+                nearest = facing;
+        }
         const double rounding = 1e-9; // at a vertex there is no other
         for (int k = 0; k < 3 && nearest.triangle >= 0; ++k)
             if (nearest.weight[k] > rounding) {
@@ -44,6 +50,11 @@ class NearestPlace::Search {
                 place.weight[place.count++] = nearest.weight[k];
             }
         return place;
+    }
+
+    double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
+        const Index t = triangles ? (*triangles)(p, -1).triangle : -1;
+        return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
     }
 
   private:
@@ -90,10 +101,20 @@ NearestPlace::~NearestPlace() = default;
 
 SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p) const {
     Hint none;
-    return (*search)(p, none);
+    return (*search)(p, none, nullptr);
 }
 
-SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint) const { return (*search)(p, hint); }
+SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint) const {
+    return (*search)(p, hint, nullptr);
+}
+
+SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const {
+    return (*search)(p, hint, &normal);
+}
+
+double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
+    return search->SideOf(p, normal);
+}
 
 } // namespace fcd
 } // namespace vcg

@@ -26,11 +26,11 @@ struct Seams {
 };
 
 /// Finds the nodes on open borders that are as good as at one place: no farther from each other than \p distance, and
-/// one of them free.
-/// \param open n flags: nodes on open borders \param tag as of SurfaceGraph
-/// \param distance units of the graph's positions, >= 0
+/// one of them free, or both held alike. (Else, where every triangle is for itself, each corner on the border of what
+/// is held would be held alone.) \param open n flags: nodes on open borders \param tag as of SurfaceGraph \param beside
+/// n flags, or empty: nodes that only a free one joins \param distance units of the graph's positions, >= 0
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
-                       double distance, const Progress &progress = {}) {
+                       double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
     Seams seams;
     // In the order along a line that no mesh has borders across.
     const Eigen::Vector3f direction = Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f).normalized();
@@ -51,6 +51,7 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     std::sort(place.begin(), place.end());
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
+    const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
     const auto areNeighbours = [&](Index u, Index v) { // or have one in common
         if (graph.adjacency[u].size() > graph.adjacency[v].size())
             std::swap(u, v); // around the middle of a fan are all the others
@@ -69,11 +70,12 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
             const float reach = std::max(a.reach, float(distance)) + 2e-7f; // rounding
             for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
                 const Place &b = place[j];
-                if (!isFree(a.node) && !isFree(b.node))
+                const bool areHeld = !isFree(a.node) && !isFree(b.node);
+                if (areHeld && (tag[a.node] != tag[b.node] || isBeside(a.node) || isBeside(b.node)))
                     continue;
                 const float d = (graph.position.col(b.node) - p).norm();
                 const bool same = d <= distance;
-                if (same || (d <= std::min(a.reach, b.reach) && !areNeighbours(a.node, b.node)))
+                if (same || (!areHeld && d <= std::min(a.reach, b.reach) && !areNeighbours(a.node, b.node)))
                     found.push_back({std::min(a.node, b.node), std::max(a.node, b.node), same});
             }
         });

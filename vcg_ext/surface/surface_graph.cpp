@@ -213,7 +213,7 @@ class SurfaceReader {
         const std::vector<char> near = NodesBeside();
         for (std::size_t u = 0; u < near.size(); ++u)
             open[u] |= near[u];
-        Seams seams = FindSeams(s.graph, open, s.tag, weldDistance, progress.Slice(0.9, 0.92));
+        Seams seams = FindSeams(s.graph, open, s.tag, weldDistance, progress.Slice(0.9, 0.92), near);
         s.report.seams = seams.joined;
         s.report.gaps = seams.gaps;
         if (seams.joined == 0 && std::find(near.begin(), near.end(), 1) == near.end())

@@ -26,6 +26,7 @@ class TriangleTree {
         Index triangle = -1;
         Eigen::Vector3d weight = Eigen::Vector3d::Zero();
         double square = std::numeric_limits<double>::max();
+        const Eigen::Vector3d *facing = nullptr; ///< where the fronts of those that count look to; null: all count
     };
 
     /// \param position 3 x slots, which must outlive this; no number beyond 1e100
@@ -54,9 +55,34 @@ class TriangleTree {
     const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
 
     /// \param p no number beyond 1e100 \param begin a triangle that may be near, which changes no bit; -1: none
-    Nearest operator()(const Eigen::Vector3d &p, Index begin) const {
-        const Eigen::Vector3d q = (p - center) * scale;
+    Nearest operator()(const Eigen::Vector3d &p, Index begin) const { return Find(p, begin, {}); }
+
+    /// The same among those whose front looks to where \p normal does, by less than 90 degrees, no farther away than
+    /// \p reach; none where there is none.
+    Nearest Facing(const Eigen::Vector3d &p, const Eigen::Vector3d &normal, double reach) const {
         Nearest nearest;
+        nearest.square = reach * reach;
+        nearest.facing = &normal;
+        return Find(p, -1, nearest);
+    }
+
+    /// Towards the front of a triangle, as long as twice its area.
+    Eigen::Vector3d NormalOf(Index t) const {
+        const auto &corners = triangle[std::size_t(t)];
+        const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
+        return (b - a).cross(c - a);
+    }
+    double LongestEdgeOf(Index t) const {
+        const auto &corners = triangle[std::size_t(t)];
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            square = std::max(square, (position.col(corners[k]) - position.col(corners[(k + 1) % 3])).squaredNorm());
+        return std::sqrt(square);
+    }
+
+  private:
+    Nearest Find(const Eigen::Vector3d &p, Index begin, Nearest nearest) const {
+        const Eigen::Vector3d q = (p - center) * scale;
         if (begin >= 0)
             Try(p, begin, nearest);
         if (q.squaredNorm() < 1e6)
@@ -66,7 +92,6 @@ class TriangleTree {
         return nearest;
     }
 
-  private:
     static constexpr int wide = 4;
     static constexpr Index none = std::numeric_limits<Index>::max();
 
@@ -189,7 +214,11 @@ class TriangleTree {
         const double square = (a * weight[0] + b * weight[1] + c * weight[2] - p).squaredNorm();
         if (!(square < nearest.square || (square == nearest.square && t < nearest.triangle)))
             return false;
-        nearest = {t, weight, square};
+        if (nearest.facing && !((b - a).cross(c - a).dot(*nearest.facing) > 0))
+            return false;
+        nearest.triangle = t;
+        nearest.weight = weight;
+        nearest.square = square;
         return true;
     }
 
