@@ -122,8 +122,7 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
         list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
         "Computes the normals of what moves from the faces, as MeshLab does. Without it they are turned as the "
         "surface turns, which is about a tenth faster and some degrees off where it bends. Normals that are not those "
-        "of "
-        "the faces, and those of clouds, are turned in any case.");
+        "of the faces, and those of clouds, are turned in any case.");
     return list;
 }
 
