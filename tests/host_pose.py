@@ -227,6 +227,18 @@ def test_applies_follow_a_layer_that_was_moved_as_a_whole(move, cloud):
     assert np.abs(ms.current_mesh().vertex_matrix() - fresh.current_mesh().vertex_matrix()).max() < 1e-6 * size
 
 
+@pytest.mark.parametrize("filter", [POSE, RESET])
+def test_the_log_says_that_the_rest_shape_follows(capfd, filter):
+    ms = clean_bone()
+    ms.apply_filter(POSE, **BEND)
+    turn(ms)
+    ms.set_verbosity(True)
+    for said in True, False:
+        capfd.readouterr()
+        ms.apply_filter(filter)
+        assert ("Something else has moved all of 'bone.ply' alike since its last pose" in capfd.readouterr().err) == said
+
+
 def test_each_apply_can_be_taken_back():
     ms = clean_bone()
     shapes = [snapshot(ms.current_mesh())]
