@@ -107,10 +107,10 @@ void BendTool::stopPreparing() {
     preparing.reset(); // waits for it
     preparingTimer.stop();
     preparingTimer.disconnect(this);
-    session->cancel();
-    display->rest();
     if (!layer())
         return;
+    session->cancel();
+    display->rest();
     if (wasBeside)
         view->unsetCursor();
     solve(true);

@@ -119,6 +119,7 @@ void BendTool::pressKey(QKeyEvent *event) {
     if (!layer() || !panel)
         return;
     event->accept();
+    hint.clear();
     if (preparing) {
         if (event->key() == Qt::Key_Escape)
             preparing->cancel();

@@ -138,6 +138,7 @@ class BendTool : public HostEditTool {
     int active = 0;               ///< the handle that was chosen last, if it is still there
     int hovered = 0;              ///< the handle under the mouse, 0: none
     std::optional<GizmoPart> lit; ///< the part of the gizmo under the mouse
+    QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
     bool isEnding = false; ///< done, and about to be told so
