@@ -99,10 +99,10 @@ void BendTool::onCommand(int which) {
     const Remark remark = [this](const std::string &line) { say(line); };
     switch (which) {
     case BendPanel::MarkSelection: {
-        std::vector<char> selected = onSelectedFaces(*model);
+        std::vector<char> chosen = onSelectedFaces(*model);
         std::vector<std::size_t> all;
-        for (std::size_t i = 0; i < selected.size(); ++i)
-            if (!model->cm.vert[i].IsD() && (selected[i] || model->cm.vert[i].IsS()))
+        for (std::size_t i = 0; i < chosen.size(); ++i)
+            if (!model->cm.vert[i].IsD() && (chosen[i] || model->cm.vert[i].IsS()))
                 all.push_back(i);
         if (all.empty())
             throw Error("Nothing is selected.");
@@ -246,6 +246,8 @@ void BendTool::showHandles() {
 QString BendTool::stateText() const {
     if (isSuspended)
         return "The mouse is the camera's: Esc gives it back.";
+    if (!hint.isEmpty())
+        return hint;
     QString text;
     if (session->handleTags().empty())
         text = session->isMarked() ? "Mark a handle (red), then drag it."
@@ -282,6 +284,7 @@ void BendTool::refresh() {
                 : QString("Preparing the layer: %1 %. Esc or a right click stops that.").arg(preparing->percent()));
         return;
     }
+    panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
     panel->showState(stateText());

@@ -34,13 +34,6 @@ std::optional<Gizmo> BendTool::gizmo() const {
     return Gizmo{session->pivotOf(tag), drag ? drag->axes : axesOf(tag)};
 }
 
-namespace {
-
-// Of a layer that is prepared in less than 0.2 s (two cores; 1.2 million take 0.5 s, and their surface is read before).
-const int preparedAtOnce = 200000;
-
-} // namespace
-
 /// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside the
 /// window.
 void BendTool::beginDrag(const Grip &what) {
@@ -107,10 +100,10 @@ void BendTool::stopPreparing() {
     preparing.reset(); // waits for it
     preparingTimer.stop();
     preparingTimer.disconnect(this);
-    session->cancel();
-    display->rest();
     if (!layer())
         return;
+    session->cancel();
+    display->rest();
     if (wasBeside)
         view->unsetCursor();
     solve(true);

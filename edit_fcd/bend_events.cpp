@@ -46,6 +46,7 @@ void BendTool::toCamera(QMouseEvent *event) {
 
 void BendTool::press(QMouseEvent *event) {
     sinceEvent.start();
+    hint.clear();
     mouse = event->localPos();
     if (preparing) {
         if (event->button() == Qt::RightButton)
@@ -205,7 +206,7 @@ bool BendTool::grab() {
         tag = session->tags()[*slot];
         if (tag < 2) {
             if (!session->isFree(*slot)) {
-                panel->showState("This part is fixed. Mark it as free first, or clear the marks.");
+                hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
                 return false;
             }
             beginDrag({0, *slot, {}, false});

@@ -90,9 +90,7 @@ void BendTool::act(BendAction action) {
     case BendAction::Fixed: panel->setRole(BendPanel::Fixed, 2); break;
     case BendAction::Free: panel->setRole(BendPanel::Free, 2); break;
     case BendAction::Outside: panel->setRole(BendPanel::Outside, 2); break;
-    case BendAction::Handle:
-        panel->setRole(BendPanel::Handle, session->handleTags().empty() ? session->unusedTag() : 2);
-        break;
+    case BendAction::Handle: panel->setRole(BendPanel::Handle, selected() ? selected() : session->unusedTag()); break;
     case BendAction::NextHandle: panel->setRole(BendPanel::Handle, session->unusedTag()); break;
     case BendAction::Through: panel->toggleThrough(); break;
     case BendAction::Undo: onCommand(BendPanel::Undo); break;
@@ -119,6 +117,7 @@ void BendTool::pressKey(QKeyEvent *event) {
     if (!layer() || !panel)
         return;
     event->accept();
+    hint.clear();
     if (preparing) {
         if (event->key() == Qt::Key_Escape)
             preparing->cancel();

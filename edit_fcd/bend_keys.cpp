@@ -12,7 +12,7 @@ const std::vector<BendKey> &bendKeys() {
         {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
         {BendAction::Fixed, "F", "what is marked becomes fixed"},
         {BendAction::Free, "U", "free"},
-        {BendAction::Handle, "H", "a handle"},
+        {BendAction::Handle, "H", "part of the selected handle, or a new one after that was moved"},
         {BendAction::NextHandle, "Shift+H", "the next handle"},
         {BendAction::Outside, "O", "outside of the region of influence"},
         {BendAction::Through, "T", "mark only what is seen, or through the mesh"},

@@ -72,6 +72,8 @@ void BendTool::open(MeshModel &newModel) {
         session->setPose(100);
         session->options.stretch = false;
     }
+    if (newModel.cm.vn > preparedAtOnce)
+        session->readAhead();
     model = &newModel;
     layerId = newModel.id();
     display = std::make_unique<BendDisplay>(*view, newModel);

@@ -7,11 +7,20 @@
 #include <algorithm>
 
 void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
-    surface = std::make_unique<vcg::fcd::SurfaceGraph>(
-        vcg::fcd::BuildSurfaceGraph(vcg::tri::ReadSurface(layer.cm).View(), nullptr, {}, metric));
+    auto arrays = std::make_shared<const vcg::fcd::SurfaceArrays>(vcg::tri::ReadSurface(layer.cm));
+    pending = std::async(std::launch::async, [arrays, metric] {
+        return std::make_unique<vcg::fcd::SurfaceGraph>(
+            vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
+    });
+}
+
+void BendReach::wait() {
+    if (pending.valid())
+        surface = pending.get();
 }
 
 void BendReach::clear() {
+    pending = {};
     surface.reset();
     from.clear();
 }
@@ -19,6 +28,7 @@ void BendReach::clear() {
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
     if (knows(vertices, radius))
         return reached;
+    wait();
     reached.clear();
     std::vector<vcg::fcd::Index> seeds;
     for (const std::size_t slot : vertices)
@@ -44,7 +54,8 @@ const float largestTip = 0.5;
 
 } // namespace
 
-std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) const {
+std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
+    wait();
     const vcg::fcd::Graph &graph = surface->graph;
     const auto n = std::size_t(graph.Size());
     const int unknown = -1, cut = -2;

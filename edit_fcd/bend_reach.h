@@ -4,14 +4,16 @@
 
 #include <layer_fcd/parameters.h> // before Qt
 
+#include <future>
 #include <memory>
 #include <vector>
 
 /// What lies within some way of vertices, along the surface of the rest shape.
 class BendReach {
   public:
-    bool isReady() const { return surface != nullptr; }
-    /// Reads the surface. \pre the layer is at rest \param metric lengths are measured by, that of the layer's matrix
+    bool isReady() const { return surface || pending.valid(); }
+    /// Reads the surface, beside what is done next; whoever asks for it waits. \pre the layer is at rest \param metric
+    /// lengths are measured by, that of the layer's matrix
     void read(const MeshModel &layer, const Eigen::Matrix3d &metric);
     void clear();
 
@@ -24,11 +26,14 @@ class BendReach {
     /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside
     /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others \pre
     /// isReady()
-    std::vector<std::size_t> tips(const std::vector<char> &isIn) const;
+    std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
   private:
+    void wait();
+
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::vector<std::size_t> reached, from; ///< those of the last
+    std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
+    std::vector<std::size_t> reached, from;                       ///< those of the last
     double within = 0;
 };
 

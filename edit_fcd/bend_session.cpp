@@ -140,6 +140,11 @@ Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
     return rest.world() * toVector(layer.cm.vert[slot].cP());
 }
 
+void BendSession::readAhead() {
+    if (!reachOfRest.isReady() && !rest.isPosed())
+        reachOfRest.read(layer, rest.world().linear());
+}
+
 const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t> &vertices, double radius) {
     if (!reachOfRest.isReady() && !reachOfRest.knows(vertices, radius)) {
         const bool posed = rest.isPosed();

@@ -62,6 +62,8 @@ class BendSession {
     bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
     /// The vertices within \p radius of some, given by their slots, along the surface, in the rest shape.
     const std::vector<std::size_t> &reach(const std::vector<std::size_t> &vertices, double radius);
+    /// Begins to read the surface, beside what is done next, that reach() needs.
+    void readAhead();
     double diagonal() const { return rest.diagonal(); } ///< of the bounding box
 
     // --- changes; each begins with change(), which undo() takes back ---

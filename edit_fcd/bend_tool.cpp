@@ -13,8 +13,10 @@ void BendTool::say(const std::string &text, bool warning) {
     std::replace(line.begin(), line.end(), '<', '[');
     std::replace(line.begin(), line.end(), '>', ']');
     view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, line.c_str());
-    if (panel && warning)
-        panel->showState(QString::fromStdString(text));
+    if (panel && warning) {
+        hint = QString::fromStdString(text); // until the next press or key
+        panel->showState(hint);
+    }
 }
 
 // --- marks ---

@@ -24,6 +24,10 @@
 #include <QPointer>
 #include <QTimer>
 
+/// Vertices of a layer that is prepared in less than 0.2 s (two cores; 1.2 million take 0.5 s, and their surface
+/// another second); with more, that is done beside the window.
+const int preparedAtOnce = 200000;
+
 /// FCD: Bend: turns mouse and keys in a view (bend_events.cpp), and what the panel is told (bend_commands.cpp), into
 /// marks and motions of a BendSession, and shows it.
 class BendTool : public HostEditTool {
@@ -138,6 +142,7 @@ class BendTool : public HostEditTool {
     int active = 0;               ///< the handle that was chosen last, if it is still there
     int hovered = 0;              ///< the handle under the mouse, 0: none
     std::optional<GizmoPart> lit; ///< the part of the gizmo under the mouse
+    QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
     bool isEnding = false; ///< done, and about to be told so

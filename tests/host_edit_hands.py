@@ -40,6 +40,11 @@ def test_marks_never_touch(window, tmp_path):
     moved = np.linalg.norm(bent - points, axis=1)
     assert 0.2 < np.mean(moved > 0) < 0.4 and np.mean(abs(moved - moved.max()) < 1e-5) > 0.05
     assert most_stretched(points, bent, faces) < 3.5 # torn: 5
+    said = state_text(w)
+    w.drag((X - 180, Y), (X - 180, Y + 5)) # what is fixed is not pulled, and that is said
+    w.do("mousemove", X, Y - 220, pause=0.3)
+    w.shot("fixed")
+    assert state_text(w) != said
 
 
 def colored(w, place, color):
