@@ -71,7 +71,7 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
                        all += w;
                    });
         // A body tells its middle no finer than it is thick; of finer wiggles its cross-sections would make more.
-        const double part = std::min(0.1, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
+        const double part = std::min(mostSmoothing, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
         const std::vector<Complex> middle = Blurred(sum, weight, part * double(bins));
         std::vector<Eigen::Vector3d> found;
         for (std::size_t b = 0; b < bins; ++b)
