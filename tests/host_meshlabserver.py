@@ -208,9 +208,8 @@ def test_a_bend_along_a_line(tmp_path):
     assert np.abs(after.vertex_scalar_array() - before[:, 0]).max() < 1e-4
     turn, radius, high = (before[:, 0] - 0.5) * np.pi / 2, 2 / np.pi, before[:, 2] - 0.5
     places = np.stack([(radius - high) * np.sin(turn), before[:, 1] - 0.5, radius - (radius - high) * np.cos(turn)], 1)
-    moved = after.vertex_matrix() - 0.5
-    moved[:, 2] -= np.mean(moved[:, 2] - places[:, 2])  # where a straight line's middle is, and not that of the arc
-    assert np.percentile(np.abs(moved - places).max(1), 99) < 2e-3  # single vertices follow what is near
+    off = np.abs(after.vertex_matrix() - 0.5 - places).max(1)
+    assert np.median(off) < 1e-4 and np.percentile(off, 90) < 2e-3  # what is not connected follows what is near, rigidly
 
 
 def test_files_and_graph_layer(tmp_path):

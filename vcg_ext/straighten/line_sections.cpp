@@ -131,7 +131,12 @@ LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &wor
         weight.push_back(std::abs(each));
         angle.push_back(weight.back() * last / 2);
     }
-    const std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps
+    std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps
+    // Where there is no surface, the angle is that before, or the first one.
+    const auto known = [](double each) { return std::isfinite(each); };
+    last = *std::find_if(smooth.begin(), smooth.end(), known);
+    for (double &each : smooth)
+        last = each = known(each) ? each : last;
     const double step = line.Length() / double(bins);
     const auto at = [smooth, step](double s) { // cubics between the bins' middles
         const double x = std::clamp(s / step - 0.5, 0.0, double(bins) - 1);
