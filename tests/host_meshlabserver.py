@@ -201,14 +201,15 @@ def test_fit_to_a_layer(tmp_path):
 
 def test_a_bend_along_a_line(tmp_path):
     line = tmp_path / "line.csv"
-    line.write_text("".join(f"{x}, 0, 0\n" for x in (0, 0.3, 0.6, 1)))  # the bone lies along x
+    line.write_text("".join(f"{x}, 0.5, 0.5\n" for x in (0, 0.3, 0.6, 1)))  # along the bone
     run = Run(tmp_path, BONE, straighten_filter(0, line))
     assert "The line is 1 long, and 1 now" in run.log and run.value("length") == "1"
     before, after = run.meshes["bone"].vertex_matrix(), run.meshes["bonestraightened"]
     assert np.abs(after.vertex_scalar_array() - before[:, 0]).max() < 1e-4
-    turn, radius = (before[:, 0] - 0.5) * np.pi / 2, 2 / np.pi
-    places = np.stack([0.5 + (radius - before[:, 2]) * np.sin(turn), before[:, 1], radius - (radius - before[:, 2]) * np.cos(turn)], 1)
-    assert np.abs(after.vertex_matrix() - places).max() < 2e-3
+    turn, radius, high = (before[:, 0] - 0.5) * np.pi / 2, 2 / np.pi, before[:, 2] - 0.5
+    places = np.stack([(radius - high) * np.sin(turn), before[:, 1] - 0.5, radius - (radius - high) * np.cos(turn)], 1)
+    off = np.abs(after.vertex_matrix() - 0.5 - places).max(1)
+    assert np.median(off) < 1e-4 and np.percentile(off, 90) < 2e-3  # what is not connected follows what is near, rigidly
 
 
 def test_files_and_graph_layer(tmp_path):

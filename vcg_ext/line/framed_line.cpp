@@ -43,7 +43,7 @@ void Check(const Eigen::Matrix3Xd &points) {
 } // namespace
 
 FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
-    if (!(smoothing >= 0 && smoothing <= 0.25))
+    if (!(smoothing >= 0 && smoothing <= mostSmoothing))
         throw BadInput("The line can be smoothed over 0 to 25 percent of its length.");
     Check(points);
     const Eigen::Index n = points.cols();

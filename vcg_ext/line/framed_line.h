@@ -8,6 +8,9 @@
 namespace vcg {
 namespace fcd {
 
+/// The most that a line is smoothed over, of its length.
+constexpr double mostSmoothing = 0.25;
+
 /// A smooth line through some points, by its length, with rotation-minimising frames (double reflection; W. Wang,
 /// B. Juettler, D. Zheng, Y. Liu: Computation of rotation minimizing frames, 2008).
 ///
@@ -22,7 +25,8 @@ class FramedLine {
         Eigen::Vector3d bend; ///< the curvature vector, 1 over a length: how the tangent changes along the line
     };
 
-    /// \param points 3 x n, in their order, any unit \param smoothing in [0, 0.25]: wiggles that are shorter than some
+    /// \param points 3 x n, in their order, any unit \param smoothing in [0, mostSmoothing]: wiggles that are shorter
+    /// than some
     ///        six times this share of the length are smoothed away; 0: it goes through its points
     /// \throw BadInput fewer than two points, one that is not finite, two in a row at one place, a line that is closed
     ///        or turns back on itself, a smoothing out of range

@@ -71,7 +71,7 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
                        all += w;
                    });
         // A body tells its middle no finer than it is thick; of finer wiggles its cross-sections would make more.
-        const double part = std::min(0.1, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
+        const double part = std::min(mostSmoothing, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
         const std::vector<Complex> middle = Blurred(sum, weight, part * double(bins));
         std::vector<Eigen::Vector3d> found;
         for (std::size_t b = 0; b < bins; ++b)
@@ -131,7 +131,12 @@ LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &wor
         weight.push_back(std::abs(each));
         angle.push_back(weight.back() * last / 2);
     }
-    const std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps
+    std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps
+    // Where there is no surface, the angle is that before, or the first one.
+    const auto known = [](double each) { return std::isfinite(each); };
+    last = *std::find_if(smooth.begin(), smooth.end(), known);
+    for (double &each : smooth)
+        last = each = known(each) ? each : last;
     const double step = line.Length() / double(bins);
     const auto at = [smooth, step](double s) { // cubics between the bins' middles
         const double x = std::clamp(s / step - 0.5, 0.0, double(bins) - 1);
