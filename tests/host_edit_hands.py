@@ -96,6 +96,12 @@ def test_handles_are_things(window, tmp_path):
     turned = load(w.save("turned.ply"))[0]
     assert np.abs(turned[left] - (points @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])[left]).max() < 0.03
     w.shot("turned")
+    w.key("ctrl+z", "g", "y", "1", "Return", "ctrl+Return", pause=0.5) # which takes the pivot along
+    w.wait("ms.apply_filter")
+    w.key("r", "z", "9", "0", "Return", pause=0.4)
+    turned = load(w.save("turned_later.ply"))[0]
+    assert np.abs(turned[left] - (points @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]] + [0, 1, 0])[left]).max() < 0.03
+    w.key("ctrl+z", "ctrl+z", "ctrl+z", pause=0.5)
 
     x, y, width, _ = w.box("handles")
     row = lambda i: y + 35 + 22 * i

@@ -402,6 +402,15 @@ def slender(around=24, along=67):
     return ms
 
 
+@pytest.mark.parametrize("translation, said", [
+    ([0, 0, 0], "it stays where it is"), ([0, 1, 0], "translation, rotation and matrix of the dialog move it")])
+def test_the_log_says_what_becomes_of_a_handle_that_is_not_in_the_text(capfd, translation, said):
+    ms = slender()
+    set_quality(ms, "(z < 0.7) ? 3 : ((z > 10.3) ? 2 : 1)")
+    _, log = deform_logged(ms, capfd, transforms="2: translate 1 0 0", translation=translation)
+    assert f"Handle 3 is not in transforms: {said}" in log
+
+
 @pytest.mark.parametrize("motion, sentence", [
     ("translate 0 0 -4", "pressed or twisted by more than it carries"), ("translate 0 0 -25", "the shape jumps to another one")])
 def test_the_log_says_what_becomes_of_what_is_pressed(capfd, motion, sentence):
