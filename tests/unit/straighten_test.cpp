@@ -321,8 +321,19 @@ TEST(Straighten, TakesATwistOut) {
     goal.untwist = false;
     EXPECT_GT(RmsApart(Along(twisted, goal).position, Points(straight.position)), 0.02 * length);
 
+    // A gap without surface tells no twist, and does no harm.
     goal.untwist = true;
     goal.line = Points({{0, 0, 0}, {length, 0, 0}});
+    const Shape end = Tube(3, 0.8, 0.4, 31, 24);
+    Shape ends = end;
+    for (const Vector3d &p : end.position)
+        ends.position.emplace_back(p + Vector3d(7, 0, 0));
+    for (const auto &f : end.face)
+        ends.face.push_back({f[0] + end.Size(), f[1] + end.Size(), f[2] + end.Size()});
+    const Straight apart = Along(ends, goal);
+    EXPECT_TRUE(apart.position.allFinite());
+    EXPECT_NEAR(apart.report.twist, 0, 6);
+
     EXPECT_NE(MessageOf<BadInput>([&] { Along(Tube(length, 0.6, 0.6, 101, 24), goal); }).find("as good as round"),
               std::string::npos);
 }
