@@ -15,7 +15,7 @@ Eigen::Matrix3Xd readLine(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
     for (const auto &edge : mesh.edge)
         if (!edge.IsD())
-            edges.push_back({Index(edge.cV(0) - &mesh.vert[0]), Index(edge.cV(1) - &mesh.vert[0])});
+            edges.push_back({Index(edge.cV(0) - mesh.vert.data()), Index(edge.cV(1) - mesh.vert.data())});
     const std::vector<Index> path =
         vcg::fcd::PathOfEdges(std::move(edges), "The layer '" + layer.label().toStdString() + "'");
     const Eigen::Affine3d matrix = matrixOf(layer);
@@ -30,7 +30,8 @@ Eigen::Matrix3Xd readLine(const QString &file) {
     const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most);
     if (!file.endsWith(".pp", Qt::CaseInsensitive))
         return vcg::fcd::ReadLineText(text, file.toStdString());
-    const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), "'" + file.toStdString() + "'");
+    const std::vector<Eigen::Vector3d> picked =
+        readActivePoints(QByteArray::fromStdString(text), "'" + file.toStdString() + "'");
     Eigen::Matrix3Xd points(3, Eigen::Index(picked.size()));
     for (std::size_t i = 0; i < picked.size(); ++i)
         points.col(Eigen::Index(i)) = picked[i];

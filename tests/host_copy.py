@@ -297,7 +297,8 @@ def test_parameters_of_saving_and_what_it_returns(tmp_path):
     assert list(ms.filter_parameter_values(COPY)) == ["deformation_file", "source_layer", "rest_graph", "deformed_graph", "all_visible"]
     before = snapshot(ms.mesh(0))
     result = saved(ms, tmp_path / "bend.ply")
-    assert {key: type(value) for key, value in result.items()} == {"samples": int, "rms_difference": float, "largest_difference": float}
+    assert {key: type(value) for key, value in result.items()} == {
+        "samples": int, "rms_difference": float, "largest_difference": float, "folded_vertices": int}
     assert 1400 < result["samples"] <= ms.mesh(0).vertex_number() and result["largest_difference"] < 1e-4  # few enough to keep nearly all
     assert len(list(ms)) == 4 and ms.current_mesh_id() == 0
     assert_unchanged(before, ms.mesh(0))

@@ -39,6 +39,16 @@ Shape Tube(double length, double wide, double high, int rings, int around) {
     return shape;
 }
 
+/// The same shape at two places.
+Shape Twice(const Shape &shape, const Vector3d &apart) {
+    Shape both = shape;
+    for (const Vector3d &p : shape.position)
+        both.position.emplace_back(p + apart);
+    for (const auto &f : shape.face)
+        both.face.push_back({f[0] + shape.Size(), f[1] + shape.Size(), f[2] + shape.Size()});
+    return both;
+}
+
 /// Along an arc in the plane of x and y, of so many radians from end to end.
 Vector3d Bent(const Vector3d &p, double length, double radians) {
     const double radius = length / radians, a = p[0] / radius;
@@ -321,8 +331,14 @@ TEST(Straighten, TakesATwistOut) {
     goal.untwist = false;
     EXPECT_GT(RmsApart(Along(twisted, goal).position, Points(straight.position)), 0.02 * length);
 
+    // A gap without surface tells no twist, and does no harm.
     goal.untwist = true;
     goal.line = Points({{0, 0, 0}, {length, 0, 0}});
+    const Shape ends = Twice(Tube(3, 0.8, 0.4, 31, 24), {7, 0, 0});
+    const Straight apart = Along(ends, goal);
+    EXPECT_TRUE(apart.position.allFinite());
+    EXPECT_NEAR(apart.report.twist, 0, 6);
+
     EXPECT_NE(MessageOf<BadInput>([&] { Along(Tube(length, 0.6, 0.6, 101, 24), goal); }).find("as good as round"),
               std::string::npos);
 }
@@ -389,12 +405,7 @@ TEST(Straighten, RefusesALineElsewhere) {
     // Between two ends, there is no cross-section.
     goal.line = Points({{0, 0, 0}, {10, 0, 0}});
     goal.middle = true;
-    const Shape end = Tube(0.3, 0.6, 0.6, 4, 16);
-    Shape ends = end;
-    for (const Vector3d &p : end.position)
-        ends.position.emplace_back(p + Vector3d(9.7, 0, 0));
-    for (const auto &f : end.face)
-        ends.face.push_back({f[0] + end.Size(), f[1] + end.Size(), f[2] + end.Size()});
+    const Shape ends = Twice(Tube(0.3, 0.6, 0.6, 4, 16), {9.7, 0, 0});
     EXPECT_NE(MessageOf<BadInput>([&] { Along(ends, goal); }).find("too few places of the line"), std::string::npos);
 }
 

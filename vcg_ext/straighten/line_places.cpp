@@ -48,6 +48,7 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
         return Offer{s < 0 || s > line.Length(), (line.At(s).point - position.col(j)).norm(), j, s};
     };
     std::vector<Offer> first;
+    first.reserve(std::size_t(k));
     for (Index j = 0; j < k; ++j)
         first.push_back(offer(j, 0, line.Length(), 0));
     std::sort(first.begin(), first.end(), [](const Offer &a, const Offer &b) { return b > a; });
