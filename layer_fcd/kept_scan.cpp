@@ -52,7 +52,9 @@ KeptVertices::KeptVertices(const MeshModel &layer)
         isAnyMoved && !isAnyNew && scan.vertexSlots == mesh.vert.size() && scan.faces == facesOf(mesh);
     const bool wasPosed = RestShape::exists(layer);
     std::optional<Eigen::Affine3d> move;
-    if (isAnyMoved && !isSameMesh && !(move = moveOfAll())) {
+    if (isAnyMoved && !isSameMesh)
+        move = moveOfAll();
+    if (isAnyMoved && !isSameMesh && !move) {
         const std::vector<double> longest = longestEdges(mesh);
         const PosedVertex *posed = wasPosed ? RestShape::lastPlaces(mesh) : nullptr;
         forVertices(mesh, [&](std::size_t i) {

@@ -42,7 +42,7 @@ std::uint64_t sumOf(std::size_t n, const Range &range) {
 
 /// How far a coordinate that a host moved may be off, of the numbers that it is the sum of: a host multiplies and adds
 /// four, each rounded, those of the matrix, too; and a person may turn a layer some times.
-constexpr double layerRounding = 32 * double(std::numeric_limits<Scalarm>::epsilon());
+constexpr double layerRounding = 32. * std::numeric_limits<Scalarm>::epsilon();
 
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);

@@ -12,7 +12,6 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -200,7 +199,7 @@ bool RestShape::isAtHome(std::size_t slot) {
     const std::uint64_t here = placeOf(p);
     if (here == known.before)
         return true;
-    if (!known.isKnown() || (std::memcmp(known.now.data(), &p[0], sizeof known.now) != 0 && p != position[slot]))
+    if (!known.isKnown() || (!known.isAt(p) && p != position[slot]))
         return false;
     known.before = here;
     return true;

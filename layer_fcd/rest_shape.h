@@ -19,6 +19,7 @@
 struct PosedVertex {
     Eigen::Vector3d place() const { return Eigen::Vector3d(double(now[0]), double(now[1]), double(now[2])); }
     bool isKnown() const { return before != 0; }
+    bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
 
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
     std::uint64_t
