@@ -12,14 +12,13 @@ mkdir -p "$build"
 rm -rf "$build"/{built,dist,site-2022,fresh,from-source}
 cd "$build" # where no folder is called as the package is
 
-# wheel OPTION... SOURCE: builds one. By the compiler's name of tests/setup.sh: Python's own name for it is another one to the compiler
-# cache, which would compile the method once more.
+# wheel COMPILER OPTION... SOURCE: builds one. By g++, the method is the same as in the plugin for MeshLab's window: the compiler cache has it.
 wheel() {
-    CXX=g++ nice "$tools/pip" wheel --disable-pip-version-check --quiet --no-build-isolation --no-deps \
-        --config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache "$@"
+    nice "$tools/pip" wheel --disable-pip-version-check --quiet --no-build-isolation --no-deps \
+        --config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache "--config-settings=cmake.define.CMAKE_CXX_COMPILER=$1" "${@:2}"
 }
-wheel --wheel-dir built "$root"
-wheel --wheel-dir built "--config-settings=cmake.define.FCD_PLUGINS=$root/build/plugins" "$root/python/plugin"
+wheel g++ --wheel-dir built "$root"
+wheel g++ --wheel-dir built "--config-settings=cmake.define.FCD_PLUGINS=$root/build/plugins" "$root/python/plugin"
 # What else it runs on; the libraries of the plugins are those that pymeshlab has loaded.
 PATH=$tools:$PATH
 auditwheel repair --wheel-dir dist built/pymeshlab_fcd-*.whl >auditwheel.log 2>&1 || { cat auditwheel.log; exit 1; }
@@ -55,16 +54,21 @@ bend = pymeshlab_fcd.deformation(points, None, tags, {2: lift})
 assert abs(bend(points) - moved).max() < 1e-2
 print(bend, *pymeshlab_fcd._meshlab.METHODS)'
 fresh/bin/python -c "$bend"
+fresh/bin/python "$root/tests/python/build_types.py" write optimised.npy
 fresh/bin/pip list --disable-pip-version-check --format=freeze | grep -vE '^(numpy|pip|setuptools|pymeshlab-fcd)=' && { echo "error: it brought more than numpy"; exit 1; }
 
-# From the source distribution, which has all that it needs; unoptimised, which shows as much in a quarter of the time.
+# From the source distribution, which has all that it needs; by the other compiler and without optimisation, with which its results
+# agree.
 tar -xf "$source"
 caches=$(ccache --get-config cache_dir)
 mv "$(basename "$source" .tar.gz)" from-source
-HOME=$build/from-source XDG_CACHE_HOME=$build/from-source CCACHE_DIR=$caches wheel --wheel-dir from-source/dist \
-    --config-settings=cmake.define.CMAKE_CXX_FLAGS_RELEASE=-O0 ./from-source
+HOME=$build/from-source XDG_CACHE_HOME=$build/from-source CCACHE_DIR=$caches \
+    wheel clang++ --config-settings=cmake.build-type=Debug --wheel-dir from-source/dist ./from-source
 fresh/bin/pip install --disable-pip-version-check --quiet --no-deps --force-reinstall from-source/dist/*.whl
 fresh/bin/python -c "$bend"
+extension=$(fresh/bin/python -c 'import pymeshlab_fcd._core as core; print(core.__file__)')
+nm -D "$extension" | grep -q __assert_fail || { echo "error: $extension has no assertions, so it is no build without optimisation"; exit 1; }
+fresh/bin/python "$root/tests/python/build_types.py" compare optimised.npy
 
 # The environment has what the tests need; the packages are laid anew.
 python=$root/build/venv-python/bin/python

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets the machine up, builds, and runs every test: as many suites at a time as there are cores, one of them what is left of
-# the set-up, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as skipped, as failed where CI=true.
+# the set-up, beside them those that wait most of the time, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as skipped, as failed where CI=true.
 #
 #   bash tests/run.sh
 set -uo pipefail
@@ -32,10 +32,9 @@ without() {
     fi
 }
 
-atonce=$(nproc) # suites, each with one process at a time
-# start NAME COMMAND...: a suite beside the others.
-start() {
-    while [ "$(jobs -rp | wc -l)" -ge "$atonce" ]; do wait -n; done
+waiting=() # the processes of the suites that wait for a window or a scripted mouse most of the time
+# begin NAME COMMAND...: a suite beside the others.
+begin() {
     name=$1
     suites+=("$name")
     shift
@@ -47,6 +46,20 @@ start() {
         echo "== $name: $SECONDS s, of cores $(awk -F '[ms ]' '{ for (i = 1; i < NF; i += 3) sum += 60 * $i + $(i + 1) } END { printf "%d", sum }' "$results/$name.times") s"
         cat "$results/$name.out"
     ) 9>"$results/lock" &
+}
+# wait_beside NAME COMMAND...: a suite that waits. A window does not wait for those that compute.
+wait_beside() {
+    begin "$@"
+    waiting+=($!)
+}
+# start NAME COMMAND...: a suite that computes, when a core is free.
+start() {
+    while [ "$(jobs -rp | grep -vcxFf <(printf '%s\n' "${waiting[@]}"))" -ge "$(nproc)" ]; do wait -n; done
+    begin "$1" nice_suite "${@:2}"
+}
+nice_suite() {
+    renice -n 5 -p $BASHPID >/dev/null
+    "$@"
 }
 
 # finish: waits for the suites, and sums up.
@@ -132,41 +145,46 @@ pymeshlab() {
         host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_process.py "${pairs[@]}"
     fi
 }
-# sanitized_plugins HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/NAME. Their runtime has to be
-# loaded first.
-runtime=
-sanitized_plugins() {
-    local directory=$build/$name host=$1 arguments
+# sanitized_plugin HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/sanitized/HOST.
+sanitized_plugin() {
+    local host=$1 directory=$build/sanitized/$1 arguments
     shift
     mapfile -t arguments < <(tail -n +2 "$build/cmake/$host/arguments" | grep -v -e FCD_OUTPUT_DIR -e CMAKE_CXX_COMPILER=)
-    if ! { cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DCMAKE_CXX_COMPILER=clang++ -DFCD_OUTPUT_DIR="$directory/plugins" \
-        -DFCD_SANITIZE_PLUGINS=ON && nice ninja -C "$directory" -j 1 "$@"; } >"$results/$name.build.log" 2>&1; then
-        grep -m 5 -E 'error|Error' "$results/$name.build.log"
-        fail "building $name, see $results/$name.build.log"
-        return 1
+    if cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DCMAKE_CXX_COMPILER=clang++ -DFCD_OUTPUT_DIR="$directory/plugins" \
+        -DFCD_SANITIZE_PLUGINS=ON >"$results/$name-$host.log" 2>&1 && nice ninja -C "$directory" -j 1 "$@" >>"$results/$name-$host.log" 2>&1; then
+        add 0 0 0
+    else
+        grep -m 5 -E 'error|Error' "$results/$name-$host.log"
+        rm -rf "$directory/plugins"
+        fail "building $name for $host, see $results/$name-$host.log"
     fi
-    echo "built after $SECONDS s"
-    runtime=$(clang -print-file-name="libclang_rt.asan-$(uname -m).so")
-    export ASAN_OPTIONS=detect_leaks=0
+}
+sanitized_plugins() {
+    sanitized_plugin meshlab-2020.09 filter_fcd edit_fcd
+    sanitized_plugin pymeshlab-2025.7 filter_fcd
+}
+# The sanitizers' runtime, which has to be loaded first.
+runtime() {
+    clang -print-file-name="libclang_rt.asan-$(uname -m).so"
 }
 sanitized_host() {
-    sanitized_plugins pymeshlab-2025.7 filter_fcd || return
-    FCD_PLUGIN=$build/$name/plugins/libfilter_fcd.so LLVM_PROFILE_FILE=$results/%4m.hostraw \
-        host env LD_PRELOAD="$runtime" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py
-    check coverage-host bash tests/coverage.sh layer_fcd 80 "$build/$name/plugins/libfilter_fcd.so" "$results"/*.hostraw
+    local plugin=$build/sanitized/pymeshlab-2025.7/plugins/libfilter_fcd.so
+    FCD_PLUGIN=$plugin LLVM_PROFILE_FILE=$results/%4m.hostraw ASAN_OPTIONS=detect_leaks=0 \
+        host env LD_PRELOAD="$(runtime)" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py
+    check coverage-host bash tests/coverage.sh layer_fcd 80 "$plugin" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
 }
 # The tool in a window of its own, for tests that use all of it.
 sanitized_window() {
-    local directory=$build/$name system
-    sanitized_plugins meshlab-2020.09 filter_fcd edit_fcd || return
+    local directory=$build/sanitized/meshlab-2020.09 system
     system=$(readlink -f "$build/meshlab-2020.09/plugins/libedit_align.so")
     system=${system%/plugins/*}
     ln -sf "$system"/plugins/*.so "$directory/plugins/"
     cp "$build/meshlab-2020.09/meshlab.bin" "$directory/"
-    sed "s|^LD_LIBRARY_PATH|LD_PRELOAD=$runtime &|" "$build/meshlab-2020.09/meshlab" >"$directory/meshlab"
+    sed "s|^LD_LIBRARY_PATH|LD_PRELOAD=$(runtime) &|" "$build/meshlab-2020.09/meshlab" >"$directory/meshlab"
     chmod +x "$directory/meshlab"
-    FCD_MESHLAB=$directory/meshlab with_meshlabserver tests/host_edit.py -k "monkey or leaves_nothing or tags_of_the_filter"
+    FCD_MESHLAB=$directory/meshlab ASAN_OPTIONS=detect_leaks=0 with_meshlabserver tests/host_edit.py \
+        -k "monkey or leaves_nothing or tags_of_the_filter"
 }
 # The Python package, from its wheel.
 python_package() {
@@ -248,43 +266,44 @@ hosts() {
     fi
 }
 
-if ! bash tests/setup.sh sources; then
+if ! bash tests/setup.sh window; then
     fail "setup"
     finish
 fi
 
+wait_beside bend-2020.09 with_meshlabserver tests/host_edit.py
+wait_beside bend-state-2020.09 with_meshlabserver tests/host_edit_state.py
+wait_beside bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
 # What takes longest begins first.
 start hosts hosts
 hosts=$!
 start unit-sanitized sanitized
 start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
-start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_BUILD_TYPE=Release
-start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 wait "$hosts"
-name=setup
+wait_beside window-2020.09 window
+start sanitized-plugins sanitized_plugins
+plugins=$!
+start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=g++ -DCMAKE_BUILD_TYPE=Release
+start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
 
 (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 
-atonce=$(($(nproc) + 2)) # the first two wait most of the time, for a window and for a scripted mouse
-start window-2020.09 window
-start bend-2020.09 with_meshlabserver tests/host_edit.py
-start sanitized-window sanitized_window
-start bend-state-2020.09 with_meshlabserver tests/host_edit_state.py
-start bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
+start python-package python_package
 start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
 start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 start meshlab-2020.09 meshlabserver
-start python-package python_package
-start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
-start rooms check rooms python3 tests/rooms.py
-start package check package bash tests/package.sh
+wait "$plugins"
+wait_beside sanitized-window sanitized_window
 start sanitized-host sanitized_host
+start package check package bash tests/package.sh
 start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
+start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
+    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp layer_fcd/*.cpp filter_fcd/*.cpp edit_fcd/*.cpp
 start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
 start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
 start clang-tidy-edit tidy edit_fcd meshlab-2025.07
-start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
-    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp layer_fcd/*.cpp filter_fcd/*.cpp edit_fcd/*.cpp
+start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
+start rooms check rooms python3 tests/rooms.py
 wait
 start messages check messages python3 tests/messages.py "$FCD_MESSAGES"
 

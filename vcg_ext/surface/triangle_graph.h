@@ -119,8 +119,10 @@ inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlo
     std::vector<char> isRepeated(std::size_t(in.end - in.begin), 0);
     bool isAny = false;
     for (std::size_t i = 1; i < keys.size(); ++i)
-        if (keys[i].corner == keys[i - 1].corner)
-            isAny = isRepeated[keys[i].number] = true;
+        if (keys[i].corner == keys[i - 1].corner) {
+            isRepeated[keys[i].number] = 1;
+            isAny = true;
+        }
     std::vector<TriangleBlocks::Triangle> distinct;
     for (std::size_t t = 0; isAny && t < isRepeated.size(); ++t)
         if (!isRepeated[t])
