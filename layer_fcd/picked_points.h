@@ -14,4 +14,9 @@
 /// \throw vcg::fcd::Error with the line and what was expected there
 std::vector<vcg::fcd::PointPair> readPickedPoints(const QByteArray &text, const std::string &name);
 
+/// The active ones of the picked points of two layers, in pairs of the same name, in the order of the first.
+/// \throw vcg::fcd::Error as above; a name that comes twice in one of them, or in no pair
+std::vector<vcg::fcd::PointPair> matchPickedPoints(const QByteArray &starts, const std::string &startsName,
+                                                   const QByteArray &targets, const std::string &targetsName);
+
 #endif
