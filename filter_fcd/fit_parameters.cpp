@@ -40,7 +40,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     addParameter<host::RichFileParam>(
         list, Shown::Always, "target_landmarks_file", param.targetFile, QStringList() << "*.pp",
         "Picked points of the target (.pp)",
-        "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose names "
+        "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose "
+        "names "
         "are the same. <b>Empty</b> (the default): that file holds both ends of each pair.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),

@@ -12,7 +12,7 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "start": "As they lie", "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "initial_patches": 150,
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "initial_patches": 150,
     "smoothness": 0.0058, "random_seed": 1, "samples": 4000, "fit_steps": 100, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
@@ -136,7 +136,7 @@ def test_landmarks_lead_where_the_shape_alone_does_not(tmp_path, kind):
     result, points = fit(ms, landmarks_file=file)
     assert result["landmarks"] == len(chosen) and result["landmark_residual"] < 1e-12 * DIAGONAL and result["landmark_pull"] < 0.01 * DIAGONAL
     assert np.linalg.norm(points - truth, axis=1)[chosen].max() < 1e-12 * DIAGONAL
-    assert rms(points, truth) < min(1, 0.25 * far)
+    assert rms(points, truth) < min(0.5, 0.3 * far)
 
 
 def stretches(before, after, faces):

@@ -48,10 +48,10 @@ struct FitParam : DeformationParam {
 
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
-    double largestAngle = 70; ///< of matches, degrees between the normals, (0, 180]
-    int fitSteps = 100;       ///< from stiff to soft, >= 2
+    double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
+    int fitSteps = 100;                  ///< from stiff to soft, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
-    int samples = 4000;       ///< places of the source that are matched, >= 100
+    int samples = 4000;                  ///< places of the source that are matched, >= 100
 
     /// \throw BadInput naming the value that is out of range
     void ValidateFit() const;
@@ -61,8 +61,8 @@ struct FitParam : DeformationParam {
 struct FitReport {
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
     double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
-    double landmarks = 0; ///< largest distance of a landmark from where it belongs, world units
-    double pull = 0;      ///< how far nodes had to give way so that all landmarks are there, world units
+    double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
+    double pull = 0; ///< how far nodes had to give way so that all landmarks are there, world units
     int steps = 0;
     bool converged = false; ///< the last step moved no node by more than a thousandth of the diagonal
 };

@@ -127,9 +127,10 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     FitSamples drawn = samples; // the landmarks are behind those that are matched
     samples.Shrink(matched);
     FitSystem system(*deformer, isFree, drawn, param.smoothness);
-    FitMatches matches(target, samples,
-                       {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
-                        std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)))});
+    FitMatches matches(
+        target, samples,
+        {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
+         std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)))});
     std::vector<FitSystem::Pull> pull(drawn.Size());
     for (int step = 0; step < param.fitSteps; ++step) {
         const double a = double(step) / (param.fitSteps - 1);

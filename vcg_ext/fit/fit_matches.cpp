@@ -16,10 +16,11 @@ constexpr double least = 1e-4;
 // The width of the weights over the ninth decile of the distances that count: a limb that comes late is among the last
 // tenth, and still drawn. Of 2, 4 and 8, the more the better on an armadillo, a bunny and a head posed by CGAL.
 constexpr double wide = 8;
-// And over the median of the first distances, by the end.
-constexpr double narrow = 0.1;
-// The way back of a match may be shorter by this factor before the match is another's.
-constexpr double back = 2;
+// And by the end over what it was at first, where the distances do not tell: it has closed on what lies on the target.
+constexpr double narrow = 0.05;
+// A match that is this often as far as its way back (and the samples' spacing farther) is another's. Of 1.2 to 2, all
+// are the same but on a half armadillo.
+constexpr double mostDetour = 2;
 
 } // namespace
 
@@ -70,14 +71,19 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
             n = (n + turned[s]) / 2;
         }
         normal[s] = n;
-        counts[s] = angular[s] > 0 && !match[s].onBorder && distance[s] <= param.farthest &&
-                    distance[s] <= param.spacing + fcd::back * back[s];
-        if (counts[s])
+        counts[s] =
+            angular[s] > 0 && distance[s] <= param.farthest && distance[s] <= param.spacing + mostDetour * back[s];
+        if (counts[s] && !match[s].onBorder)
             good.push_back(distance[s]);
     }
+    // Where the target ends, what is farther than it mostly is elsewhere is beyond the end.
+    const double median = Quantile(good, 0.5), atBorder = std::max(1.5 * median, least);
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (match[s].onBorder && distance[s] > atBorder)
+            counts[s] = 0;
     if (first < 0)
-        first = 2 * std::max(Quantile(good, 0.5), 1e-6);
-    const double width = std::max({first * std::pow(narrow / 2, part), wide * Quantile(good, 0.9), least});
+        first = std::max(2 * median, 2e-6);
+    const double width = std::max({first * std::pow(narrow, part), wide * Quantile(good, 0.9), least});
     // How much a match holds along the surface: little in the end, or it takes many steps to slide to its place.
     const double along = 0.5 * std::pow(0.002, part);
     for (std::size_t s = 0; s < Size(); ++s) {

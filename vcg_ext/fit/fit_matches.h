@@ -15,8 +15,8 @@ namespace fcd {
 
 /// Which matches of samples and target count, frame units.
 struct MatchParam {
-    double farthest = 1;  ///< a match that is farther does not count
-    double edge = 0.34;   ///< cosine of the largest angle between the normals
+    double farthest = 1;   ///< a match that is farther does not count
+    double edge = 0.34;    ///< cosine of the largest angle between the normals
     double spacing = 0.01; ///< of the samples
 };
 
@@ -24,9 +24,9 @@ struct MatchParam {
 /// target, and how much that counts.
 ///
 /// The weight of a match falls with its distance as graduated robust weights do (Black and Rangarajan 1996, Zhou 2016)
-/// and with the angle between the normals. None has a place where the target ends, and none whose way back leads
-/// elsewhere (the picky matches of Godin 1994 and Zinsser 2003): that is where something else of the surface is nearer
-/// to the place. So what has no counterpart is not drawn to what lies beside it.
+/// and with the angle between the normals. One whose way back leads elsewhere does not count (as in the picky matches
+/// of Godin 1994 and Zinsser 2003): something else of the surface is nearer to the place. Nor does one where the target
+/// ends that is farther than they mostly are. So what has no counterpart is not drawn to what lies beside it.
 class FitMatches {
   public:
     FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param);
