@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_reports.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -143,7 +144,8 @@ std::string describe(const FittedLayers &made) {
          << " steps. " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
          << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
     if (made.landmarks > 0)
-        line << " None of the " << made.landmarks << " landmarks is off by more than " << report.landmarks << ".";
+        line << " None of the " << made.landmarks << " landmarks is off by more than " << report.landmarks
+             << "; at last the surface gave way by " << report.pull << " for them.";
     line << " " << made.seconds << " s.";
     return line.str();
 }
@@ -159,6 +161,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"folded_triangles", made.result.check.flipped},
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
+                   {"landmark_pull", report.pull},
                    {"nodes", int(made.result.rest.position.cols())},
                    {"steps", report.steps},
                    {"converged", report.converged},
@@ -180,11 +183,13 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.push_back(std::to_string(made.result.check.flipped) +
                            (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
                            " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
-    if (report.landmarks > 0.01 * made.diagonal) { // farther than a hand misses a point
+    if (report.pull > 0.01 * made.diagonal || report.landmarks > 1e-6 * made.diagonal) { // 1 %: no hand misses so much
         std::ostringstream line;
-        line << "A landmark is off by " << report.landmarks
-             << ": it contradicts the others or the target. Look for pairs that are mixed up, or lower stiffness.";
-        warnings.push_back(line.str());
+        line << "The landmarks contradict each other or the target, by " << std::max(report.pull, report.landmarks)
+             << ". Look for pairs that are mixed up";
+        if (report.landmarks > 1e-6 * made.diagonal)
+            line << "; where they are closer than patches, raise initial_patches";
+        warnings.push_back(line.str() + ".");
     }
     if (!report.converged)
         warnings.emplace_back("The fit did not come to rest: raise fit_steps.");

@@ -37,6 +37,22 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "between; lines that begin with # are comments. Or MeshLab's picked points (.pp): source, target, source, "
         "target, and so on. A place that is no vertex stands for the vertex nearest to it. <b>Empty</b> (the default): "
         "no landmarks; give some where limbs lie far from where they belong.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "target_landmarks_file", param.targetFile, QStringList() << "*.pp",
+        "Picked points of the target (.pp)",
+        "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose "
+        "names "
+        "are the same. <b>Empty</b> (the default): that file holds both ends of each pair.");
+    addParameter<RichEnum>(
+        list, Shown::Always, "start", int(fit.start),
+        QStringList() << "As they lie"
+                      << "Rigid, from landmarks"
+                      << "Rigid and scaled, from landmarks"
+                      << "Axes tried out",
+        "Start",
+        "Where the layers do not lie on each other yet: moves all of the current one first, by the <b>landmarks</b> "
+        "(three that are not on a line at least), or so that middle and <b>principal axes</b> fall together, of the 24 "
+        "ways the one that fits best. Needs a layer without fixed vertices and handles.");
     addParameter<RichFloat>(
         list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
         "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "
@@ -80,6 +96,8 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     FitMeshParam param;
     param.target = host::layerParameter(list, "target_layer", document);
     param.landmarkFile = list.getOpenFileName("landmarks_file");
+    param.targetFile = list.getOpenFileName("target_landmarks_file");
+    param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;
     vcg::fcd::FitParam &fit = param.fit;

@@ -40,10 +40,11 @@ const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target) 
     return *target;
 }
 
-std::vector<Landmark> readLandmarks(const MeshModel &layer, const Handles &handles, const QString &file) {
+std::vector<Landmark> readLandmarks(const MeshModel &layer, const Handles &handles, const QString &file,
+                                    const QString &targets) {
     std::vector<Landmark> landmarks;
-    if (!file.isEmpty())
-        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, nullptr, file))
+    if (!file.isEmpty() || !targets.isEmpty())
+        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, nullptr, file, targets))
             landmarks.push_back({point.vertex, handles.world * point.target});
     return landmarks;
 }
@@ -91,7 +92,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     vcg::fcd::DeformationResult &result = made.result;
     const MeshModel &target = checkedTarget(layer, param.target);
     Handles handles = readHandles(layer, nullptr, param.handles);
-    const std::vector<Landmark> landmarks = readLandmarks(layer, handles, param.landmarkFile);
+    const std::vector<Landmark> landmarks = readLandmarks(layer, handles, param.landmarkFile, param.targetFile);
     made.landmarks = landmarks.size();
     const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02)),
                                   targetSurface = vcg::tri::ReadSurface(target.cm, progress.Slice(0.02, 0.04));
@@ -115,6 +116,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     result.converged = made.report.converged;
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, fit, progress.Slice(0.8, 0.85), result);
+    fitter->PutLandmarks(landmarks, result.position);
     std::vector<float> quality;
     if (param.quality != FitMeshParam::Input)
         quality =

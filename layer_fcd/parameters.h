@@ -76,6 +76,7 @@ struct FitMeshParam {
     const MeshModel *target = nullptr;
     HandleParam handles;     ///< regions that stay, or move as they are told
     QString landmarkFile;    ///< .csv or .pp, may be empty
+    QString targetFile;      ///< .pp, to be matched with the other by name; may be empty
     vcg::fcd::FitParam fit;  ///< without nodes
     bool graphLayers = true; ///< keep the rest and the deformed graph as layers
     Quality quality = Input; ///< of the fitted layer

@@ -16,4 +16,9 @@ std::vector<Eigen::Vector3d> readActivePoints(const QByteArray &text, const std:
 /// The same in pairs of start and target, of which there is one at least.
 std::vector<vcg::fcd::PointPair> readPickedPoints(const QByteArray &text, const std::string &name);
 
+/// The active ones of the picked points of two layers, in pairs of the same name, in the order of the first.
+/// \throw vcg::fcd::Error as above; a name that comes twice in one of them, or in no pair
+std::vector<vcg::fcd::PointPair> matchPickedPoints(const QByteArray &starts, const std::string &startsName,
+                                                   const QByteArray &targets, const std::string &targetsName);
+
 #endif

@@ -20,17 +20,26 @@ namespace {
 
 std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
 
-std::vector<PointPair> readPairs(const QString &path, std::size_t mostBytes) {
-    const std::string name = QFile::encodeName(path).toStdString();
-    if (!path.endsWith(".pp", Qt::CaseInsensitive))
-        return vcg::fcd::ReadPointHandleFile(name, mostBytes);
-    return readPickedPoints(QByteArray::fromStdString(vcg::fcd::ReadFile(name, mostBytes)), quoted(path));
+std::vector<PointPair> readPairs(const QString &path, const QString &targets, std::size_t mostBytes) {
+    const auto read = [&](const QString &file) {
+        return QByteArray::fromStdString(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes));
+    };
+    const auto isPicked = [](const QString &file) { return file.endsWith(".pp", Qt::CaseInsensitive); };
+    if (!targets.isEmpty()) {
+        if (!isPicked(path) || !isPicked(targets))
+            throw Error("Points are matched by name where both files are picked points (.pp) of MeshLab.");
+        return matchPickedPoints(read(path), quoted(path), read(targets), quoted(targets));
+    }
+    if (!isPicked(path))
+        return vcg::fcd::ReadPointHandleFile(QFile::encodeName(path).toStdString(), mostBytes);
+    return readPickedPoints(read(path), quoted(path));
 }
 
 } // namespace
 
-std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file) {
-    const std::vector<PointPair> pairs = readPairs(file, mostBytes(layer, 1000));
+std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                          const QString &targets) {
+    const std::vector<PointPair> pairs = readPairs(file, targets, mostBytes(layer, 1000));
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
 

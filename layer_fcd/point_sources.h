@@ -13,7 +13,9 @@
 /// start and target, or a list of correspondences (see vcg::fcd::ReadPointHandleFile). A start that is no vertex stands
 /// for the vertex nearest to it, which moves as the start does.
 /// \param rest positions per vertex slot, null where the layer is at rest
+/// \param targets picked points of the other layer, to match those of \p file by name; may be empty
 /// \throw vcg::fcd::Error when the file cannot be read or names a vertex that there is not: says what to do
-std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file);
+std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                                    const QString &targets = QString());
 
 #endif

@@ -18,6 +18,9 @@
 namespace vcg {
 namespace fcd {
 
+class FitMatches;
+class FitTarget;
+
 /// A pair of landmarks.
 struct Landmark {
     std::size_t vertex;     ///< slot of a vertex of the source
@@ -31,15 +34,24 @@ struct FitGoal {
     Eigen::Affine3d world = Eigen::Affine3d::Identity(); ///< the matrix of its layer
 };
 
+/// From where a fit begins.
+enum class FitStart {
+    AsItLies,  ///< where the layers lie
+    Rigid,     ///< by the rigid motion that takes landmarks nearest to where they belong
+    Similar,   ///< the same with one scale
+    TriedAxes, ///< by the rigid motion onto the target's middle and principal axes, of 24 the one that fits best
+};
+
 /// How a surface is fitted.
 struct FitParam : DeformationParam {
     FitParam();
 
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
-    double largestAngle = 70; ///< of matches, degrees between the normals, (0, 180]
-    int fitSteps = 100;       ///< from stiff to soft, >= 2
-    int samples = 4000;       ///< places of the source that are matched, >= 100
+    double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
+    int fitSteps = 100;                  ///< from stiff to soft, >= 2
+    FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
+    int samples = 4000;                  ///< places of the source that are matched, >= 100
 
     /// \throw BadInput naming the value that is out of range
     void ValidateFit() const;
@@ -50,6 +62,7 @@ struct FitReport {
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
     double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
     double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
+    double pull = 0; ///< how far nodes had to give way so that all landmarks are there, world units
     int steps = 0;
     bool converged = false; ///< the last step moved no node by more than a thousandth of the diagonal
 };
@@ -70,7 +83,16 @@ class Fitter {
 
     const Deformer &Surface() const { return *deformer; }
 
+    /// Puts vertices with landmarks where these are, to the last bit, in positions that a pose was carried to, which
+    /// are single precision from there; those at the same place, too. What the graph is too coarse for stays.
+    /// \param position 3 x vertex slots, mesh units
+    void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Matrix3Xd &position) const;
+
   private:
+    Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
+                          const std::vector<Eigen::Vector3d> &place, unsigned threads) const;
+    void Measure(const FitMatches &matches, FitReport &report) const;
+
     const SurfaceView source;
     const Handles handles;
     const FitParam param;

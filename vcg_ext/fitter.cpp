@@ -1,13 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_landmarks.h>
+#include <vcg_ext/fit/fit_matches.h>
+#include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_system.h>
 #include <vcg_ext/fit/fit_target.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace vcg {
 namespace fcd {
+
+namespace {
+
+/// Whether no connected part of the surface that bends has as much as a third of the free vertices.
+bool IsInParts(const Deformer &deformer) {
+    std::vector<Index> componentOf;
+    const Index parts = ConnectedComponents(deformer.surface.graph.adjacency, componentOf);
+    std::vector<std::size_t> size(std::size_t(parts), 0);
+    for (const MovingSurface::Bent &each : deformer.bent)
+        ++size[std::size_t(componentOf[std::size_t(each.node)])];
+    const std::size_t all = deformer.bent.size() + deformer.carried.size();
+    return size.empty() || 3 * *std::max_element(size.begin(), size.end()) < all;
+}
+
+/// The rotation by a vector: along its axis, by its length.
+Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
+    const double angle = w.norm();
+    return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+}
+
+// Of Eq. 2 over A against the mean square of the distances, chosen on an armadillo, a bunny and a head: stiff enough
+// that limbs follow their roots and nothing slides along the surface, soft enough that it reaches the target.
+constexpr double stiffest = 1e-2, softest = 2e-6;
+
+} // namespace
 
 FitParam::FitParam() {
     // A vertex then follows some seven nodes; with more, a step takes several times as long.
@@ -36,30 +65,17 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     param.ValidateFit();
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
-    deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.9));
+    deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.7));
+    if (!source.isCloud && IsInParts(*deformer)) { // what joins its parts is that they lie beside each other
+        SurfaceView points = source;
+        points.faces = points.edges = 0;
+        points.isCloud = true;
+        deformer = PrepareDeformer(points, handles, param, progress.Slice(0.7, 0.9));
+    }
     sample = EvenSample(*deformer, std::size_t(param.samples));
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
     progress(1, "Preparing the fit");
 }
-
-namespace {
-
-/// A part of a sorted list.
-double Quantile(std::vector<double> values, double part) {
-    if (values.empty())
-        return 0;
-    const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
-/// The rotation by a vector: along its axis, by its length.
-Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
-    const double angle = w.norm();
-    return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-}
-
-} // namespace
 
 Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &landmark, FitReport &report,
                              const Progress &progress) const {
@@ -100,60 +116,29 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     std::vector<char> isFree(std::size_t(deformer->graph.Size()));
     for (Index j = 0; j < deformer->graph.Size(); ++j)
         isFree[std::size_t(j)] = deformer->held.tag[std::size_t(deformer->patches.center[std::size_t(j)])] == 1;
-    FitSystem system(*deformer, isFree, samples, param.smoothness);
+    if (param.start != FitStart::AsItLies) {
+        const Eigen::Affine3d start = Start(target, samples, matched, place, progress.threads);
+        for (Index j = 0; j < deformer->graph.Size(); ++j) {
+            graph.position.col(j) = start * graph.position.col(j).eval();
+            graph.linear[std::size_t(j)] = start.linear() * graph.linear[std::size_t(j)];
+        }
+    }
 
-    std::vector<FitSystem::Pull> pull(samples.Size());
-    std::vector<Eigen::Vector3d> at(samples.Size()), turned(matched);
-    std::vector<FitTarget::Match> match(matched);
-    std::vector<double> distance(matched), weight(matched);
-    const double least = 1e-4; // of the diagonal: nearer is as good as on it
-    const double farthest = param.largestDistance / frame.scale;
-    const double edge = std::cos(param.largestAngle * double(EIGEN_PI) / 180), full = edge + (1 - edge) / 2;
-    // Of Eq. 2 over A against the mean square of the distances, chosen on pairs of an armadillo, a bunny and a head:
-    // from where limbs are still drawn by what is far from them to where noise of a tenth of a percent does not dent
-    // it.
-    const double stiffest = 2e-3, softest = 3e-7;
-    double first = 0; // the width of the weights in the first step
+    FitSamples drawn = samples; // the landmarks are behind those that are matched
+    samples.Shrink(matched);
+    FitSystem system(*deformer, isFree, drawn, param.smoothness);
+    FitMatches matches(
+        target, samples,
+        {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
+         std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)))});
+    std::vector<FitSystem::Pull> pull(drawn.Size());
     for (int step = 0; step < param.fitSteps; ++step) {
         const double a = double(step) / (param.fitSteps - 1);
         progress.Slice(0.3, 1)(a, "Fitting");
-        ParallelFor(progress.threads, samples.Size(), 64, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t s = begin; s < end; ++s) {
-                at[s] = samples.At(s, graph);
-                if (s >= matched)
-                    continue;
-                match[s] = target.Nearest(at[s]);
-                turned[s] = samples.NormalAt(s, graph);
-                distance[s] = (at[s] - match[s].point).norm();
-            }
-        });
-        const double median = Quantile(distance, 0.5);
-        if (step == 0)
-            first = 2 * std::max(median, 1e-6);
-        const double width = std::max({first * std::pow(0.02, a), 1.5 * median, least});
-        const double along = 0.5 * (1 - a) + 0.01; // how much a match holds along the surface
-        for (std::size_t s = 0; s < matched; ++s) {
-            double w = std::exp(-0.5 * std::pow(distance[s] / width, 2));
-            Eigen::Vector3d n = match[s].normal;
-            if (!n.isZero(0) && !turned[s].isZero(0)) {
-                double cosine = n.dot(turned[s]);
-                if (!match[s].isOriented && cosine < 0) {
-                    n = -n;
-                    cosine = -cosine;
-                }
-                w *= std::clamp((cosine - edge) / (full - edge), 0.0, 1.0);
-                n = (n + turned[s]) / 2;
-            }
-            if (distance[s] > farthest || (match[s].onBorder && distance[s] > std::max(1.5 * median, least)))
-                w = 0;
-            weight[s] = w;
-            const double unit = w / double(matched);
-            pull[s].form = unit * (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
-            pull[s].gradient = pull[s].form * (at[s] - match[s].point);
-        }
-        for (std::size_t s = matched; s < samples.Size(); ++s) {
+        matches.Find(graph, a, progress.threads, pull);
+        for (std::size_t s = matched; s < drawn.Size(); ++s) {
             pull[s].form = Eigen::Matrix3d::Identity() * (10 / double(landmark.size()));
-            pull[s].gradient = pull[s].form * (at[s] - place[s - matched]);
+            pull[s].gradient = pull[s].form * (drawn.At(s, graph) - place[s - matched]);
         }
         const double stiffness = stiffest * std::pow(softest * param.stiffness / stiffest, a);
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
@@ -164,29 +149,68 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         report.steps = step + 1;
         report.converged = change.bottomRows<3>().colwise().norm().maxCoeff() < 1e-3;
     }
+    report.pull = MoveOnto(drawn, matched, place, isFree, graph) * frame.scale;
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
     graph.converged = report.converged;
+    Measure(matches, report);
+    for (std::size_t s = matched; s < drawn.Size(); ++s)
+        report.landmarks = std::max(report.landmarks, (drawn.At(s, graph) - place[s - matched]).norm() * frame.scale);
+    progress(1, "Fitting");
+    return pose;
+}
 
-    std::vector<double> near;
-    double squares = 0;
+Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
+                              const std::vector<Eigen::Vector3d> &place, unsigned threads) const {
+    for (Index tag : deformer->held.tag)
+        if (tag != 1)
+            throw BadInput("A start that moves all of the surface does not go with fixed vertices or handles: start "
+                           "from where the layers lie.");
+    std::vector<Eigen::Vector3d> from;
+    const bool byAxes = param.start == FitStart::TriedAxes;
+    const auto &node = samples.surfaceNode;
+    for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
+        from.push_back(deformer->surface.graph.position.col(node[s]).cast<double>());
+    if (byAxes)
+        return StartFromAxes(from, sampleNormal, target, threads);
+    return StartFromLandmarks(from, place, param.start == FitStart::Similar);
+}
+
+void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
+    const double scale = deformer->surface.frame.scale;
+    std::vector<double> distance, near;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        distance.push_back(matches.Distance(s));
     // The nearest fifth lies on the target wherever that is a fifth of the source, and tells its noise: 12 times the
     // 20th percentile of the distances of a plane's noise is three times its standard deviation.
     const double noise = std::max(12 * Quantile(distance, 0.2), 1e-3);
-    for (std::size_t s = 0; s < matched; ++s)
-        if (weight[s] > 0.01 && distance[s] <= noise) {
-            near.push_back(distance[s] * frame.scale);
+    double squares = 0;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        if (matches.Counts(s) && distance[s] <= noise) {
+            near.push_back(distance[s] * scale);
             squares += near.back() * near.back();
         }
-    report.matched = double(near.size()) / double(std::max<std::size_t>(matched, 1));
+    report.matched = double(near.size()) / double(std::max<std::size_t>(distance.size(), 1));
     report.rms = near.empty() ? 0 : std::sqrt(squares / double(near.size()));
     report.median = Quantile(near, 0.5);
     report.percentile95 = Quantile(near, 0.95);
-    for (std::size_t s = matched; s < samples.Size(); ++s)
-        report.landmarks = std::max(report.landmarks, (samples.At(s, graph) - place[s - matched]).norm() * frame.scale);
-    progress(1, "Fitting");
-    return pose;
+}
+
+void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Matrix3Xd &position) const {
+    const double rounding = 1e-5 * deformer->surface.frame.scale;
+    std::map<Index, Eigen::Vector3d> at;
+    for (const Landmark &each : landmark) {
+        const Eigen::Vector3d target = handles.world.inverse() * each.target;
+        const Eigen::Vector3d off = target - position.col(Eigen::Index(each.vertex));
+        if ((handles.world.linear() * off).norm() <= rounding)
+            at[deformer->surface.nodeOf[each.vertex]] = target;
+    }
+    if (at.empty())
+        return;
+    for (std::size_t i = 0; i < source.vertexSlots; ++i)
+        if (const auto found = at.find(deformer->surface.nodeOf[i]); found != at.end())
+            position.col(Eigen::Index(i)) = found->second;
 }
 
 } // namespace fcd

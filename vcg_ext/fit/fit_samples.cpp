@@ -29,6 +29,14 @@ void FitSamples::Add(const Deformer &deformer, const Deformer::Pose &pose, Index
     surfaceNode.push_back(node);
 }
 
+void FitSamples::Shrink(std::size_t size) {
+    begin.resize(size + 1);
+    term.resize(begin.back());
+    fixed.resize(size);
+    normal.resize(size);
+    surfaceNode.resize(size);
+}
+
 Eigen::Vector3d FitSamples::At(std::size_t s, const GraphPose &pose) const {
     Eigen::Vector3d x = fixed[s];
     for (std::uint32_t t = begin[s]; t < begin[s + 1]; ++t)

@@ -28,6 +28,8 @@ struct FitSamples {
     std::vector<Eigen::Vector3d> normal; ///< at rest, of length 1; 0 where it is not known
 
     std::size_t Size() const { return surfaceNode.size(); }
+    /// Leaves the first \p size of them.
+    void Shrink(std::size_t size);
 
     /// \param pose gives the motions of what is held
     void Add(const Deformer &deformer, const Deformer::Pose &pose, Index node);

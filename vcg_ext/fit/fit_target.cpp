@@ -10,6 +10,11 @@
 namespace vcg {
 namespace fcd {
 
+Eigen::Matrix3d Moments::Axes() const {
+    const Eigen::Vector3d middle = Middle();
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second / sum - middle * middle.transpose()).eigenvectors();
+}
+
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
                      const Eigen::Affine3d &toFrame, const Progress &progress) {
     if (target.isCloud)
@@ -45,6 +50,7 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
         if (across.norm() <= 1e-12 * one.norm() * other.norm()) // a line, but for rounding: no plane to speak of
             continue;
         triangle.push_back(c);
+        moments.Add(p + (one + other) / 3, across.norm());
         for (std::size_t k = 0; k < 3; ++k) {
             normal.col(c[k]) += across;
             once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
@@ -77,6 +83,7 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
             if (normalOf)
                 normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized();
+            moments.Add(position.col(Eigen::Index(i)), 1);
         }
     if (points == 0)
         throw BadInput("The target has no vertices.");
@@ -96,7 +103,7 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p) const {
     }
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
-    if (normal.cols() == 0 && at.count > 2) { // the plane through the points around
+    if (border.empty() && match.normal.isZero(0) && at.count > 2) { // the plane through the points around
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (int k = 0; k < at.count; ++k)

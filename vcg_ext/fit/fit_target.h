@@ -15,6 +15,23 @@
 namespace vcg {
 namespace fcd {
 
+/// Middle and principal axes of what is spread in space.
+class Moments {
+  public:
+    void Add(const Eigen::Vector3d &p, double weight) {
+        sum += weight;
+        first += weight * p;
+        second += weight * p * p.transpose();
+    }
+    Eigen::Vector3d Middle() const { return first / sum; }
+    Eigen::Matrix3d Axes() const; ///< columns, from the shortest to the longest; of length 1
+
+  private:
+    double sum = 0;
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+};
+
 /// What a surface is fitted to: triangles, or points with or without normals. Any number of threads may ask.
 class FitTarget {
   public:
@@ -34,6 +51,7 @@ class FitTarget {
               const Eigen::Affine3d &toFrame, const Progress &progress = {});
 
     Match Nearest(const Eigen::Vector3d &p) const;
+    const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
 
   private:
     void ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress);
@@ -44,6 +62,7 @@ class FitTarget {
     Eigen::Matrix3Xd normal;   // of each; 0 columns where there are none
     std::vector<char> border;  // flags of nodes; empty for points
     std::unique_ptr<NearestPlace> place;
+    Moments moments;
 };
 
 } // namespace fcd

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_LANDMARKS_H
+#define VCG_FCD_FIT_LANDMARKS_H
+
+#include <vcg_ext/fit/fit_samples.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Moves the free nodes of a graph, all together by as little as possible (least squares), so that some samples are
+/// where they belong. The surface follows as smoothly as it follows the nodes.
+/// \param first the number of the first of these samples; they are those from there on
+/// \param place of each of them, frame units \param isFree flags of the graph's nodes
+/// \return the largest move of a node, frame units
+double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
+                const std::vector<char> &isFree, GraphPose &pose);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_MATCHES_H
+#define VCG_FCD_FIT_MATCHES_H
+
+#include <vcg_ext/fit/fit_samples.h>
+#include <vcg_ext/fit/fit_system.h>
+#include <vcg_ext/fit/fit_target.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Which matches of samples and target count, frame units.
+struct MatchParam {
+    double farthest = 1;   ///< a match that is farther does not count
+    double edge = 0.34;    ///< cosine of the largest angle between the normals
+    double spacing = 0.01; ///< of the samples
+};
+
+/// What the samples of a surface are drawn to, found anew in each step of a fit: for each its nearest place on the
+/// target, and how much that counts.
+///
+/// The weight of a match falls with its distance as graduated robust weights do (Black and Rangarajan 1996, Zhou 2016)
+/// and with the angle between the normals. One whose way back leads elsewhere does not count (as in the picky matches
+/// of Godin 1994 and Zinsser 2003): something else of the surface is nearer to the place. Nor does one where the target
+/// ends that is farther than they mostly are. So what has no counterpart is not drawn to what lies beside it.
+class FitMatches {
+  public:
+    FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param);
+
+    /// \param part how much of the fit has passed, [0, 1]
+    /// \param pull out: of each sample, from point to plane (Chen and Medioni 1992), with the mean of both normals
+    /// (Rusinkiewicz 2019)
+    void Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull);
+
+    std::size_t Size() const { return samples.Size(); }
+    double Distance(std::size_t s) const { return distance[s]; }
+    bool Counts(std::size_t s) const { return counts[s] != 0; }
+
+  private:
+    void Search(const GraphPose &pose, unsigned threads);
+
+    const FitTarget &target;
+    const FitSamples &samples;
+    const MatchParam param;
+    double first = -1; // the width of the weights in the first step
+    std::vector<Eigen::Vector3d> at, turned, normal;
+    std::vector<double> distance, back, angular;
+    std::vector<FitTarget::Match> match;
+    std::vector<char> counts;
+};
+
+/// A part of a list, as if it were sorted; 0 of none.
+double Quantile(std::vector<double> values, double part);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
