@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using vcg::tri::BuildCentroidalGraph;
 using vcg::tri::DeformCentroidal;
 
-static const int many = threadSanitized ? 2000 : sanitized ? 5000 : 100000;
+static const int many = threadSanitized ? 2000 : sanitized ? 5000 : 70000; // more than 16 bits can count
 
 /// \p n triangles, each by itself, in a box.
 static Shape LooseTriangles(int n) {
@@ -72,11 +72,11 @@ static Case Bar(double scale = 1, const Vector3d &at = Vector3d::Zero()) {
 static DeformationParam CoarseParam(double targetRadius = 0) {
     DeformationParam param;
     param.graph.targetRadius = targetRadius;
+    param.maxIterations = 100; // enough to be right, if not at rest
     return param;
 }
 
-/// Deforms, with the promises for what is held. Both ways to weigh the nodes, which are about what follows the graph:
-/// it is at rest once.
+/// Deforms, with the promises for what is held. Both ways to weigh the nodes, which are about what follows the graph.
 static void ExpectDeforms(const Shape &shape, const Handles &handles, DeformationParam param = CoarseParam()) {
     const MeshD mesh(shape);
     for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
@@ -112,7 +112,7 @@ static void ExpectError(const Case &c, const std::string &word, const Deformatio
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
 
-TEST(WorstCases, AHundredThousandComponents) {
+TEST(WorstCases, ManyComponents) {
     const Shape shape = LooseTriangles(many);
     ExpectGraph(shape);
     Handles few;
@@ -120,13 +120,11 @@ TEST(WorstCases, AHundredThousandComponents) {
     for (int i = 0; i < 30; ++i)
         few.tag[many / 20 * i] = i % 2 * 2;
     few.motion[2] = Motion(bend.matrix());
-    DeformationParam param = CoarseParam();
-    param.maxIterations = 100; // enough to be right, if not at rest
-    ExpectDeforms(shape, few, param);
-    ExpectDeforms(shape, TagsInTurn(shape.position.size()), param);
+    ExpectDeforms(shape, few);
+    ExpectDeforms(shape, TagsInTurn(shape.position.size()));
 }
 
-TEST(WorstCases, AHundredThousandHandles) {
+TEST(WorstCases, ManyHandles) {
     const Shape shape = LooseTriangles(many / 3 + 1);
     Handles all;
     for (int i = 0; i < shape.Size(); ++i) {
@@ -137,7 +135,7 @@ TEST(WorstCases, AHundredThousandHandles) {
     ExpectDeforms(shape, all);
 }
 
-TEST(WorstCases, AFanOfAHundredThousandFaces) {
+TEST(WorstCases, AFanOfManyFaces) {
     const Shape fan = Fan(many);
     ExpectGraph(fan);
     Handles few;
@@ -389,7 +387,7 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
 }
 
 TEST(WorstCases, TheThreadsMakeNoDifference) {
-    constexpr int n = sanitized ? 5000 : 100000;
+    constexpr int n = sanitized ? 5000 : 70000;
     const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(n / 650, 160);
     for (const Shape &shape : {LooseTriangles(n / 3), NoArea(sanitized ? 40 : 120), Fan(n / 20), Points(duplicates),
                                Unwelded(Jittered(sheet, 0.2))}) {
