@@ -34,7 +34,7 @@ Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
 
 // Of Eq. 2 over A against the mean square of the distances, chosen on an armadillo, a bunny and a head: stiff enough
 // that limbs follow their roots and nothing slides along the surface, soft enough that it reaches the target.
-constexpr double stiffest = 1e-2, softest = 2e-6;
+constexpr double stiffest = 1e-2, softest = 1e-6;
 
 } // namespace
 

@@ -84,8 +84,9 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     if (first < 0)
         first = std::max(2 * median, 2e-6);
     const double width = std::max({first * std::pow(narrow, part), wide * Quantile(good, 0.9), least});
-    // How much a match holds along the surface: little in the end, or it takes many steps to slide to its place.
-    const double along = 0.5 * std::pow(0.002, part);
+    // How much a match holds along the surface: little, or it takes many steps to slide to its place; but not less, or
+    // a smooth shape slides along itself (the tube of tests/host_fit.py).
+    const double along = 0.5 * std::pow(0.02, part);
     for (std::size_t s = 0; s < Size(); ++s) {
         const double w =
             counts[s] ? angular[s] * std::exp(-0.5 * std::pow(distance[s] / width, 2)) / double(Size()) : 0;
