@@ -196,19 +196,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
          << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, "
          << result.secondsMap << " s for the mesh.";
     logLine(line.str());
-    if (result.looseParts > 0)
-        logLine(std::to_string(result.looseParts) + (result.looseParts == 1 ? " part is" : " parts are") +
-                " loose (no fixed or handle vertex): " +
-                (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
-                                                                              : "staying in place."));
-    if (made.isOwnGraph)
-        logLine("'" + param.graphLayer->label().toStdString() +
-                "' is the graph that these parameters make here: used with the patches that it was made with.");
-    else if (param.useGraphLayer)
-        logLine(std::to_string(result.placedNodes) + " of the " + std::to_string(made.givenNodes) + " nodes of '" +
-                param.graphLayer->label().toStdString() + "' lie on the surface" +
-                (result.placedNodes < made.givenNodes ? "; the others are left out." : ".") +
-                " Their patches are grown anew.");
+    for (const std::string &remark : describe(made, param))
+        logLine(remark);
     for (const std::string &warning : describe(result.check, result.surface.gaps))
         logLine(warning, GLLogStream::WARNING);
     warnOf(result.pose.way, result.converged, result.discretisationError);

@@ -91,6 +91,27 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
     return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};
 }
 
+std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param) {
+    const vcg::fcd::DeformationResult &result = made.result;
+    std::vector<std::string> remarks;
+    if (result.looseParts > 0)
+        remarks.push_back(std::to_string(result.looseParts) + (result.looseParts == 1 ? " part is" : " parts are") +
+                          " loose (no fixed or handle vertex): " +
+                          (param.deformation.looseParts == vcg::fcd::LooseParts::Follow
+                               ? "following the nearest held part."
+                               : "staying in place."));
+    if (made.isOwnGraph)
+        remarks.push_back("'" + param.graphLayer->label().toStdString() +
+                          "' is the graph that these parameters make here: used with the patches that it was made "
+                          "with.");
+    else if (param.useGraphLayer)
+        remarks.push_back(std::to_string(result.placedNodes) + " of the " + std::to_string(made.givenNodes) +
+                          " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
+                          (result.placedNodes < made.givenNodes ? "; the others are left out." : ".") +
+                          " Their patches are grown anew.");
+    return remarks;
+}
+
 std::string describeDiscretisation(double error) {
     if (!(error > 0.01)) // what one sees
         return {};

@@ -7,6 +7,7 @@
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/kept_aside.h>
+#include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/parameters.h>
@@ -30,6 +31,9 @@ std::string describe(const MeshModel &layer, const TagTarget &target);
 /// How many new vertices have what was at their place, and how many vertices keep what they have.
 std::string describePlaced(const MeshModel &layer, const BroughtBack &made);
 std::string describeOthers(const MeshModel &layer, const BroughtBack &made);
+
+/// What loose parts did, and which graph was used where one was given.
+std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param);
 
 /// A sentence for each thing on the way to a pose that is worth knowing.
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
