@@ -80,9 +80,10 @@ QString FilterFcd::filterInfo(int id) const {
                    "target. A template onto a scan, last year's scan onto this year's, a decimated model onto the full "
                    "cloud; with pairs of <b>landmarks</b> or without. What has no counterpart on the target is carried "
                    "along smoothly.<br>"
-                   "The layers should lie roughly onto each other; their matrices count. Nothing has to be tagged; "
-                   "what is tagged as for 'FCD: Deform Mesh' stays, to the bit, or moves as it is told. Works on scans "
-                   "as they are, and on point clouds, as source and as target.<br>"
+                   "The layers should lie roughly onto each other, or 'Start' moves the current one there; their "
+                   "matrices count. Nothing has to be tagged; what is tagged as for 'FCD: Deform Mesh' stays, to the "
+                   "bit, or moves as it is told. Works on scans as they are, and on point clouds, as source and as "
+                   "target.<br>"
                    "The result is a new layer with all that the source carries. The layers with the graph serve 'FCD: "
                    "Apply Deformation to Layer' and 'FCD: Save Deformation'. Non-rigid registration (ICP), template "
                    "fitting, shrink wrap, morph; as rigid as possible (ARAP).") +

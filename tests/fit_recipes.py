@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fit_shapes import (MESHES, ROOT, Pair, against, bent, cgal, holes, jointed, lifted, loaded, potato, refined, remeshed, shattered,
+from fit_shapes import (MESHES, ROOT, Pair, against, bent, cgal, diagonal, holes, jointed, lifted, loaded, potato, refined, remeshed, shattered,
                         sheet, simplified, soup, tube, turned)
 
 KEPT = ROOT / "build" / "fit_pairs"
@@ -98,6 +98,54 @@ def dragon_landmarks():
     """a dragon of 11 k in 30 parts, bent twice as much; 8 landmarks"""
     source = loaded("attr/genesis_dragon.obj")
     return against(source, bent(7, 2.0, base=source[0])(source[0]), landmarks=8)
+
+
+def swung(points, faces, low, high, axis, degrees, shift=(0, 0, 0)):
+    """By CGAL: what is lowest stays, what is highest is turned about its middle and moved by parts of the diagonal; shares of the height."""
+    height = (points[:, 1] - points[:, 1].min()) / np.ptp(points[:, 1])
+    center = points[height > high].mean(0)
+    corners = turned(np.vstack([np.eye(3), [0, 0, 0]]), center, axis, np.full(4, float(degrees)))
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = corners[3], (corners[:3] - corners[3]).T
+    matrix[:3, 3] += np.asarray(shift) * diagonal(points)
+    return cgal(points, faces, np.where(height < low, 0, np.where(height > high, 2, 1)), matrix)
+
+
+@pair("training")
+def igea_cgal():
+    """a head of 5 k, its neck bent by CGAL; 8 holes"""
+    source = simplified(loaded("scans/igea_134k.ply.xz"), 5000)
+    return against(source, swung(*source, 0.2, 0.8, [0.3, 1, 0.2], 18, (0.01, 0, 0.01)), make=holes)
+
+
+@pair("training")
+def bunny_cgal():
+    """a bunny of 6 k, bent by CGAL; onto a cloud without normals, noise of 0.1 %"""
+    points, faces = loaded("dirty/bunny_zipper_isolated_36k.ply")
+    used, faces = np.unique(faces, return_inverse=True)
+    source = simplified((points[used], faces.reshape(-1, 3).astype(np.int32)), 6000)
+    return against(source, swung(*source, 0.25, 0.75, [0, 0.3, 1], 25), noise=0.1, cloud="plain")
+
+
+@pair("training")
+def armadillo_cgal():
+    """an armadillo of 12 k, bent by CGAL; noise of 0.15 %"""
+    source = simplified(loaded("scans/armadillo_43k.ply"), 12000)
+    return against(source, swung(*source, 0.3, 0.7, [1, 0.4, 0], 35), noise=0.15)
+
+
+@pair("training")
+def armadillo_half_cgal():
+    """a scan of 43 k with an arm lifted by CGAL; nothing left of the other half"""
+    points, faces = loaded("scans/armadillo_43k.ply")
+    return against((points, faces), lifted(points, faces, points[:, 0].argmax(), 0.25, [0.3, 0.2, 1], 20.0), beyond=lambda p: p[:, 0] + 0.02)
+
+
+@pair("training")
+def armadillo_landmarks():
+    """an armadillo of 11 k, bent by CGAL as far as it goes; 8 landmarks"""
+    source = simplified(loaded("scans/armadillo_43k.ply"), 11000)
+    return against(source, swung(*source, 0.25, 0.75, [1, 0.2, 0.3], 80, (0, -0.05, 0.1)), landmarks=8)
 
 
 @pair("held out")

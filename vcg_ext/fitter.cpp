@@ -32,8 +32,9 @@ Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
     return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
 }
 
-// Of Eq. 2 over A against the mean square of the distances, chosen on an armadillo, a bunny and a head: stiff enough
-// that limbs follow their roots and nothing slides along the surface, soft enough that it reaches the target.
+// Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
+// (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff enough that limbs follow
+// their roots and nothing slides along the surface, soft enough that it reaches the target.
 constexpr double stiffest = 1e-2, softest = 1e-6;
 
 } // namespace

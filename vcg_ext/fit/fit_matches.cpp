@@ -18,8 +18,8 @@ constexpr double least = 1e-4;
 constexpr double wide = 8;
 // And by the end over what it was at first, where the distances do not tell: it has closed on what lies on the target.
 constexpr double narrow = 0.05;
-// A match that is this often as far as its way back (and the samples' spacing farther) is another's. Of 1.2 to 2, all
-// are the same but on a half armadillo.
+// A match that is this often as far as its way back (and the samples' spacing farther) is another's. A round number:
+// from 1.2 to 2 there was no rule in what it changed.
 constexpr double mostDetour = 2;
 
 } // namespace
