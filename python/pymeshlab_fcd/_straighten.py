@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from . import _core, _inputs
 from ._deformer import Deformer, _finite
 from ._inputs import Points
+from ._numbers import plain
 from ._pose import DeformationWarning, Pose
 from ._progress import Progress, report, shared
 
@@ -47,7 +48,7 @@ class Straightened(Pose):
 
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
-    return np.zeros((1, 3)) if value is None else _finite(name, _inputs.rows(name, np.atleast_2d(_inputs.plain(name, value)), 1, "one"))
+    return np.zeros((1, 3)) if value is None else _finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
 
 
 def straighten(
