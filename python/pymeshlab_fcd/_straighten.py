@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from . import _core, _inputs
 from ._deformer import Deformer, _finite
 from ._inputs import Points
+from ._numbers import plain
 from ._pose import DeformationWarning, Pose
 from ._progress import Progress, report, shared
 
@@ -47,7 +48,7 @@ class Straightened(Pose):
 
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
-    return np.zeros((1, 3)) if value is None else _finite(name, _inputs.rows(name, np.atleast_2d(_inputs.plain(name, value)), 1, "one"))
+    return np.zeros((1, 3)) if value is None else _finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
 
 
 def straighten(
@@ -130,7 +131,9 @@ def straighten(
     if target is not None and (degrees != 0 or direction is not None or towards is not None):
         raise ValueError("degrees, direction and towards are of an arc: give them, or a target, not both")
     told = shared(progress)
-    deformer = Deformer._free(vertices, faces, normals, param, _inputs.whole("threads", threads, 0, 1024), report(told, 0, 60))
+    used = _inputs.whole("threads", threads, 0, 1024)
+    deformer = Deformer._made(vertices, faces, normals, lambda positions, corners, _: _core.prepare_free(positions, corners, param, used,
+                                                                                                         report(told, 0, 60)))
     solved, found = _core.straighten(deformer._core, goal, report(told, 60, 80))
     made = Straightened(deformer, solved, np.empty_like(deformer.vertices))
     made.line = LineInfo(**found)
