@@ -16,9 +16,10 @@ from . import _core, _inputs
 from ._deformer import Deformer, Transforms, _finite, _surface
 from ._inputs import Points
 from ._pose import DeformationWarning, Pose, PoseInfo
-from ._progress import Progress, Report, report, shared
+from ._progress import Progress, report, shared
 
 FitStart = Literal["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"]
+"""From where a fit begins; see [Fitter][pymeshlab_fcd.Fitter]."""
 _STARTS: Final = ("as_they_lie", "landmarks_rigid", "landmarks_similar", "axes")  # in the order of FitStart in vcg_ext/fit.h
 
 
