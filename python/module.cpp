@@ -2,6 +2,7 @@
 // The extension of pymeshlab_fcd: the method on numpy's arrays. What is called here has been looked at in Python:
 // kinds, shapes, layout.
 #include "field.h"
+#include "fitted.h"
 #include "posed.h"
 #include "prepared.h"
 #include "straightened.h"
@@ -108,5 +109,14 @@ NB_MODULE(_core, module) {
     module.def("prepare_free", &prepareFree, arg("vertices"), arg("faces").none(), arg("param"), arg("threads"),
                arg("report").none());
     module.def("straighten", &straighten, arg("prepared"), arg("goal"), arg("report").none());
+    nb::class_<Fitting>(module, "Fitting")
+        .def(nb::init<const Rows &, const std::optional<Corners> &, const Given<std::int32_t, nb::ndim<1>> &,
+                      const std::vector<std::pair<int, std::string>> &, const std::optional<Rows> &, const nb::dict &,
+                      unsigned, const nb::object &>(),
+             arg("vertices"), arg("faces").none(), arg("tags"), arg("motions"), arg("normals").none(), arg("param"),
+             arg("threads"), arg("report").none())
+        .def_ro("prepared", &Fitting::prepared)
+        .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("report").none())
+        .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
     module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"));
 }

@@ -15,6 +15,14 @@ using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
 
+namespace {
+
+std::shared_ptr<const Deformer> deformerOf(const Prepared &prepared, const Progress &progress) {
+    return vcg::fcd::PrepareDeformer(prepared.view, prepared.handles, prepared.param, progress);
+}
+
+} // namespace
+
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
                    const Given<std::int32_t, nb::ndim<1>> &tags, const Given<std::int64_t, nb::ndim<1>> &points,
                    const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report)
@@ -22,17 +30,25 @@ Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
     handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
     for (std::size_t k = 0; k < points.shape(0); ++k)
         handles.point.push_back({std::size_t(points.data()[k]), Eigen::Vector3d::Zero()});
-    prepare(report);
+    prepare(report, deformerOf);
 }
 
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
                    unsigned threads, const nb::object &report)
     : vertices(vertices), faces(faces), param(param), threads(threads) {
     handles.tag.assign(vertices.shape(0), 1);
-    prepare(report);
+    prepare(report, deformerOf);
 }
 
-void Prepared::prepare(const nb::object &report) {
+Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
+                   const Given<std::int32_t, nb::ndim<1>> &tags, const vcg::fcd::DeformationParam &param,
+                   unsigned threads, const nb::object &report, const Make &make)
+    : vertices(vertices), faces(faces), param(param), threads(threads) {
+    handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
+    prepare(report, make);
+}
+
+void Prepared::prepare(const nb::object &report, const Make &make) {
     view.position = vertices.data();
     view.vertexSlots = vertices.shape(0);
     if (faces) {
@@ -46,7 +62,7 @@ void Prepared::prepare(const nb::object &report) {
         view.Validate(progress.Slice(0, 0.02));
         tags = param.bendsUnheld ? vcg::fcd::CountTags(handles.tag, nullptr, threads)
                                  : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
-        deformer = vcg::fcd::PrepareDeformer(view, handles, param, progress.Slice(0.02, 1));
+        deformer = make(*this, progress.Slice(0.02, 1));
         findStill();
         for (std::size_t i = 0; i < view.vertexSlots; ++i)
             if (view.At(i).allFinite())

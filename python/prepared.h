@@ -8,6 +8,7 @@
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/surface/nearest_place.h>
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,6 +24,11 @@ class Prepared {
     /// All of it is free, to be moved by something else than handles.
     Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
              unsigned threads, const nb::object &report);
+    /// Prepares the view and the tags of one that is read.
+    using Make = std::function<std::shared_ptr<const vcg::fcd::Deformer>(const Prepared &, const vcg::fcd::Progress &)>;
+    /// What \p make prepares, to be moved by something else than handles, or beside them. \param tags one per vertex
+    Prepared(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
+             const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report, const Make &make);
 
     // What Python is told of it; see Deformer and Graph there.
     nb::tuple graph() const;
@@ -45,13 +51,13 @@ class Prepared {
     const vcg::fcd::DeformationParam param;
     const unsigned threads;
     vcg::fcd::TagCount tags;
-    std::unique_ptr<vcg::fcd::Deformer> deformer;
+    std::shared_ptr<const vcg::fcd::Deformer> deformer;
     std::vector<std::uint32_t> still; ///< slots that move in no pose
     Eigen::AlignedBox3d box;          ///< of the vertices
     double seconds = 0;               ///< that it took
 
   private:
-    void prepare(const nb::object &report);
+    void prepare(const nb::object &report, const Make &make);
     void findStill();
 
     mutable std::once_flag placesMade;

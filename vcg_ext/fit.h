@@ -86,7 +86,7 @@ class Fitter {
     /// Puts vertices with landmarks where these are, to the last bit, in positions that a pose was carried to, which
     /// are single precision from there; those at the same place, too. What the graph is too coarse for stays.
     /// \param position 3 x vertex slots, mesh units
-    void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Matrix3Xd &position) const;
+    void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 
   private:
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,

@@ -198,7 +198,7 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     report.percentile95 = Quantile(near, 0.95);
 }
 
-void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Matrix3Xd &position) const {
+void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const {
     const double rounding = 1e-5 * deformer->surface.frame.scale;
     std::map<Index, Eigen::Vector3d> at;
     for (const Landmark &each : landmark) {

@@ -7,11 +7,13 @@ pymeshlab.
 from ._deform import deform, deformation
 from ._deformation import Deformation
 from ._deformer import Deformer, Graph, Transforms, SurfaceInfo, Weights
+from ._fit import FitInfo, Fitted, Fitter, FitStart, fit
 from ._meshlab import VERSIONS, deform_layer
 from ._motion import Motion
 from ._pose import DeformationWarning, Pose, PoseInfo
 from ._progress import Progress
 from ._straighten import LineInfo, Straightened, straighten
 
-__all__ = ["Deformation", "DeformationWarning", "Deformer", "Graph", "LineInfo", "Motion", "Pose", "PoseInfo", "Progress", "Straightened", "SurfaceInfo",
-           "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation", "straighten"]
+__all__ = ["Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter", "Graph", "LineInfo", "Motion", "Pose",
+           "PoseInfo", "Progress", "Straightened", "SurfaceInfo", "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation",
+           "fit", "straighten"]

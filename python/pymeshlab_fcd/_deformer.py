@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, Union
 
@@ -215,15 +215,15 @@ class Deformer:
         self._warn(0 if nodes is None else len(param["nodes"]))
 
     @classmethod
-    def _free(cls, vertices: object, faces: ArrayLike | None, normals: ArrayLike | None, param: dict[str, Any], threads: int,
-              told: Any) -> Deformer:
-        """All of a surface is free, to be moved by something else than handles."""
+    def _made(cls, vertices: object, faces: ArrayLike | None, normals: ArrayLike | None,
+              prepare: Callable[[Points, NDArray[np.uint32] | None, Points | None], _core.Prepared]) -> Deformer:
+        """What something else prepares of vertices, faces and normals, to be moved by that."""
         made = cls.__new__(cls)
         made._mesh, made.vertices, made.faces = _surface(vertices, faces)
         made._starts = None
         made._normals = None if normals is None else _inputs.normals(normals, len(made.vertices))
         made.points = np.zeros(0, np.int64)
-        made._core = _core.prepare_free(made.vertices, made.faces, param, threads, told)
+        made._core = prepare(made.vertices, made.faces, made._normals)
         return made
 
     def _warn(self, nodes: int) -> None:
@@ -343,17 +343,17 @@ class Deformer:
         return f"<Deformer of {len(self.vertices)} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"
 
 
-def _surface(vertices: object, faces: ArrayLike | None) -> tuple[object, Points, NDArray[np.uint32] | None]:
+def _surface(vertices: object, faces: ArrayLike | None, whose: str = "") -> tuple[object, Points, NDArray[np.uint32] | None]:
     """The mesh of another library, if it is one; positions, corners."""
     mesh: object = None
     taken = _meshes.taken(vertices)
     if taken is not None:
         if faces is not None:
-            raise TypeError("faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
+            raise TypeError(f"{whose}faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
         mesh = vertices
         vertices, faces = taken
-    positions = _inputs.rows("vertices", vertices, what="one row per vertex")
-    return mesh, positions, _inputs.triangles(faces, len(positions))
+    positions = _inputs.rows(f"{whose}vertices", vertices, what="one row per vertex")
+    return mesh, positions, _inputs.triangles(faces, len(positions), f"{whose}faces")
 
 
 def _finite(name: str, values: Points) -> Points:

@@ -29,12 +29,12 @@ def rows(name: str, values: object, count: int | None = None, what: str = "one r
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def normals(values: object, count: int) -> Points:
+def normals(values: object, count: int, name: str = "normals") -> Points:
     """Normals at rest: of any length that single precision can square, or 0."""
-    array = rows("normals", values, count, "one for each vertex")
+    array = rows(name, values, count, "one for each vertex")
     largest = np.abs(array).max(axis=1, initial=0)
     if not (((largest >= 1e-15) & (largest <= 1e15)) | (largest == 0)).all():
-        raise ValueError("normals must be finite, of lengths from 1e-15 to 1e15, or 0 where there is none; scale them to length 1")
+        raise ValueError(f"{name} must be finite, of lengths from 1e-15 to 1e15, or 0 where there is none; scale them to length 1")
     return array
 
 
@@ -47,21 +47,21 @@ def written(name: str, array: object, count: int) -> Points:
     return array
 
 
-def triangles(values: object, vertices: int) -> NDArray[np.uint32] | None:
+def triangles(values: object, vertices: int, name: str = "faces") -> NDArray[np.uint32] | None:
     """m x 3 numbers of vertices; None where there are none."""
     if values is None:
         return None
-    array = plain("faces", values)
+    array = plain(name, values)
     if array.size == 0:
         return None
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"faces must be m x 3, the numbers of the vertices at the corners of triangles; it is {told_shape(array)}. "
+        raise ValueError(f"{name} must be m x 3, the numbers of the vertices at the corners of triangles; it is {told_shape(array)}. "
                          "Split other polygons into triangles first; give None for a cloud")
     if array.dtype.kind not in "iu":
-        raise TypeError(f"faces must be whole numbers, those of the vertices at the corners; it holds {array.dtype}. "
-                        "Use faces.astype(np.int64)")
+        raise TypeError(f"{name} must be whole numbers, those of the vertices at the corners; it holds {array.dtype}. "
+                        f"Use {name}.astype(np.int64)")
     if array.min() < 0 or array.max() >= vertices:
-        raise ValueError(f"faces must hold numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
+        raise ValueError(f"{name} must hold numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
     if array.dtype in (np.dtype(np.int32), np.dtype(np.uint32)):
         return np.ascontiguousarray(array).view(np.uint32)
     return np.ascontiguousarray(array, dtype=np.uint32)
@@ -147,17 +147,17 @@ def transforms(given: object, handles: Sequence[int] | None) -> list[tuple[int, 
     return steps
 
 
-def points(values: object, vertices: int) -> NDArray[np.int64] | Points:
+def points(values: object, vertices: int, name: str = "points") -> NDArray[np.int64] | Points:
     """Landmarks: numbers of vertices, k, or places, k x 3."""
-    array = plain("points", values)
+    array = plain(name, values)
     if array.ndim == 2 or array.dtype.kind == "f" and array.size:
-        return rows("points", array, what="a place for each landmark, or whole numbers of vertices")
+        return rows(name, array, what="a place for each landmark, or whole numbers of vertices")
     if array.size == 0:
         return np.zeros(0, np.int64)
     if array.dtype.kind not in "iu" or array.ndim != 1:
-        raise ValueError(f"points must be numbers of vertices, or k x 3 places; it is {told_shape(array)} of {array.dtype}")
+        raise ValueError(f"{name} must be numbers of vertices, or k x 3 places; it is {told_shape(array)} of {array.dtype}")
     if array.min() < 0 or array.max() >= vertices:
-        raise ValueError(f"points must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
+        raise ValueError(f"{name} must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
     return np.ascontiguousarray(array, dtype=np.int64)
 
 

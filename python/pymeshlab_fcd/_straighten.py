@@ -131,7 +131,9 @@ def straighten(
     if target is not None and (degrees != 0 or direction is not None or towards is not None):
         raise ValueError("degrees, direction and towards are of an arc: give them, or a target, not both")
     told = shared(progress)
-    deformer = Deformer._free(vertices, faces, normals, param, _inputs.whole("threads", threads, 0, 1024), report(told, 0, 60))
+    used = _inputs.whole("threads", threads, 0, 1024)
+    deformer = Deformer._made(vertices, faces, normals, lambda positions, corners, _: _core.prepare_free(positions, corners, param, used,
+                                                                                                         report(told, 0, 60)))
     solved, found = _core.straighten(deformer._core, goal, report(told, 60, 80))
     made = Straightened(deformer, solved, np.empty_like(deformer.vertices))
     made.line = LineInfo(**found)

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
     (folder / "use.py").write_text("""
 import numpy as np
 from numpy.typing import NDArray
-from pymeshlab_fcd import Deformation, Deformer, Motion, deform, deformation
+from pymeshlab_fcd import Deformation, Deformer, Fitted, Fitter, Motion, deform, deformation, fit
 
 v: NDArray[np.float64] = np.zeros((3, 3))
 deformer = Deformer(v, [[0, 1, 2]], [0, 1, 2], smoothness=0.01, graph_weights="border", progress=lambda percent, stage: None)
@@ -41,6 +41,8 @@ d: Deformation = deformation(v, tags=[0, 1, 2], transforms={2: np.eye(4)})
 e: float | None = d.largest_difference
 f: NDArray[np.float64] = deform(v, None, [0, 1, 2], {2: np.eye(4)}, patches=100)
 g: NDArray[np.int32] = deformer.patch_of
+h: Fitted = fit(v, [[0, 1, 2]], v, landmarks=([0, 1], v[:2]), tags=[0, 1, 2], transforms={2: np.eye(4)}, start="axes")
+i: float = Fitter(v, stiffness=10).fit(v, [[0, 1, 2]], landmarks=(v, v)).info.percentile_95
 """)
     return folder
 

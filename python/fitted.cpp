@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fitted.h"
+
+#include <vcg_ext/handles/motion_text.h>
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <limits>
+
+using vcg::fcd::FitGoal;
+using vcg::fcd::FitParam;
+using vcg::fcd::FitReport;
+using vcg::fcd::Fitter;
+using vcg::fcd::Handles;
+using vcg::fcd::Landmark;
+using vcg::fcd::NormalOf;
+using vcg::fcd::Progress;
+
+namespace {
+
+/// \param given names and values of the parameters; all else is as the filter has it
+FitParam fitParamOf(const nb::dict &given) {
+    FitParam param;
+    param.start = vcg::fcd::FitStart(nb::cast<int>(given["start"]));
+    param.stiffness = nb::cast<double>(given["stiffness"]);
+    param.largestDistance = nb::cast<double>(given["largest_distance"]);
+    if (param.largestDistance == 0)
+        param.largestDistance = std::numeric_limits<double>::infinity();
+    param.largestAngle = nb::cast<double>(given["largest_angle"]);
+    param.graph.initialPatches = nb::cast<int>(given["patches"]);
+    param.graph.randomSeed = nb::cast<unsigned>(given["seed"]);
+    param.smoothness = nb::cast<double>(given["smoothness"]);
+    param.samples = nb::cast<int>(given["samples"]);
+    param.fitSteps = nb::cast<int>(given["steps"]);
+    return param;
+}
+
+/// Of rows that outlive it; empty without any.
+NormalOf normalsOf(const std::optional<Rows> &rows) {
+    if (!rows)
+        return {};
+    return [data = rows->data()](std::size_t i) { return Eigen::Vector3d(rowOf(data, i)); };
+}
+
+std::vector<Landmark> landmarksOf(const Fitting::Numbers &points, const Rows &places) {
+    std::vector<Landmark> landmarks;
+    for (std::size_t k = 0; k < points.shape(0); ++k)
+        landmarks.push_back({std::size_t(points.data()[k]), rowOf(places.data(), k)});
+    return landmarks;
+}
+
+} // namespace
+
+Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
+                 const Given<std::int32_t, nb::ndim<1>> &tags, const std::vector<std::pair<int, std::string>> &motions,
+                 const std::optional<Rows> &normals, const nb::dict &given, unsigned threads,
+                 const nb::object &report) {
+    const FitParam param = fitParamOf(given);
+    const auto make = [&](const Prepared &read, const Progress &progress) {
+        Handles handles = read.handles;
+        const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return read.view.At(i); });
+        for (const auto &[tag, text] : motions) {
+            const auto steps = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "the motion");
+            handles.motion[tag] = vcg::fcd::ToMotion(steps.at(tag), center.at(tag));
+        }
+        fitter = std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress);
+        return std::shared_ptr<const vcg::fcd::Deformer>(fitter, &fitter->Surface()); // lives as long as the fitter
+    };
+    prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
+}
+
+nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places,
+                       const nb::object &report) const {
+    const auto vertices = nb::cast<Rows>(given["vertices"]);
+    const auto faces = nb::cast<std::optional<Corners>>(given["faces"]);
+    const auto normals = nb::cast<std::optional<Rows>>(given["normals"]);
+    FitGoal goal;
+    goal.surface.position = vertices.data();
+    goal.surface.vertexSlots = vertices.shape(0);
+    if (faces) {
+        goal.surface.corner = faces->data();
+        goal.surface.faces = faces->shape(0);
+    }
+    goal.surface.isCloud = goal.surface.faces == 0;
+    goal.normal = normalsOf(normals);
+    FitReport found;
+    vcg::fcd::SurfacePose pose;
+    const vcg::fcd::Stopwatch watch;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        goal.surface.Validate(progress.Slice(0, 0.02));
+        pose = fitter->Solve(goal, landmarksOf(points, places), found, progress.Slice(0.02, 1));
+    });
+    pose.iterations = found.steps;
+    nb::dict all;
+    all["rms"] = found.rms;
+    all["median"] = found.median;
+    all["percentile_95"] = found.percentile95;
+    all["matched"] = found.matched;
+    all["landmarks"] = points.shape(0);
+    all["landmark_residual"] = found.landmarks;
+    all["landmark_pull"] = found.pull;
+    all["steps"] = found.steps;
+    all["diagonal"] = prepared->deformer->surface.frame.scale;
+    return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);
+}
+
+void Fitting::put(const Numbers &points, const Rows &places, const Written &vertices) const {
+    fitter->PutLandmarks(landmarksOf(points, places),
+                         Eigen::Map<Eigen::Matrix3Xd>(vertices.data(), 3, Eigen::Index(vertices.shape(0))));
+}

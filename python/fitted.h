@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_FITTED_H
+#define PYMESHLAB_FCD_FITTED_H
+
+#include "posed.h"
+
+#include <vcg_ext/fit.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// A surface that is prepared to be fitted. Its arrays are referred to.
+class Fitting {
+  public:
+    using Numbers = Given<std::int64_t, nb::ndim<1>>;
+
+    /// \param tags one per vertex \param motions of tags, as ReadMotionText reads their steps
+    /// \param normals those of the vertices; a cloud's tell its sides apart \param param by name; see Fitter in Python
+    Fitting(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
+            const std::vector<std::pair<int, std::string>> &motions, const std::optional<Rows> &normals,
+            const nb::dict &param, unsigned threads, const nb::object &report);
+
+    /// Fits it. \param goal vertices, faces (or None), normals (or None) \param points vertices of the landmarks
+    /// \param places where they belong \return the pose, and what is told of it
+    nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, const nb::object &report) const;
+
+    /// Puts landmarks to the last bit into what a pose has written.
+    void put(const Numbers &points, const Rows &places, const Written &vertices) const;
+
+    std::shared_ptr<Prepared> prepared; ///< which the fitter belongs to
+
+  private:
+    std::shared_ptr<const vcg::fcd::Fitter> fitter;
+};
+
+#endif

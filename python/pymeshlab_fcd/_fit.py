@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fitting: a surface that is laid onto another one."""
+from __future__ import annotations
+
+import functools
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, _inputs
+from ._deformer import Deformer, Transforms, _finite, _surface
+from ._inputs import Points
+from ._pose import DeformationWarning, Pose, PoseInfo
+from ._progress import Progress, report, shared
+
+FitStart = Literal["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"]
+"""From where a fit begins; see [Fitter][pymeshlab_fcd.Fitter]."""
+_STARTS: Final = ("as_they_lie", "landmarks_rigid", "landmarks_similar", "axes")  # in the order of FitStart in vcg_ext/fit.h
+
+
+@dataclass(frozen=True)
+class FitInfo(PoseInfo):
+    """What became of a fit. Lengths are in units of the vertices. What [PoseInfo][pymeshlab_fcd.PoseInfo] tells of Eq. 2 (`energy`,
+    `discretisation_error`) is not a number here: the target moves the surface, too."""
+
+    steps: int
+    """From stiff to soft."""
+    rms: float
+    """Distance from the target where the surface is matched, root mean square."""
+    median: float
+    """Of the same distances."""
+    percentile_95: float
+    """What 95 percent of them are within."""
+    matched: float
+    """Share of the surface that has a counterpart, 0 to 1."""
+    landmarks: int
+    """How many there are."""
+    landmark_residual: float
+    """The largest distance of a landmark from where it belongs."""
+    landmark_pull: float
+    """How far the surface had to give way at last so that all landmarks are there: much where they contradict each other."""
+
+
+class Fitted(Pose):
+    """A surface that was laid onto another one, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]: a
+    [Pose][pymeshlab_fcd.Pose] with all that one has."""
+
+    _report: dict[str, Any]
+
+    @functools.cached_property
+    def info(self) -> FitInfo:
+        """What became of it; measured when it is asked for first."""
+        info, told = self._core.info(), dict(self._report)
+        del told["diagonal"]
+        return FitInfo(nodes=info["nodes"], iterations=info["iterations"], converged=info["converged"], energy=math.nan,
+                       discretisation_error=math.nan, folded=self._check()["folded"], strained=self._check()["strained"],
+                       largest_stretch=float(self.stretch().max(initial=1)), seconds=info["seconds_solve"] + info["seconds_map"], **told)
+
+    def _words(self, folded: int) -> list[str]:
+        """What is not to be trusted, in words."""
+        told, texts = self._report, []
+        if told["matched"] < 0.3:  # then most of the shape is a guess
+            texts.append(f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay the surfaces "
+                         "onto each other first, give landmarks, or raise largest_distance or largest_angle.")
+        if folded > 0:
+            texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the fit folds the surface there. Give "
+                         "landmarks, or raise stiffness.")
+        off = told["landmark_residual"] > 1e-6 * told["diagonal"]
+        if off or told["landmark_pull"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
+            texts.append("The landmarks contradict each other or the target, by "
+                         f"{max(told['landmark_pull'], told['landmark_residual']):g}. Look for pairs that are mixed up"
+                         f"{'; where they are closer than patches, raise patches' if off else ''}.")
+        if not self._core.info()["converged"]:
+            texts.append("The fit did not come to rest: raise steps.")
+        return texts
+
+
+class Fitter:
+    """A surface or a cloud that is prepared once to be laid onto others. Any number of threads may fit one Fitter at a time; Python's
+    lock is free while it works. The same input gives the same bits, for any number of threads.
+
+    Args:
+        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab. C-contiguous doubles are referred to, not copied.
+        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+        transforms: `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
+        normals: n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+        start: Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar`
+            (with a scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the
+            one that fits best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
+        stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
+        largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
+        largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+        patches: How many patches to begin with, from 1.
+        smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
+        seed: Chooses where the first patches are.
+        samples: How many places of the surface are matched, from 100.
+        steps: The surface gets softer over so many, 2 to 10000.
+        threads: How many to use; 0 is one a core.
+        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+    Raises:
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is
+            not finite.
+        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    """
+
+    _fitting: _core.Fitting
+
+    def __init__(
+        self,
+        vertices: ArrayLike | object,
+        faces: ArrayLike | None = None,
+        tags: ArrayLike | None = None,
+        transforms: Transforms | None = None,
+        *,
+        normals: ArrayLike | None = None,
+        start: FitStart = "as_they_lie",
+        stiffness: float = 1.0,
+        largest_distance: float = 0.0,
+        largest_angle: float = 70.0,
+        patches: int = 150,
+        smoothness: float = 0.0058,
+        seed: int = 1,
+        samples: int = 4000,
+        steps: int = 100,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> None:
+        param: dict[str, Any] = {
+            "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.single("stiffness", stiffness),
+            "largest_distance": _inputs.single("largest_distance", largest_distance),
+            "largest_angle": _inputs.single("largest_angle", largest_angle), "patches": _inputs.whole("patches", patches, 1),
+            "smoothness": _inputs.single("smoothness", smoothness), "seed": _inputs.whole("seed", seed, 0),
+            "samples": _inputs.whole("samples", samples, 0), "steps": _inputs.whole("steps", steps, 0),
+        }
+
+        def prepare(positions: Points, corners: NDArray[np.uint32] | None, directions: Points | None) -> _core.Prepared:
+            n = len(positions)
+            regions = _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
+            moves = _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist())
+            self._fitting = _core.Fitting(positions, corners, regions, moves, directions, param, _inputs.whole("threads", threads, 0, 1024),
+                                       report(progress))
+            return self._fitting.prepared
+
+        self.deformer: Deformer = Deformer._made(vertices, faces, normals, prepare)
+        """The surface: its `vertices`, `faces`, `graph`, and what it is (`info`)."""
+
+    def fit(
+        self,
+        target_vertices: ArrayLike | object,
+        target_faces: ArrayLike | None = None,
+        *,
+        landmarks: Sequence[ArrayLike] | None = None,
+        target_normals: ArrayLike | None = None,
+        progress: Progress = None,
+    ) -> Fitted:
+        """Lays the surface onto another one, from rest.
+
+        Args:
+            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed.
+            target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+            landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
+                and the points of the target where they belong. These are exact.
+            target_normals: k x 3, of a cloud: they tell its sides apart.
+            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Returns:
+            Where the vertices went, `Fitted.vertices`, and what that is worth, `Fitted.info`.
+
+        Raises:
+            TypeError: Something is of another kind than what is asked for here.
+            ValueError: It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there,
+                landmarks are not free or at one place, or the start does not go with them or with the tags.
+            KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+
+        Warns:
+            DeformationWarning: What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other,
+                the fit did not come to rest.
+        """
+        return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
+
+    def _fit(self, target: object, faces: ArrayLike | None, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
+             told: Progress, level: int) -> Fitted:
+        _, positions, corners = _surface(target, faces, "target_")
+        if len(positions) == 0:
+            raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
+        goal = {"vertices": _finite("target_vertices", positions), "faces": corners,
+                "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
+        points, places = self._pairs(landmarks)
+        solved, found = self._fitting.fit(goal, points, places, report(told, 0, 70))
+        if found["matched"] == 0:
+            raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, or raise "
+                             "largest_distance or largest_angle")
+        made = Fitted(self.deformer, solved, np.empty_like(self.deformer.vertices))
+        made._report = found
+        made._write(None, report(told, 70, 90))
+        self._fitting.put(points, places, made.vertices)
+        for text in made._words(made._check(report(told, 90, 100))["folded"]):
+            warnings.warn(text, DeformationWarning, level)
+        return made
+
+    def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
+        """Numbers of vertices, and where they belong."""
+        if landmarks is None:
+            return np.zeros(0, np.int64), np.zeros((0, 3))
+        if not isinstance(landmarks, (tuple, list)) or len(landmarks) != 2:
+            raise TypeError("landmarks must be a pair: (numbers of vertices or places, k x 3 points where they belong)")
+        vertices = self.deformer.vertices
+        given = _inputs.points(landmarks[0], len(vertices), "the first of landmarks")
+        places = _finite("the second of landmarks",
+                         _inputs.rows("the second of landmarks", landmarks[1], len(given), "one for each of the first"))
+        if given.ndim == 1:
+            return np.asarray(given, np.int64), places
+        starts = _finite("the first of landmarks", np.asarray(given, np.float64))
+        points = _core.nearest_vertices(vertices, starts)
+        return points, places + (vertices[points] - starts)  # the vertex goes as far as the place that it is nearest to
+
+    def __repr__(self) -> str:
+        return f"<Fitter of {len(self.deformer.vertices)} vertices, {self.deformer.info.nodes} nodes>"
+
+
+def fit(
+    vertices: ArrayLike | object,
+    faces: ArrayLike | None,
+    target_vertices: ArrayLike | object,
+    target_faces: ArrayLike | None = None,
+    *,
+    landmarks: Sequence[ArrayLike] | None = None,
+    tags: ArrayLike | None = None,
+    transforms: Transforms | None = None,
+    normals: ArrayLike | None = None,
+    target_normals: ArrayLike | None = None,
+    start: FitStart = "as_they_lie",
+    stiffness: float = 1.0,
+    largest_distance: float = 0.0,
+    largest_angle: float = 70.0,
+    patches: int = 150,
+    smoothness: float = 0.0058,
+    seed: int = 1,
+    samples: int = 4000,
+    steps: int = 100,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Fitted:
+    """Lays a surface onto another one: bends it, as rigidly as possible, until it lies on triangles or points. What has no counterpart
+    there is carried along. What a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] do, where all parameters are
+    explained, in one call.
+
+    Args:
+        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+        target_vertices: k x 3, or a mesh.
+        target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+        landmarks: A pair: numbers of free vertices or places, and the points of the target where they belong, exactly.
+        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+        transforms: `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
+        normals: n x 3, at rest, which turn with the surface.
+        target_normals: k x 3, of a cloud.
+        start: `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
+        stiffness: 1 is the default, 10 is stiff.
+        largest_distance: What is farther from the target has no counterpart there. 0: no limit.
+        largest_angle: Of the normals of counterparts, in degrees.
+        patches: How many patches to begin with.
+        smoothness: 0.001 is loose, 0.1 is stiff.
+        seed: Chooses where the first patches are.
+        samples: How many places are matched.
+        steps: From stiff to soft.
+        threads: How many to use; 0 is one a core.
+        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+    Returns:
+        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries
+        other points along, and its `deformation` can be saved.
+
+    Raises:
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there,
+            landmarks are not free or at one place, or the start does not go with them or with the tags.
+        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+
+    Warns:
+        DeformationWarning: What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
+    """
+    told = shared(progress)
+    fitter = Fitter(vertices, faces, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
+                    largest_angle=largest_angle, patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps,
+                    threads=threads, progress=report(told, 0, 40))
+    return fitter._fit(target_vertices, target_faces, landmarks, target_normals, report(told, 40, 100), 3)

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""fit and Fitter: one surface laid onto another, without MeshLab."""
+import concurrent.futures
+import dataclasses
+import warnings
+
+import numpy as np
+import pytest
+from shapes import same
+
+import pymeshlab_fcd
+from pymeshlab_fcd import Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit
+
+LENGTH = 4.0
+DIAGONAL = np.sqrt(2 + LENGTH ** 2)
+
+
+def tube(rings=60, around=30, end=LENGTH, shift=0.0):
+    """A tube with bumps that tell each place of it from the others: (vertices, faces)."""
+    angle = 2 * np.pi * (np.arange(around) + shift) / around
+    z, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, end, rings), angle, indexing="ij")]
+    radius = 0.4 + 0.05 * np.cos(3 * a + 2 * z) + 0.06 * np.sin(2.5 * z) * np.cos(a)
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    faces = [face for r in range(rings - 1) for face in (
+        np.stack([here, beside, here + around], 1) + r * around, np.stack([beside, beside + around, here + around], 1) + r * around)]
+    return np.stack([radius * np.cos(a), radius * np.sin(a), z], 1), np.concatenate(faces)
+
+
+def bent(points, degrees=15.0):
+    """Along an arc, of so many degrees from end to end; the lower end stays."""
+    radius = LENGTH / np.radians(degrees)
+    turn = points[:, 2] / radius
+    return np.stack([radius - (radius - points[:, 0]) * np.cos(turn), points[:, 1], (radius - points[:, 0]) * np.sin(turn)], 1)
+
+
+def rms(a, b):
+    """In percent of the diagonal."""
+    return 100 * np.sqrt(((a - b) ** 2).sum(1).mean()) / DIAGONAL
+
+
+VERTICES, FACES = tube()
+TRUTH = bent(VERTICES)
+TARGET, TARGET_FACES = bent(tube(49, 27, shift=0.5)[0]), tube(49, 27)[1]
+CHOSEN = np.arange(5, len(VERTICES), len(VERTICES) // 8)
+QUICK = {"patches": 60, "samples": 600, "steps": 40}  # enough for so small a surface
+
+
+@pytest.fixture(scope="module")
+def fitter():
+    return Fitter(VERTICES, FACES, **QUICK)
+
+
+@pytest.fixture(scope="module")
+def laid(fitter):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return fitter.fit(TARGET, TARGET_FACES)
+
+
+def test_it_comes_near_the_truth(laid):
+    assert isinstance(laid, Fitted) and isinstance(laid, Pose) and isinstance(laid.info, FitInfo)
+    assert rms(laid.vertices, TRUTH) < 0.6 < 5 < rms(VERTICES, TRUTH)
+    info = laid.info
+    assert info.matched > 0.9 and info.converged and info.folded == 0 and info.steps == info.iterations == QUICK["steps"]
+    assert 0 < info.median <= info.percentile_95 < 0.01 * DIAGONAL and 0 < info.rms < 0.004 * DIAGONAL
+    assert info.landmarks == 0 and info.landmark_residual == info.landmark_pull == 0
+    assert info.nodes == laid.deformer.info.nodes >= QUICK["patches"] and 1 < info.largest_stretch < 1.5 and info.seconds > 0
+    assert np.isnan(info.energy) and np.isnan(info.discretisation_error)
+    assert {each.name for each in dataclasses.fields(info)} > {"nodes", "converged", "rms", "median", "percentile_95", "matched"}
+
+
+def test_it_is_a_pose_with_all_that_one_has(laid):
+    assert np.allclose(np.linalg.norm(laid.normals, axis=1), 1)
+    assert np.abs(laid.map(VERTICES) - laid.vertices).max() < 1e-6
+    saved = laid.deformation()
+    assert isinstance(saved, Deformation) and np.abs(saved(VERTICES) - laid.vertices).max() < 1e-3 * DIAGONAL
+
+
+def test_the_same_bits_in_one_call_and_for_any_threads(fitter, laid):
+    assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, threads=1, **QUICK).vertices, laid.vertices)
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:  # at a time
+        both = list(pool.map(lambda target: fitter.fit(target, TARGET_FACES.astype(np.int16)), [TARGET.tolist(), np.asfortranarray(TARGET)]))
+    assert all(same(each.vertices, laid.vertices) for each in both)
+
+
+def test_landmarks_are_exact(fitter):
+    truth, target = bent(VERTICES, 60.0), bent(tube(49, 27, shift=0.5)[0], 60.0)
+    led = fitter.fit(target, TARGET_FACES, landmarks=(CHOSEN, truth[CHOSEN]))
+    assert np.abs(led.vertices - truth)[CHOSEN].max() < 1e-12 and rms(led.vertices, truth) < 0.6
+    assert led.info.landmarks == len(CHOSEN) and led.info.landmark_residual < 1e-12 and 0 < led.info.landmark_pull < 0.01 * DIAGONAL
+    places = fitter.fit(target, TARGET_FACES, landmarks=(VERTICES[CHOSEN] + [0, 0, 1e-3], truth[CHOSEN] + [0, 0, 1e-3]))
+    assert np.abs(places.vertices - led.vertices).max() < 1e-6
+
+
+def test_landmarks_that_contradict_each_other_are_warned_of(fitter):
+    with pytest.warns(DeformationWarning) as caught:
+        fitter.fit(TARGET, TARGET_FACES, landmarks=([600, 601], TRUTH[[600, 1600]]))
+    texts = [str(each.message) for each in caught]
+    assert any("contradict each other or the target" in text for text in texts)
+    assert any("turned over: the fit folds the surface there" in text for text in texts) and all(each.filename == __file__ for each in caught)
+
+
+def test_fixed_vertices_keep_their_bits_and_handles_move_as_told():
+    tags = np.where(VERTICES[:, 2] < 0.3, 0, np.where(VERTICES[:, 2] > LENGTH - 0.1, 2, 1))
+    held = fit(VERTICES, FACES, TARGET, TARGET_FACES, tags=tags, transforms={2: Motion.translate([0.5, 0, 0])}, **QUICK)
+    assert same(held.vertices[tags == 0], VERTICES[tags == 0])
+    assert np.abs(held.vertices[tags == 2] - VERTICES[tags == 2] - [0.5, 0, 0]).max() < 1e-12
+    middle = (VERTICES[:, 2] > 1) & (VERTICES[:, 2] < 3)
+    assert rms(held.vertices[middle], TRUTH[middle]) < 1.5
+    assert held.deformer.info.fixed == (tags == 0).sum() and held.deformer.handles == (2,)
+
+
+def test_clouds(fitter):
+    target, faces = bent(tube(90, 45, shift=0.5)[0]), tube(90, 45)[1]
+    onto = fitter.fit(target)
+    assert rms(onto.vertices, TRUTH) < 1 and onto.info.matched > 0.8
+    normals = np.zeros_like(target)
+    corner = target[faces]
+    for k in range(3):
+        np.add.at(normals, faces[:, k], np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
+    sided = fitter.fit(target, target_normals=normals)
+    assert rms(sided.vertices, TRUTH) < 1 and not same(sided.vertices, onto.vertices)
+    both = fit(VERTICES, None, target, **QUICK)
+    assert both.deformer.faces is None and rms(both.vertices, TRUTH) < 1.5
+
+
+@pytest.mark.parametrize("start, scale", [("landmarks_rigid", 1), ("landmarks_similar", 1.3), ("axes", 1)])
+def test_a_surface_that_lies_elsewhere(start, scale):
+    away = scale * VERTICES @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]]) + [3, -4, 5]
+    landmarks = None if start == "axes" else (CHOSEN, TRUTH[CHOSEN])
+    laid = fit(away, FACES, TARGET, TARGET_FACES, landmarks=landmarks, start=start, **QUICK)
+    assert laid.info.matched > 0.9 and laid.info.rms < 0.004 * DIAGONAL
+    assert landmarks is None or np.abs(laid.vertices - TRUTH)[CHOSEN].max() < 1e-12
+
+
+def test_little_that_is_matched_is_warned_of(fitter):
+    part, faces = tube(8, 27, end=0.4)
+    with pytest.warns(DeformationWarning, match="do not trust the rest"):
+        laid = fit(VERTICES, FACES, bent(part), faces, largest_distance=0.01 * DIAGONAL, **QUICK)
+    assert laid.info.matched < 0.3
+    with pytest.warns(DeformationWarning, match="did not come to rest: raise steps"):
+        fit(VERTICES, FACES, TARGET, TARGET_FACES, **{**QUICK, "steps": 2})
+
+
+def test_progress_goes_on_and_ends_it():
+    told = []
+    fit(VERTICES, FACES, TARGET, TARGET_FACES, progress=lambda percent, stage: told.append(percent), **QUICK)
+    assert told == sorted(told) and told[-1] == 100 and len(told) > 5
+
+    def stop(percent, stage):
+        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        fit(VERTICES, FACES, TARGET, TARGET_FACES, progress=stop)
+
+
+def test_meshes_of_other_libraries(laid):
+    trimesh = pytest.importorskip("trimesh")
+    mesh, target = (trimesh.Trimesh(*each, process=False) for each in ((VERTICES, FACES), (TARGET, TARGET_FACES)))
+    assert same(np.asarray(fit(mesh, None, target, **QUICK).mesh().vertices), laid.vertices)
+    with pytest.raises(TypeError, match="target_faces cannot be given beside a mesh"):
+        fit(mesh, None, target, TARGET_FACES)
+
+
+def test_the_same_bits_as_the_filter():
+    pymeshlab = pytest.importorskip("pymeshlab")
+    if pymeshlab_fcd._meshlab.missing:
+        pytest.skip(pymeshlab_fcd._meshlab.missing)
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(TARGET, TARGET_FACES))
+    ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))
+    ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"],
+                    samples=QUICK["samples"], fit_steps=QUICK["steps"])
+    assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
+
+
+FIXED = np.where(VERTICES[:, 2] < 0.3, 0, 1)
+NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
+
+
+@pytest.mark.parametrize("target, given, message", [
+    (np.zeros((0, 3)), {}, "the target has no vertices"),
+    (TARGET + 100, {"largest_distance": 1}, "nothing of the surface has a counterpart on the target"),
+    (TARGET * np.nan, {}, "target_vertices must be finite"),
+    (TARGET[:, :2], {}, "target_vertices must be n x 3"),
+    (TARGET, {"target_faces": [[0, 1, 9999]]}, "target_faces must hold numbers of vertices"),
+    (TARGET, {"target_faces": [[0, 1, 1]]}, "The target has no triangle with an area"),
+    (TARGET, {"target_normals": TARGET * np.nan}, "target_normals must be finite"),
+    (TARGET, {"tags": 0 * FIXED}, "There is nothing to fit: no vertex is free"),
+    (TARGET, {"transforms": {2: np.eye(4)}}, "no vertex has tag 2"),
+    (TARGET, {"landmarks": ([900, 900], NOWHERE)}, "Landmark 2 is at the place of another one"),
+    (TARGET, {"landmarks": ([900, 0], NOWHERE), "tags": FIXED}, "Landmark 2 is at a vertex that is not free"),
+    (TARGET, {"landmarks": ([900, 9999], NOWHERE)}, "the first of landmarks must be numbers of vertices, 0 to"),
+    (TARGET, {"landmarks": ([900], NOWHERE)}, "the second of landmarks must have 1 rows, one for each of the first"),
+    (TARGET, {"landmarks": ([900, 901], NOWHERE * np.nan)}, "the second of landmarks must be finite"),
+    (TARGET, {"landmarks": (NOWHERE * np.nan, NOWHERE)}, "the first of landmarks must be finite"),
+    (TARGET, {"start": "landmarks_rigid"}, "A start from landmarks needs three of them"),
+    (TARGET, {"start": "axes", "tags": FIXED}, "A start that moves all of the surface"),
+    (TARGET, {"start": "moments"}, "start must be one of 'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'"),
+    (TARGET, {"stiffness": 0}, "The stiffness must be a positive"),
+    (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
+    (TARGET, {"largest_angle": 200}, "largest angle of matches"),
+    (TARGET, {"samples": 5}, "At least 100 places"),
+    (TARGET, {"steps": 1}, "A fit takes 2 to 10000 steps"),
+])
+def test_what_cannot_be_taken(target, given, message):
+    with pytest.raises(ValueError, match=message):
+        fit(VERTICES, FACES, target, **{**QUICK, **given})
+
+
+@pytest.mark.parametrize("landmarks", [[900], CHOSEN, {"a": 1}])
+def test_landmarks_are_a_pair(fitter, landmarks):
+    with pytest.raises(TypeError, match="landmarks must be a pair"):
+        fitter.fit(TARGET, TARGET_FACES, landmarks=landmarks)
