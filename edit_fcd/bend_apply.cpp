@@ -95,9 +95,9 @@ std::string BendSession::applyInPlace(const Remark &remark) {
 
 /// The present shape is the rest shape of another apply.
 void BendSession::beginAnew() {
-    for (auto &[tag, handle] : now.handles)
-        if (handle.pivot)
-            handle.pivot = motionAt(tag) * *handle.pivot; // where it is now is where it rests
+    for (auto &[tag, each] : now.handles)
+        if (each.pivot)
+            each.pivot = motionAt(tag) * *each.pivot; // where it is now is where it rests
     keepRest();
     now.applies = ++applies;
     now.motion.clear();

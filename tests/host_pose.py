@@ -465,6 +465,9 @@ def allocated():
 
 
 def test_a_document_that_is_closed_leaves_nothing_in_memory():
+    if not allocated():
+        pytest.skip("the sanitizers' allocator does not tell what is held")
+
     def use(k):
         """Poses and deforms a sheet, none like another. Returns what is held before its document is closed."""
         ms = pymeshlab.MeshSet()

@@ -172,7 +172,7 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
     const bool byAxes = param.start == FitStart::TriedAxes;
     const auto &node = samples.surfaceNode;
     for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
-        from.push_back(deformer->surface.graph.position.col(node[s]).cast<double>());
+        from.emplace_back(deformer->surface.graph.position.col(node[s]).cast<double>());
     if (byAxes)
         return StartFromAxes(from, sampleNormal, target, threads);
     return StartFromLandmarks(from, place, param.start == FitStart::Similar);

@@ -33,7 +33,7 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
     Moments own;
     for (const Eigen::Vector3d &p : points)
         own.Add(p, 1);
-    const Moments its = target.Spread();
+    const Moments &its = target.Spread();
     const Eigen::Matrix3d axes = own.Axes(), targetAxes = its.Axes();
     Eigen::Affine3d best = Eigen::Affine3d::Identity();
     double least = std::numeric_limits<double>::infinity();
