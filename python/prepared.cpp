@@ -2,6 +2,7 @@
 #include "prepared.h"
 
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/surface/face_normals.h>
 
 #include <algorithm>
 #include <array>
@@ -216,6 +217,17 @@ nb::dict Prepared::centers() const {
     for (const auto &[tag, middle] : deformer->center)
         all[nb::int_(int(tag))] = nb::make_tuple(middle[0], middle[1], middle[2]);
     return all;
+}
+
+nb::object Prepared::normalsOf(const Rows &positions, const std::optional<Written> &out) const {
+    double *normal;
+    nb::object normals = out ? nb::cast(*out) : newArray({view.vertexSlots, 3}, normal);
+    if (out)
+        normal = out->data();
+    const double *position = positions.data();
+    Listener::Run(nb::none(), threads,
+                  [&](const Progress &progress) { vcg::fcd::FaceNormals(view, position, normal, progress.threads); });
+    return normals;
 }
 
 const vcg::fcd::NearestPlace &Prepared::places() const {

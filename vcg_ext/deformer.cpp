@@ -144,8 +144,17 @@ Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, c
 }
 
 Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &param, const Progress &progress) const {
-    HeldMotions motions = MotionsOf(handles, param.pose);
-    const int turns = beyond.steps ? StepsTo(motions) : 1, steps = std::max(param.steps, turns);
+    const auto way = [&](int step, int steps) {
+        return MotionsOf(handles, step == steps ? param.pose : param.pose * step / steps);
+    };
+    return SolveAlong(way, param, nullptr, progress);
+}
+
+Deformer::Pose Deformer::SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin,
+                                    const Progress &progress) const {
+    HeldMotions motions = way(1, 1);
+    const int turns = beyond.steps ? StepsTo(motions, begin ? &begin->given : nullptr) : 1,
+              steps = std::max(param.steps, turns);
     SolverParam last = param;
     last.follow = beyond.steps;
     // On the way of a large turn, so few iterations for each 60 degrees of it bring what is stiff to rest, while the
@@ -159,11 +168,9 @@ Deformer::Pose Deformer::Solve(const Handles &handles, const DeformationParam &p
     Pose pose;
     for (int step = 1; step <= steps; ++step) {
         const bool isLast = step == steps, hasJumped = pose.way.jumps;
-        if (!isLast)
-            motions = MotionsOf(handles, param.pose * step / steps);
-        else if (steps > 1)
-            motions = MotionsOf(handles, param.pose);
-        Pose next = Solve(motions, isLast ? last : passing, step > 1 ? &pose : nullptr,
+        if (steps > 1)
+            motions = way(step, steps);
+        Pose next = Solve(motions, isLast ? last : passing, step > 1 ? &pose : begin,
                           progress.Slice(double(step - 1) / steps, double(step) / steps));
         next.iterations += pose.iterations;
         pose = std::move(next);

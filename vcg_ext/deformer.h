@@ -98,6 +98,13 @@ class Deformer : public MovingSurface {
     /// (SolverParam::follow).
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
+    /// The motions at one of so many steps of a way, from 1.
+    using Way = std::function<HeldMotions(int step, int steps)>;
+
+    /// The same for the end of any way. \param begin the pose that it begins at, null for rest; param.pose is not read
+    Pose SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin = nullptr,
+                    const Progress &progress = {}) const;
+
     std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
     Index placedNodes = 0;                   ///< how many of the given nodes lie on the surface, and are used
     double secondsGraph = 0;                 ///< that preparing patches and graph took ...

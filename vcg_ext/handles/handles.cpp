@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/handles/handles.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -127,6 +128,39 @@ Eigen::Matrix4d Motion::Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector
     result.topLeftCorner<3, 3>() = rotation;
     result.topRightCorner<3, 1>() = pivot + rotation * arm + t * rest - rotation * center;
     return result;
+}
+
+Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center) {
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero(), moved = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d stretch = Eigen::Matrix3d::Zero(); // its logarithm
+    int count = 0;
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    for (const auto &[motion, percent] : motions) {
+        if (percent == 0)
+            continue;
+        ++count;
+        const double t = percent / 100;
+        matrix = motion.At(percent, center);
+        turn += t * motion.Rotation();
+        moved += (matrix * center.homogeneous()).head<3>() - center;
+        const Polar polar(motion.matrix.topLeftCorner<3, 3>());
+        const Eigen::Vector3d factors = polar.svd.singularValues();
+        stretch +=
+            t * (polar.svd.matrixV() * factors.array().log().matrix().asDiagonal() * polar.svd.matrixV().transpose());
+    }
+    if (count > 1) {
+        const double angle = turn.norm();
+        Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
+        if (angle > 0)
+            linear = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+        ExpectFinite(Eigen::Matrix4d::Constant(stretch.sum())); // the solver below would not come to an end
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(stretch);
+        linear *= axes.eigenvectors() * axes.eigenvalues().array().exp().matrix().asDiagonal() *
+                  axes.eigenvectors().transpose();
+        matrix.topLeftCorner<3, 3>() = linear;
+        matrix.topRightCorner<3, 1>() = center + moved - linear * center;
+    }
+    return Motion(matrix, turn, center);
 }
 
 Eigen::Matrix4d Handles::ToMesh(const Eigen::Matrix4d &motion) const {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vcg {
@@ -45,6 +46,13 @@ struct Motion {
     void SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
     Eigen::Matrix4d Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const;
 };
+
+/// Several motions of one handle at once, each at \p percent of its way, in no order (after M. Alexa, Linear
+/// Combination of Transformations, 2002): their rotations, along the axes and as long as the angles, with full turns,
+/// add up, and so do the logarithms of what they scale by, and how far each moves \p center, as Motion::At tells. One
+/// alone is what At gives. \param motions with percent \param center of the handle at rest, mesh units \return the
+/// motion to there, of which percentages mean no more \throw BadInput what is no longer finite
+Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
 /// A single vertex that is put somewhere; how the surface turns there is left to it.
 struct PointHandle {

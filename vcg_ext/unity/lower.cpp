@@ -8,6 +8,7 @@
 #include <vcg_ext/handles/handle_file.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/handles/handles.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/handles/motion_text.cpp>      // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/surface/face_normals.cpp>     // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/free_region.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/loose_parts.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/nearest_place.cpp>    // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/handles/motion_text.h>
+#include <vcg_ext/sequence/gltf_file.h>
+#include <vcg_ext/sequence/sequence_frames.h>
+#include <vcg_ext/surface/face_normals.h>
+#include "test_support.h"
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Matrix3Xd;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+namespace {
+
+const Vector3d handleCenter(3, -1, 2);
+
+Motion Told(const std::string &steps) { return ToMotion(ReadMotionText("2: " + steps).at(2), handleCenter); }
+
+Matrix4d Blended(const std::vector<std::pair<std::string, double>> &parts) {
+    std::vector<std::pair<Motion, double>> motions;
+    for (const auto &[steps, percent] : parts)
+        motions.emplace_back(Told(steps), percent);
+    return Blend(motions, handleCenter).matrix;
+}
+
+/// A file in memory.
+struct Bytes {
+    std::string content;
+    WriteAt Write() {
+        return [this](std::uint64_t at, const char *data, std::size_t size) {
+            content.resize(std::max(content.size(), std::size_t(at) + size));
+            std::copy(data, data + size, content.begin() + std::ptrdiff_t(at));
+        };
+    }
+    template <class Number>
+    Number At(std::size_t place) const {
+        Number number;
+        std::memcpy(&number, content.data() + place, sizeof number);
+        return number;
+    }
+};
+
+const char *const table = "# a comment, with, commas\n"
+                          "time,easing,bent,\"the other, \"\"2\"\"\"\n"
+                          "surface,,\"5 vertices from -1 0 0.5 to 1 2 3\"\n"
+                          "motions,,2: rotate 0 1 0 90,\"2: translate 0 0 5; 3: scale 1, 2, 3\"\n"
+                          "0,smooth\n"
+                          "1.5,hold,100,-50\n"
+                          "2,,20.5,1e2\n";
+
+/// A tube with a handle at each end, prepared.
+struct SequenceRig {
+    Shape shape = Tube(24, 40);
+    MeshD mesh{shape};
+    Arrays arrays = Read(mesh);
+    Handles handles;
+    DeformationParam param;
+    std::unique_ptr<Deformer> deformer;
+    PoseSequence sequence;
+    std::vector<std::map<int, Motion>> motions;
+
+    SequenceRig() {
+        handles.tag = TagsOf(shape, [](const Vector3d &p) { return p[2] < 0.7 ? 3 : p[2] > 5.2 ? 2 : 1; });
+        param.graph.initialPatches = 40;
+        deformer = PrepareDeformer(arrays, handles, param);
+        for (const char *text : {"2: rotate 0 1 0 80 translate 1 0 0", "2: rotate 0 0 1 200; 3: translate 0 0 -1"}) {
+            sequence.pose.push_back({sequence.pose.empty() ? "bent" : "turned", text});
+            motions.emplace_back();
+            for (const auto &[tag, steps] : ReadMotionText(text))
+                motions.back()[tag] = ToMotion(steps, deformer->center.at(tag));
+        }
+    }
+    Matrix3Xd Carried(const Deformer::Pose &pose) const {
+        Matrix3Xd position = SurfaceView(arrays).Copy();
+        Carrier(*deformer, pose).Apply(position);
+        return position;
+    }
+};
+
+} // namespace
+
+TEST(Blend, OfOneMotionIsThatMotion) {
+    for (const char *steps : {"rotate 1 2 3 70 about 0 0 0", "rotate 0 0 1 400 translate 1 2 3", "scale 1 2 3",
+                              "matrix 1 0.2 0 4  0 1 0.1 5  0 0 2 6  0 0 0 1"})
+        for (double percent : {100.0, 30.0, -20.0, 250.0}) {
+            const Motion motion = Told(steps), blended = Blend({{Told("scale 3"), 0}, {motion, percent}}, handleCenter);
+            EXPECT_TRUE(SameBits(blended.matrix, motion.At(percent, handleCenter))) << steps;
+            const Vector3d turn = motion.Rotation() * (percent / 100);
+            if (turn.norm() < M_PI || !motion.turn.isZero(0))
+                EXPECT_LT((blended.Rotation() - turn).norm(), 1e-9) << steps << percent;
+        }
+    EXPECT_TRUE(SameBits(Blend({}, handleCenter).matrix, Matrix4d(Matrix4d::Identity())));
+}
+
+TEST(Blend, AddsUp) {
+    const auto near = [](const Matrix4d &a, const Matrix4d &b) { return (a - b).norm() < 1e-12; };
+    EXPECT_TRUE(
+        near(Blended({{"translate 1 2 3", 50}, {"translate 0 0 -8", 25}}), Told("translate 0.5 1 -0.5").matrix));
+    EXPECT_TRUE(near(Blended({{"rotate 0 1 0 270", 100}, {"rotate 0 -1 0 200", 50}}), Told("rotate 0 1 0 170").matrix));
+    EXPECT_NEAR(Blend({{Told("rotate 0 0 2 300"), 100}, {Told("rotate 0 0 1 200"), 50}}, handleCenter).turn[2],
+                400 * M_PI / 180, 1e-12);
+    EXPECT_TRUE(near(Blended({{"scale 4", 50}, {"scale 1 2 3", 100}}), Told("scale 2 4 6").matrix));
+    // Each goes its own way, in no order: the handle's middle goes up, and turns where it is.
+    const Matrix4d both = Blended({{"translate 0 0 10", 50}, {"rotate 0 1 0 90", 50}});
+    EXPECT_TRUE(near(both, Told("rotate 0 1 0 45 translate 0 0 5").matrix));
+    EXPECT_TRUE(near(both, Blended({{"rotate 0 1 0 90", 50}, {"translate 0 0 10", 50}})));
+    // From one pose to another, half of the way is between them.
+    EXPECT_TRUE(
+        near(Blended({{"rotate 0 1 0 40 about 0 0 0", 0}, {"rotate 0 1 0 80", 100}}), Told("rotate 0 1 0 80").matrix));
+    MessageOf<BadInput>([] { Blended({{"scale 1e100", 1e5}, {"scale 1e100", 1e5}}); });
+}
+
+TEST(Easing, IsWhatItIsCalled) {
+    for (double t : {0.0, 0.25, 0.5, 1.0})
+        EXPECT_EQ(Eased(Easing::Linear, t), t);
+    EXPECT_EQ(Eased(Easing::Smooth, 0.25), 0.15625);
+    EXPECT_EQ(Eased(Easing::Smooth, 1), 1);
+    EXPECT_EQ(Eased(Easing::Hold, 0.999), 0);
+    EXPECT_EQ(Eased(Easing::Hold, 1), 1);
+}
+
+TEST(PoseSequence, IsReadAndWritten) {
+    const PoseSequence read = ReadPoseSequence(table, "t.csv");
+    ASSERT_EQ(read.pose.size(), 2u);
+    EXPECT_EQ(read.pose[0].name, "bent");
+    EXPECT_EQ(read.pose[1].name, "the other, \"2\"");
+    EXPECT_EQ(read.pose[1].motions, "2: translate 0 0 5; 3: scale 1, 2, 3");
+    ASSERT_EQ(read.key.size(), 3u);
+    EXPECT_EQ(read.key[0].weight, std::vector<double>(2, 0));
+    EXPECT_EQ(read.key[1].weight, (std::vector<double>{100, -50}));
+    EXPECT_EQ(read.key[1].easing, Easing::Hold);
+    EXPECT_EQ(read.key[2].easing, Easing::Linear);
+    EXPECT_EQ(read.key[2].time, 2);
+    ASSERT_TRUE(read.surface);
+    EXPECT_EQ(read.surface->vertices, 5u);
+    EXPECT_EQ(read.surface->box.min(), Vector3d(-1, 0, 0.5));
+
+    const std::string text = PoseSequenceText(read);
+    EXPECT_EQ(PoseSequenceText(ReadPoseSequence(text, "again")), text);
+    std::string other = "\xEF\xBB\xBF" + text; // as spreadsheets write it
+    for (std::size_t at = 0; (at = other.find('\n', at)) != std::string::npos; at += 2)
+        other.replace(at, 1, "\r\n");
+    EXPECT_EQ(PoseSequenceText(ReadPoseSequence(other, "again")), text);
+    EXPECT_EQ(PoseSequenceText(ReadPoseSequence("time;easing;a;;\nmotions;;2: scale 1, 2, 3;;\n;;;;\n0;;5;;", "again")),
+              "time,easing,a\nmotions,,\"2: scale 1, 2, 3\"\n0,linear,5\n");
+    const CommaLocale locale;
+    EXPECT_EQ(PoseSequenceText(ReadPoseSequence(text, "again")), text);
+}
+
+TEST(PoseSequence, WithoutKeyFramesIsThePosesInTheirOrder) {
+    const PoseSequence read = ReadPoseSequence("time\teasing\ta\tb\nmotions\t\t2: scale 2\n", "t.csv");
+    ASSERT_EQ(read.key.size(), 3u);
+    EXPECT_EQ(read.key[2].time, 2);
+    EXPECT_EQ(read.key[2].weight, (std::vector<double>{0, 100}));
+    EXPECT_EQ(read.key[0].easing, Easing::Smooth);
+    EXPECT_EQ(read.pose[1].motions, "");
+}
+
+TEST(PoseSequence, SaysWhatIsWrong) {
+    const auto of = [](const std::string &text) {
+        return MessageOf<BadInput>([&] { ReadPoseSequence(text, "t.csv"); });
+    };
+    const std::string head = "time,easing,a,b\n", two = head + "motions,,2: scale 2,2: scale 3\n";
+    for (const auto &[text, expected] : std::vector<std::pair<std::string, std::string>>{
+             {"", "line 1: expected a first row 'time, easing'"},
+             {"a,b\n", "expected a first row 'time, easing'"},
+             {"time,easing\n", "with the name of a pose in each further cell"},
+             {std::string("\xFF\xFEt\0i\0", 6), "expected plain text (ASCII or UTF-8), found another kind of file"},
+             {head, "there is no row 'motions'"},
+             {two + "motions,,,\n", "line 3: found a second row 'motions'"},
+             {two + "0,,1,2,3\n", "line 3: found 5 cells, where the first row has 4; put quotation marks"},
+             {two + "soon,,1,2\n", "line 3: expected a time in seconds, 'motions' or 'surface', found 'soon'"},
+             {two + "0,bouncy,1,2\n", "line 3: expected linear, smooth or hold, found 'bouncy'"},
+             {two + "0,,1,much\n", "line 3: expected the percent of a pose, found 'much'"},
+             {two + "0,,1,nan\n", "expected the percent of a pose, found 'nan'"},
+             {two + "surface,,a cow\n", "line 3: expected 'N vertices from x y z to x y z'"},
+             {two + "0,,\"1,2\n", "a quotation mark has no end"},
+             {two + "0,,\"1\"2,3\n", "expected the end of a cell after its quotation marks"},
+             {two + "1,,1\n1,,2\n", "A key frame at 1 s comes after one at 1 s. Their times must ascend."},
+             {two + "-1,,1\n", "A key frame is at -1 s. Times are finite numbers from 0."},
+             {"time,easing,a,a\nmotions\n", "Two poses are called 'a'."},
+             {"time,easing,,a\nmotions\n", "A pose has no name."}})
+        EXPECT_NE(of(text).find(expected), std::string::npos) << of(text);
+    PoseSequence none;
+    EXPECT_NE(MessageOf<BadInput>([&] { none.Validate(); }).find("There is no pose."), std::string::npos);
+    PoseSequence short_ = ReadPoseSequence(two, "t.csv");
+    short_.key[1].weight.pop_back();
+    EXPECT_NE(MessageOf<BadInput>([&] { short_.Validate(); }).find("for each pose"), std::string::npos);
+    const PoseSequence good = ReadPoseSequence(two, "t.csv");
+    EXPECT_NE(MessageOf<BadInput>([&] { FrameTimes(good, 0); }).find("must be a positive number"), std::string::npos);
+    EXPECT_NE(MessageOf<BadInput>([&] { FrameTimes(good, 1e9); }).find("more than a million frames"),
+              std::string::npos);
+}
+
+TEST(PoseSequence, IsOfOneSurface) {
+    const Shape shape = Tube(5, 8);
+    MeshD mesh(shape);
+    const Arrays arrays = Read(mesh);
+    PoseSequence sequence = ReadPoseSequence("time,easing,a\nmotions,,2: scale 2\n", "t.csv");
+    const SurfaceMark mark = SurfaceMark::Of(arrays, Affine3d::Identity());
+    sequence.ExpectSurface(mark); // it is not known
+    sequence.surface = mark;
+    sequence = ReadPoseSequence(PoseSequenceText(sequence), "t.csv");
+    sequence.ExpectSurface(mark);
+    const auto fails = [&](const SurfaceMark &other) {
+        return MessageOf<BadInput>([&] { sequence.ExpectSurface(other); }).find("The poses are of another surface") ==
+               0;
+    };
+    EXPECT_TRUE(fails(SurfaceMark::Of(arrays, Affine3d(Eigen::Translation3d(0, 0.1, 0)))));
+    MeshD fewer(Tube(5, 9));
+    EXPECT_TRUE(fails(SurfaceMark::Of(Read(fewer), Affine3d::Identity())));
+}
+
+TEST(PoseSequence, HasWeightsAndFramesInTime) {
+    PoseSequence sequence = ReadPoseSequence(table, "t.csv");
+    EXPECT_EQ(sequence.WeightsAt(-1), sequence.key[0].weight);
+    EXPECT_EQ(sequence.WeightsAt(0.75), (std::vector<double>{50, -25}));
+    EXPECT_EQ(sequence.WeightsAt(1.99), sequence.key[1].weight);
+    EXPECT_EQ(sequence.WeightsAt(2), sequence.key[2].weight);
+    EXPECT_EQ(sequence.WeightsAt(7), sequence.key[2].weight);
+    EXPECT_EQ(FrameTimes(sequence, 24).size(), 49u);
+    EXPECT_EQ(FrameTimes(sequence, 24).back(), 2);
+    EXPECT_EQ(FrameTimes(sequence, 0.9), (std::vector<double>{0, 1 / 0.9, 2 / 0.9}));
+    sequence.key.resize(1);
+    EXPECT_EQ(FrameTimes(sequence, 24), std::vector<double>(1, 0));
+    sequence.key.clear();
+    EXPECT_TRUE(FrameTimes(sequence, 24).empty());
+    EXPECT_EQ(sequence.WeightsAt(1), (std::vector<double>{0, 0}));
+}
+
+TEST(SequenceSolver, OfOnePoseIsThatPoseAndOfNoneIsRest) {
+    SequenceRig rig;
+    SequenceSolver solver(*rig.deformer, rig.handles.world, rig.motions, rig.param);
+    for (std::size_t k = 0; k < 2; ++k) {
+        Handles handles = rig.handles;
+        handles.motion = rig.motions[k];
+        std::vector<double> weight(2, 0);
+        weight[k] = 100;
+        solver.Rest();
+        const Matrix3Xd first = rig.Carried(solver.Go(weight));
+        EXPECT_TRUE(SameBits(first, rig.Carried(rig.deformer->Solve(handles, rig.param))));
+        solver.Go({30, 40});
+        EXPECT_LT((rig.Carried(solver.Go(weight)) - first).cwiseAbs().maxCoeff(), 1e-3); // by another way
+    }
+    EXPECT_TRUE(SameBits(rig.Carried(solver.Go({0, 0})), SurfaceView(rig.arrays).Copy()));
+}
+
+TEST(SequenceFrames, AreWrittenAndTaken) {
+    SequenceRig rig;
+    rig.sequence.key = {{0, Easing::Linear, {0, 0}}, {0.5, Easing::Smooth, {100, 0}}, {1.1, Easing::Linear, {0, 100}}};
+    const std::size_t n = rig.shape.position.size(), f = rig.shape.face.size();
+    const auto run = [&](SequenceOutput output, unsigned threads = 0) {
+        return WriteFrames(rig.arrays, rig.handles, *rig.deformer, rig.sequence, rig.motions, rig.param, output,
+                           Threads(threads));
+    };
+    SequenceOutput output;
+    output.rate = 4;
+    std::vector<Matrix3Xd> frames;
+    std::vector<std::size_t> keys;
+    output.frame = [&](std::size_t number, const Deformer::Pose &, const Matrix3Xd &position) {
+        EXPECT_EQ(number, frames.size());
+        frames.push_back(position);
+    };
+    output.keyFrame = [&](std::size_t number, const Deformer::Pose &, const Matrix3Xd &) { keys.push_back(number); };
+    Bytes cache, gltf, again;
+    output.pointCache = cache.Write();
+    output.gltf = gltf.Write();
+    const SequenceReport report = run(output);
+    EXPECT_EQ(frames.size(), 6u); // at 0, 0.25, 0.5, 0.75, 1, 1.25 s
+    EXPECT_EQ(report.frames, 7u); // and the last key frame
+    EXPECT_EQ(keys, (std::vector<std::size_t>{0, 1, 2}));
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.difference, 0);
+    EXPECT_TRUE(SameBits(frames[0], SurfaceView(rig.arrays).Copy()));
+
+    ASSERT_EQ(cache.content.size(), 32 + 6 * n * 12);
+    EXPECT_EQ(cache.content.compare(0, 12, std::string("POINTCACHE2\0", 12)), 0);
+    EXPECT_EQ(cache.At<std::int32_t>(12), 1);
+    EXPECT_EQ(cache.At<std::int32_t>(16), std::int32_t(n));
+    EXPECT_EQ(cache.At<float>(20), 0.f);
+    EXPECT_EQ(cache.At<float>(24), 1.f);
+    EXPECT_EQ(cache.At<std::int32_t>(28), 6);
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t v = 0; v < n; ++v)
+            for (std::size_t d = 0; d < 3; ++d)
+                ASSERT_EQ(cache.At<float>(32 + 12 * (i * n + v) + 4 * d),
+                          float(frames[i](Eigen::Index(d), Eigen::Index(v))));
+
+    EXPECT_EQ(gltf.content.compare(0, 4, "glTF"), 0);
+    EXPECT_EQ(gltf.At<std::uint32_t>(8), gltf.content.size());
+    const std::size_t json = gltf.At<std::uint32_t>(12), buffer = 20 + json + 8;
+    EXPECT_EQ(json % 4, 0u);
+    EXPECT_EQ(gltf.content.size(), buffer + 6 * 4 + 36 * 4 + f * 12 + 7 * n * 24);
+    const std::size_t rest = buffer + 6 * 4 + 36 * 4 + f * 12;
+    Eigen::AlignedBox3d box;
+    for (const Vector3d &p : rig.shape.position)
+        box.extend(p);
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t v = 0; v < n; ++v)
+            for (std::size_t d = 0; d < 3; ++d) {
+                const auto number = [&](std::size_t shape) {
+                    return double(gltf.At<float>(rest + shape * n * 24 + 12 * v + 4 * d));
+                };
+                ASSERT_NEAR(box.center()[Eigen::Index(d)] + number(0) + number(i + 1),
+                            frames[i](Eigen::Index(d), Eigen::Index(v)), 1e-6 * box.diagonal().norm());
+            }
+    output.frame = output.keyFrame = nullptr;
+    output.pointCache = nullptr;
+    output.gltf = again.Write();
+    run(output, 1);
+    EXPECT_TRUE(gltf.content == again.content); // whatever else is made, by any number of threads
+
+    Bytes poses;
+    output.gltf = poses.Write();
+    output.shapes = SequenceOutput::EachPose;
+    output.name = "a \"tube\"\n";
+    const SequenceReport mixed = run(output);
+    EXPECT_GT(mixed.difference, 0.01); // they turn by a lot
+    EXPECT_NE(poses.content.find("\"a \\\"tube\\\"\\u000a\""), std::string::npos);
+    EXPECT_NE(poses.content.find("\"targetNames\":[\"bent\",\"turned\"]"), std::string::npos);
+
+    output.gltf = nullptr;
+    EXPECT_NE(MessageOf<BadInput>([&] { run(output); }).find("There is nothing to make of the poses"),
+              std::string::npos);
+}
+
+TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
+    const Shape shape = Points(Quad());
+    MeshD mesh(shape);
+    const Arrays arrays = Read(mesh);
+    const PackedSurface packed{SurfaceView(arrays)};
+    MorphAnimation animation;
+    for (int i = 0; i < 40000; ++i) { // whose weights alone are 6.4 GB
+        animation.time.push_back(i);
+        animation.target.push_back("frame");
+    }
+    const Matrix3Xd position = SurfaceView(arrays).Copy();
+    Bytes file;
+    EXPECT_NE(MessageOf<BadInput>([&] {
+                  GltfFile(file.Write(), "many", packed, position, position, animation);
+              }).find("A .glb file holds 4 GB, and this one would take "),
+              std::string::npos);
+    EXPECT_TRUE(file.content.empty());
+}
+
+TEST(FaceNormals, AreThoseOfTheFacesThatAreThere) {
+    MeshD mesh(Sphere(12, 24));
+    mesh.face[5].SetD();
+    --mesh.fn;
+    const Arrays arrays = Read(mesh);
+    const SurfaceView view = arrays;
+    Matrix3Xd normal(3, view.vertexSlots), again = normal;
+    FaceNormals(view, view.position, normal.data(), 1);
+    FaceNormals(view, view.position, again.data(), 3);
+    EXPECT_TRUE(SameBits(normal, again));
+    for (std::size_t i = 0; i < view.vertexSlots; ++i)
+        EXPECT_GT(normal.col(Eigen::Index(i)).dot(view.At(i).normalized()), 0.97);
+}

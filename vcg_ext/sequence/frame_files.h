@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FRAME_FILES_H
+#define VCG_FCD_FRAME_FILES_H
+
+#include <vcg_ext/surface/surface_arrays.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
+using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
+
+/// What files know of a surface: its vertices and triangles, without what is deleted.
+struct PackedSurface {
+    explicit PackedSurface(const SurfaceView &surface);
+
+    std::vector<std::uint32_t> slot;   ///< of each vertex
+    std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 a triangle
+};
+
+/// A point cache, `.pc2`: where the vertices of a mesh are, in single precision, frame by frame. As written by
+/// Autodesk's PointCache and read by Blender's modifier "Mesh Cache": 32 bytes ("POINTCACHE2", 0, the version 1, the
+/// number of vertices, the number of the first frame, frames a sample, samples), and three numbers a vertex a frame;
+/// all little-endian.
+class PointCacheFile {
+  public:
+    /// \param frames how many follow \param first the number of the first one
+    PointCacheFile(WriteAt write, const PackedSurface &surface, std::size_t frames, double first);
+
+    /// \param position 3 x vertex slots of the next frame
+    void Add(const PositionsRef &position);
+
+  private:
+    const WriteAt write;
+    const PackedSurface &surface;
+    std::uint64_t at = 0;
+};
+
+namespace detail {
+
+/// Writes 3 numbers a vertex in single precision, block by block. \param row gives those of a slot
+void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surface,
+               const std::function<Eigen::Vector3f(std::size_t slot)> &row);
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif

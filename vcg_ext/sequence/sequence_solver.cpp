@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/sequence/sequence_solver.h>
+
+#include <cassert>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world,
+                               std::vector<std::map<int, Motion>> pose, const DeformationParam &param)
+    : deformer(deformer), pose(std::move(pose)), param(param), world(world) {
+    Handles handles;
+    handles.world = world;
+    for (const std::map<int, Motion> &each : this->pose) {
+        handles.motion = each;
+        for (const auto &[tag, turns] : deformer.MotionsOf(handles, 100).rotates)
+            this->turns[tag] = this->turns[tag] || turns;
+    }
+}
+
+HeldMotions SequenceSolver::MotionsOf(const std::vector<double> &weight) const {
+    assert(weight.size() == pose.size());
+    Handles blended;
+    blended.world = world;
+    for (const auto &[tag, middle] : deformer.center) {
+        std::vector<std::pair<Motion, double>> motions;
+        for (std::size_t i = 0; i < pose.size(); ++i)
+            if (const auto found = pose[i].find(tag); found != pose[i].end())
+                motions.emplace_back(found->second, weight[i]);
+        blended.motion[tag] = Blend(motions, world * middle);
+    }
+    HeldMotions held = deformer.MotionsOf(blended, 100);
+    // What no pose turns goes as the surface does; what one does turn keeps its own turn while that is 0, so that
+    // nothing jumps where it begins.
+    held.rotates = turns;
+    return held;
+}
+
+const Deformer::Pose &SequenceSolver::Go(const std::vector<double> &weight, const Progress &progress) {
+    HeldMotions end = MotionsOf(weight);
+    if (!end.Moves())
+        last.reset();
+    if (!last)
+        lastWeight.assign(weight.size(), 0);
+    const auto way = [&](int step, int steps) {
+        if (step == steps)
+            return end;
+        std::vector<double> between = weight;
+        for (std::size_t i = 0; i < between.size(); ++i)
+            between[i] = lastWeight[i] + (weight[i] - lastWeight[i]) * step / steps;
+        return MotionsOf(between);
+    };
+    last = deformer.SolveAlong(way, param, last ? &*last : nullptr, progress);
+    lastWeight = weight;
+    return *last;
+}
+
+} // namespace fcd
+} // namespace vcg
