@@ -39,8 +39,8 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, PoseInPlace, ResetPose, CopyDeformation, SaveDeformation,
-              TagSelection, TagsFromFiles, ClearTags, SaveTags});
+    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, PoseSequence, PoseInPlace, ResetPose, CopyDeformation,
+              SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -49,8 +49,9 @@ HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     // After a filter of textures the host shows those of the current layer, which is new.
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == CopyDeformation ? FilterClass(both)
-                                                                                              : Smoothing;
+    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == PoseSequence || id == CopyDeformation
+               ? FilterClass(both)
+               : Smoothing;
 }
 
 int FilterFcd::changes(int id) const {
@@ -104,6 +105,7 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
     case FitMesh: return toRichParameters(FitMeshParam(), document);
     case StraightenMesh: return toRichParameters(StraightenMeshParam(), document);
+    case PoseSequence: return toRichParameters(SequenceParam(), document);
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
     case CopyDeformation: return toRichParameters(CopyParam(), document);
@@ -122,14 +124,19 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
-    case FitMesh: return fitMesh(parameters, document, callback);
-    case StraightenMesh: return straightenMesh(parameters, document, callback);
+    case FitMesh:
+        return tell(
+            fitLayer(document, input(document), fitMeshParam(parameters, document), remark(), Progress(callback)));
+    case StraightenMesh:
+        return tell(straightenLayer(document, input(document), straightenMeshParam(parameters, document), remark(),
+                                    Progress(callback)));
+    case PoseSequence:
+        return tell(makeSequence(document, input(document), preparedLayers, sequenceParam(parameters, document),
+                                 remark(), Progress(callback)));
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
-    case ResetPose:
-        resetPose(input(document), resetPoseParam(parameters), [this](const std::string &line) { logLine(line); });
-        return {};
+    case ResetPose: resetPose(input(document), resetPoseParam(parameters), remark()); return {};
     case TagSelection: {
         const TagSelectionParam param = tagSelectionParam(parameters);
         return reportTags(input(document), tagSelection(input(document), param), param.target);
@@ -139,9 +146,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
         return reportTags(input(document), tagFromFiles(input(document), param), param.target);
     }
     case ClearTags: return clearTags(input(document));
-    case SaveTags:
-        return report(saveTags(document, input(document), saveTagsParam(parameters, document),
-                               [this](const std::string &line) { logLine(line); }));
+    case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), remark()));
     }
     throw Error("Unknown filter.");
 }
@@ -150,8 +155,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
                                                        vcg::CallBackPos *callback) {
     MeshModel &layer = input(document);
     const BuildGraphParam param = buildGraphParam(parameters);
-    const vcg::fcd::CentroidalGraph graph = addGraphLayers(
-        document, layer, param, [this](const std::string &line) { logLine(line); }, Progress(callback));
+    const vcg::fcd::CentroidalGraph graph = addGraphLayers(document, layer, param, remark(), Progress(callback));
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
     logLine(describe(graph.surface));
@@ -178,9 +182,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     const bool inWindow = host::inWindow();
     MeshModel &layer = meant(DeformMesh, input(document), document);
     const DeformMeshParam param = deformMeshParam(parameters, document);
-    const DeformedLayers made = LayerDeformer(document, layer, preparedLayers, [this](const std::string &line) {
-                                    logLine(line);
-                                }).deform(param, inWindow, Progress(callback));
+    const DeformedLayers made =
+        LayerDeformer(document, layer, preparedLayers, remark()).deform(param, inWindow, Progress(callback));
     const vcg::fcd::DeformationResult &result = made.result;
     if (inWindow)
         logLine((made.replaced == 0 ? std::string()
@@ -219,36 +222,31 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 }
 
 /// Logs what was made, and gives the numbers.
+HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const std::vector<std::string> &warnings,
+                                                 const ReturnedValues &values) const {
+    logLine(line);
+    for (const std::string &warning : warnings)
+        logLine(warning, GLLogStream::WARNING);
+    return values;
+}
+
 template <class Made>
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
-    logLine(describe(made));
-    for (const std::string &warning : warningsOf(made))
-        logLine(warning, GLLogStream::WARNING);
-    return valuesOf(made);
+    return tell(describe(made), warningsOf(made), valuesOf(made));
 }
 
-HostFilterPlugin::ReturnedValues FilterFcd::fitMesh(const RichParameterList &parameters, MeshDocument &document,
-                                                    vcg::CallBackPos *callback) {
-    return tell(fitLayer(
-        document, input(document), fitMeshParam(parameters, document),
-        [this](const std::string &line) { logLine(line); }, Progress(callback)));
-}
-
-HostFilterPlugin::ReturnedValues FilterFcd::straightenMesh(const RichParameterList &parameters, MeshDocument &document,
-                                                           vcg::CallBackPos *callback) {
-    return tell(straightenLayer(
-        document, input(document), straightenMeshParam(parameters, document),
-        [this](const std::string &line) { logLine(line); }, Progress(callback)));
+HostFilterPlugin::ReturnedValues FilterFcd::tell(const SequenceLayers &made) const {
+    const vcg::fcd::SequenceReport &report = made.report;
+    warnOf({1, report.jumps, report.unstable}, report.converged, report.discretisationError);
+    return tell(describe(made), warningsOf(made), valuesOf(made));
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
                                                  vcg::CallBackPos *callback) {
     MeshModel &layer = input(document);
     const PoseParam param = poseParam(parameters, document);
-    const PoseResult result = LayerDeformer(document, layer, preparedLayers, [this](const std::string &line) {
-                                  logLine(line);
-                              }).pose(param, Progress(callback));
+    const PoseResult result = LayerDeformer(document, layer, preparedLayers, remark()).pose(param, Progress(callback));
     std::ostringstream line;
     line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
          << " iterations; " << (result.prepared ? "prepared in " : "already prepared, found in ")
@@ -286,8 +284,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
         if (targets.empty())
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
     }
-    const DeformedCopies made = copyDeformation(
-        document, param, targets, [this](const std::string &line) { logLine(line); }, Progress(callback));
+    const DeformedCopies made = copyDeformation(document, param, targets, remark(), Progress(callback));
     const int layers = int(targets.size());
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +

@@ -7,6 +7,7 @@
 #include "dialogs.h"
 
 #include <layer_fcd/filter_host.h>
+#include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/parameters.h>
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
@@ -20,6 +21,7 @@ class FilterFcd : public HostFilterPlugin {
         DeformMesh,
         FitMesh,
         StraightenMesh,
+        PoseSequence,
         PoseInPlace,
         ResetPose,
         CopyDeformation,
@@ -50,18 +52,21 @@ class FilterFcd : public HostFilterPlugin {
     static RichParameterList defaults(int id, const MeshDocument &document);
     ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues fitMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues straightenMesh(const RichParameterList &parameters, MeshDocument &document,
-                                  vcg::CallBackPos *callback);
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues clearTags(MeshModel &layer) const;
     template <class Made>
     ReturnedValues tell(const Made &made) const;
+    ReturnedValues tell(const SequenceLayers &made) const;
+    ReturnedValues tell(const std::string &line, const std::vector<std::string> &warnings,
+                        const ReturnedValues &values) const;
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
+    Remark remark() const {
+        return [this](const std::string &line) { logLine(line); };
+    }
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);
     QString shown() const;
 

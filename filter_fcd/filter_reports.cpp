@@ -270,6 +270,47 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     return warnings;
 }
 
+std::string describe(const SequenceLayers &made) {
+    const vcg::fcd::SequenceReport &report = made.report;
+    std::ostringstream line;
+    line << describe(made.tags) << "; " << made.poses << (made.poses == 1 ? " pose, " : " poses, ") << made.keyFrames
+         << (made.keyFrames == 1 ? " key frame, " : " key frames, ") << report.frames << " frames; "
+         << made.layers.size() << " new layers. ";
+    if (report.difference > 0)
+        line << "Shapes of poses, mixed in straight lines, are off from the frames by up to " << report.difference
+             << ". ";
+    line << made.seconds << " s.";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made) {
+    const vcg::fcd::SequenceReport &report = made.report;
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.tags);
+    values.insert({{"poses", made.poses},
+                   {"key_frames", made.keyFrames},
+                   {"frames", int(report.frames)},
+                   {"layers", int(made.layers.size())},
+                   {"largest_difference", report.difference},
+                   {"folded_triangles", report.folded},
+                   {"nodes", made.nodes},
+                   {"converged", report.converged},
+                   {"jumps", report.jumps},
+                   {"stable", !report.unstable},
+                   {"discretisation_error", valueOfDiscretisation(report.discretisationError)},
+                   {"seconds", made.seconds}});
+    return values;
+}
+
+std::vector<std::string> warningsOf(const SequenceLayers &made) {
+    std::vector<std::string> warnings;
+    if (made.report.folded > 0)
+        warnings.push_back("In a frame, " + std::to_string(made.report.folded) +
+                           (made.report.folded == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
+                           "leave more free surface between them.");
+    return warnings;
+}
+
 std::string describe(const vcg::fcd::SampledField &field) {
     std::ostringstream line;
     line << field.samples.Size() << " samples; the vertices of the source that move are off by " << field.rms

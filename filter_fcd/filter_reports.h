@@ -9,6 +9,7 @@
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/parameters.h>
 
@@ -54,6 +55,11 @@ std::vector<std::string> warningsOf(const FittedLayers &made);
 std::string describe(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 std::vector<std::string> warningsOf(const StraightenedLayers &made);
+
+/// What was made of poses, in words and in numbers.
+std::string describe(const SequenceLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made);
+std::vector<std::string> warningsOf(const SequenceLayers &made);
 
 /// What a saved deformation is like, in words and in numbers.
 std::string describe(const vcg::fcd::SampledField &field);

@@ -17,6 +17,7 @@ QString FilterFcd::filterName(int id) const {
     case DeformMesh: return "FCD: Deform Mesh";
     case FitMesh: return "FCD: Fit to Layer";
     case StraightenMesh: return "FCD: Straighten Mesh";
+    case PoseSequence: return "FCD: Pose Sequence";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
@@ -35,6 +36,7 @@ QString FilterFcd::scriptName(int id) const {
     case DeformMesh: return "generate_fcd_deformed_mesh";
     case FitMesh: return "generate_fcd_fitted_mesh";
     case StraightenMesh: return "generate_fcd_straightened_mesh";
+    case PoseSequence: return "generate_fcd_pose_sequence";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
     case CopyDeformation: return "generate_fcd_deformed_copy";
@@ -105,6 +107,16 @@ QString FilterFcd::filterInfo(int id) const {
                    "Apply Deformation to Layer' and 'FCD: Save Deformation', which carry clouds and landmarks there, "
                    "and "
                    "back. Straighten, unbend, unroll, bend along a curve.") +
+               reference;
+    case PoseSequence:
+        return QString(
+                   "Makes an animation of the current layer, or a row of its poses: each pose has a name and says how "
+                   "the handles move, and <b>key frames</b> tell when there is how much of each. Poses are blended: "
+                   "the turns, the ways and the scalings of a handle add up, each by its share, turns of half a turn "
+                   "and more, too. Every frame is bent as 'FCD: Deform Mesh' bends, from the one before.<br>"
+                   "The poses come from a table in a file, which any program for tables opens. The results are new "
+                   "layers, an animation for other programs (glTF with morph targets) or a point cache (PC2). The "
+                   "current layer is not changed. Animate, keyframes, blend shapes, shape keys, ARAP.") +
                reference;
     case PoseInPlace:
         return QString(

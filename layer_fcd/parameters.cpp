@@ -22,6 +22,19 @@ void HandleParam::validate() const {
                     "choose another source of handles.");
 }
 
+void SequenceParam::validate() const {
+    if (!(rate > 0) || std::isinf(rate))
+        throw Error("frames_per_second must be a positive number.");
+    if (layers == None && gltfFile.isEmpty() && cacheFile.isEmpty() && saveFile.isEmpty())
+        throw Error("There is nothing to make: choose 'frame_layers', or give a gltf_file, a pc2_file or a "
+                    "save_poses_file.");
+    const QStringList files = {saveFile, gltfFile, cacheFile};
+    for (int i = 0; i < files.size(); ++i)
+        for (int j = 0; j < i; ++j)
+            if (!files[i].isEmpty() && !files[j].isEmpty() && isSameFile(files[i], files[j]))
+                throw Error("Two of save_poses_file, gltf_file and pc2_file are the same file. Give different files.");
+}
+
 void SaveDeformationParam::validate() const {
     if (file.isEmpty())
         throw Error("deformation_file is empty. Give the .ply file to write the deformation to.");

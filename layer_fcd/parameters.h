@@ -5,6 +5,7 @@
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/fit.h>
+#include <vcg_ext/sequence/sequence_frames.h>
 #include <vcg_ext/straighten.h>
 
 #include "meshlab_host.h"
@@ -102,6 +103,24 @@ struct StraightenMeshParam {
     vcg::fcd::StraightenParam bend; ///< without nodes
     bool graphLayers = true;        ///< keep the rest and the deformed graph as layers
     Quality quality = Input;        ///< of the straightened layer
+};
+
+/// What "FCD: Pose Sequence" is asked for.
+struct SequenceParam {
+    enum Layers { None, KeyFrames, Frames };
+
+    HandleParam handles;       ///< where the tags are; the poses tell how they move
+    QString posesFile;         ///< .csv; empty: the poses that the layer keeps
+    double rate = 24;          ///< frames a second
+    Layers layers = KeyFrames; ///< that are made
+    QString gltfFile;          ///< .glb, may be empty
+    vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame;
+    QString cacheFile; ///< .pc2, may be empty
+    QString saveFile;  ///< .csv, may be empty
+    vcg::fcd::DeformationParam deformation;
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
 };
 
 /// What "FCD: Pose in Place" is asked for.

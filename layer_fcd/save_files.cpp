@@ -3,7 +3,6 @@
 
 #include "save_files.h"
 
-#include <deque>
 #include <filesystem>
 
 #include <QFile>
@@ -29,7 +28,7 @@ QString placeOf(const QString &path) {
 
 /// Writes \p size bytes beside \p file.
 void write(QSaveFile &file, const QString &path, const char *data, std::size_t size) {
-    if (!file.open(QIODevice::WriteOnly | QIODevice::Unbuffered))
+    if (!file.isOpen() && !file.open(QIODevice::WriteOnly | QIODevice::Unbuffered))
         failToWrite(path, file.errorString());
     for (std::size_t written = 0; written < size;) {
         // A full disk takes a part first, and says what is wrong with the next one.
@@ -48,41 +47,65 @@ bool isSameFile(const QString &a, const QString &b) {
     return placeOf(a) == placeOf(b) || std::filesystem::equivalent(path(a), path(b), none);
 }
 
-void saveFiles(const std::vector<FileContent> &files) {
-    struct Replacement {
-        QFile present;
-        QSaveFile next, last; ///< the new content, and what undoes it
-        bool isNew;
+struct FilesToSave::Replacement {
+    QString path;
+    QFile present;
+    QSaveFile next, last; ///< the new content, and what undoes it
+    bool isNew;
 
-        explicit Replacement(const QString &place)
-            : present(place), next(place), last(place), isNew(!QFileInfo::exists(place)) {}
+    Replacement(const QString &path, const QString &place)
+        : path(path), present(place), next(place), last(place), isNew(!QFileInfo::exists(place)) {}
+};
+
+FilesToSave::FilesToSave() = default;
+FilesToSave::~FilesToSave() = default;
+
+FilesToSave::WriteAt FilesToSave::add(const QString &path) {
+    replacements.push_back(std::make_unique<Replacement>(path, placeOf(path)));
+    Replacement &r = *replacements.back();
+    if (!r.isNew && !QFileInfo(r.present).isFile())
+        failToWrite(path, "it is no ordinary file");
+    write(r.next, path, nullptr, 0);
+    return [&r](std::uint64_t at, const char *data, std::size_t size) {
+        if (at != std::uint64_t(r.next.pos()) && !r.next.seek(qint64(at)))
+            failToWrite(r.path, r.next.errorString());
+        write(r.next, r.path, data, size);
     };
-    std::deque<Replacement> replacements;
-    for (const FileContent &file : files) {
-        Replacement &r = replacements.emplace_back(placeOf(file.path));
-        if (!r.isNew && !QFileInfo(r.present).isFile())
-            failToWrite(file.path, "it is no ordinary file");
-        write(r.next, file.path, file.text.data(), file.text.size());
+}
+
+void FilesToSave::save() {
+    for (const auto &each : replacements) {
+        Replacement &r = *each;
         // The last file needs no way back.
-        if (r.isNew || &file == &files.back())
+        if (r.isNew || each == replacements.back())
             continue;
         if (!r.present.open(QIODevice::ReadOnly))
-            failToWrite(file.path, r.present.errorString());
-        const QByteArray content = r.present.readAll();
-        if (r.present.error() != QFile::NoError)
-            failToWrite(file.path, r.present.errorString());
-        write(r.last, file.path, content.data(), std::size_t(content.size()));
+            failToWrite(r.path, r.present.errorString());
+        write(r.last, r.path, nullptr, 0);
+        while (!r.present.atEnd()) {
+            const QByteArray content = r.present.read(1 << 20);
+            if (r.present.error() != QFile::NoError)
+                failToWrite(r.path, r.present.errorString());
+            write(r.last, r.path, content.data(), std::size_t(content.size()));
+        }
     }
-    for (std::size_t i = 0; i < files.size(); ++i)
-        if (!replacements[i].next.commit()) {
-            const QString reason = replacements[i].next.errorString();
+    for (std::size_t i = 0; i < replacements.size(); ++i)
+        if (!replacements[i]->next.commit()) {
+            const QString reason = replacements[i]->next.errorString();
             for (std::size_t done = 0; done < i; ++done) {
-                Replacement &r = replacements[done];
+                Replacement &r = *replacements[done];
                 if (r.isNew)
                     r.present.remove();
                 else
                     r.last.commit();
             }
-            failToWrite(files[i].path, reason);
+            failToWrite(replacements[i]->path, reason);
         }
+}
+
+void saveFiles(const std::vector<FileContent> &files) {
+    FilesToSave all;
+    for (const FileContent &file : files)
+        all.add(file.path)(0, file.text.data(), file.text.size());
+    all.save();
 }

@@ -115,6 +115,17 @@ def straighten_filter(layer, line_file, to=1, angle=90, straightened_quality=1):
             choice("straightened_quality", straightened_quality, 2) + "</filter>")
 
 
+def sequence_filter(poses_file, folder, frame_layers=1, gltf_shapes=0):
+    return ('<filter name="FCD: Pose Sequence">' + parameter("OpenFile", "poses_file", value=poses_file, exts_cardinality=1, exts_val0="*.csv") +
+            parameter("Float", "frames_per_second", value=4) + choice("frame_layers", frame_layers, 3) +
+            parameter("SaveFile", "gltf_file", value=folder / "bone.glb", ext="*.glb") + choice("gltf_shapes", gltf_shapes, 2) +
+            parameter("SaveFile", "pc2_file", value=folder / "bone.pc2", ext="*.pc2") +
+            parameter("SaveFile", "save_poses_file", value=folder / "again.csv", ext="*.csv") +
+            parameter("Int", "initial_patches", value=300) + parameter("Float", "smoothness", value=0.0058) +
+            parameter("Int", "random_seed", value=1) + choice("handles", 0, 4) + parameter("String", "tag_attribute", value="fcd_tag") +
+            parameter("OpenFile", "tag_file", value="", exts_cardinality=1, exts_val0="*.sel") + "</filter>")
+
+
 def reset_filter(keep_shape=False, to=None):
     """Scripts of before lack the first."""
     return ('<filter name="FCD: Reset Pose">' + ("" if to is None else choice("to", to, 2)) + boolean("keep_shape", keep_shape) +
@@ -211,6 +222,26 @@ def test_a_bend_along_a_line(tmp_path):
     places = np.stack([(radius - high) * np.sin(turn), before[:, 1] - 0.5, radius - (radius - high) * np.cos(turn)], 1)
     off = np.abs(after.vertex_matrix() - 0.5 - places).max(1)
     assert np.median(off) < 1e-4 and np.percentile(off, 90) < 2e-3  # what is not connected follows what is near, rigidly
+
+
+def test_a_pose_sequence(tmp_path):
+    poses = tmp_path / "poses.csv"
+    poses.write_text("time;easing;up;turned\nmotions;;\"2: translate 0 0 0.2\";2: rotate 1 0 0 90\n0;smooth\n0.5;linear;100\n1;;50;100\n")
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), sequence_filter(poses, tmp_path))
+    assert run.code == 0 and run.value("frames") == "5" and run.value("converged") == "true", run.log
+    rest, tags = run.meshes["bone"].vertex_matrix(), run.meshes["bone"].vertex_scalar_array()
+    up, last = (run.meshes[f"bonekeyframe{i}"].vertex_matrix() for i in (1, 2))
+    assert (last[tags == 0] == rest[tags == 0]).all()
+    assert np.abs(up[tags == 2] - rest[tags == 2] - [0, 0, 0.2]).max() < 1e-6
+    motion = translation([0, 0, 0.1]) @ about(rest[tags == 2].mean(0), rotation([1, 0, 0], 90))
+    assert np.abs(last[tags == 2] - transformed(motion, rest[tags == 2])).max() < 1e-6
+    frames = np.frombuffer((tmp_path / "bone.pc2").read_bytes(), "<f4", offset=32).reshape(5, -1, 3)
+    assert np.abs(frames[2] - up).max() < 1e-6 and np.abs(frames[4] - last).max() < 1e-6
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(tmp_path / "bone.glb"))  # as MeshLab reads it: the shape at rest
+    points = ms.current_mesh().vertex_matrix() + ms.current_mesh().transform_matrix()[:3, 3]
+    assert points.shape == rest.shape and np.abs(points.max(0) - rest.max(0)).max() < 1e-6 > np.abs(points.min(0) - rest.min(0)).max()
+    assert (tmp_path / "again.csv").read_text().startswith("time,easing,up,turned\nsurface,,")
 
 
 def test_files_and_graph_layer(tmp_path):

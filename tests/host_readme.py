@@ -35,7 +35,7 @@ def run(folder, *command):
 
 
 @pytest.mark.parametrize("page, count, made", [("scripts.md", 4, "bar_deformed.ply"), ("layers.md", 3, "bend.ply"),
-                                               ("straighten.md", 1, "cylinder_bent.ply")])
+                                               ("straighten.md", 1, "cylinder_bent.ply"), ("sequences.md", 1, "cylinder_key_frame_2.ply")])
 def test_python_of_a_page_in_one_session(folder, page, count, made):
     assert len(blocks(page, "python")) == count
     printed = run(folder, sys.executable, "-c", "\n".join(blocks(page, "python")))
@@ -63,7 +63,7 @@ def test_links_of_the_readme_lead_somewhere():
 
 def test_no_page_has_python_that_is_not_run():
     of_the_package = {"README.md", "python.md", "tiles.md"}  # which tests/python/test_pages.py runs
-    assert {page for page in PAGES if blocks(page, "python")} == {"scripts.md", "layers.md", "straighten.md"} | of_the_package
+    assert {page for page in PAGES if blocks(page, "python")} == {"scripts.md", "layers.md", "straighten.md", "sequences.md"} | of_the_package
 
 
 def test_the_manual_has_what_the_filters_say():

@@ -142,7 +142,7 @@ pymeshlab() {
         faults "pymeshlab-$1"
         local pairs=()
         [ "$1" != 2025.7 ] || pairs=(tests/host_fit_pairs.py) # the method is the same in the other
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_process.py "${pairs[@]}"
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${pairs[@]}"
     fi
 }
 # sanitized_plugin HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/sanitized/HOST.
@@ -170,7 +170,7 @@ runtime() {
 sanitized_host() {
     local plugin=$build/sanitized/pymeshlab-2025.7/plugins/libfilter_fcd.so
     FCD_PLUGIN=$plugin LLVM_PROFILE_FILE=$results/%4m.hostraw ASAN_OPTIONS=detect_leaks=0 \
-        host env LD_PRELOAD="$(runtime)" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py
+        host env LD_PRELOAD="$(runtime)" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_sequence.py
     check coverage-host bash tests/coverage.sh layer_fcd 80 "$plugin" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
 }

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/handles/handle_file.h>
+
+#include "kept_poses.h"
+#include "layer_contents.h"
+#include "layer_deformer.h"
+#include "layer_matrix.h"
+#include "layer_sequence.h"
+#include "motion_sources.h"
+#include "new_layers.h"
+#include "save_files.h"
+#include "tag_sources.h"
+
+#include <algorithm>
+#include <map>
+
+#include <QFile>
+
+using vcg::fcd::Deformer;
+using vcg::fcd::Error;
+using vcg::fcd::Motion;
+using vcg::fcd::PoseSequence;
+using vcg::fcd::Progress;
+using vcg::fcd::SurfaceMark;
+
+namespace {
+
+/// The poses of a file, or those that \p layer keeps. \param surface of the layer
+PoseSequence readSequence(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
+    const std::size_t most = 100000000; // bytes, of a million key frames
+    std::optional<PoseSequence> sequence;
+    std::string name = file.toStdString();
+    if (file.isEmpty()) {
+        sequence = posesOf(layer);
+        if (!sequence)
+            throw Error("The layer '" + layer.label().toStdString() +
+                        "' keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file "
+                        "with the poses as 'poses_file'.");
+        name = layer.label().toStdString();
+    } else {
+        sequence = vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most), name);
+    }
+    try {
+        sequence->ExpectSurface(surface);
+    } catch (const Error &e) {
+        throw Error("'" + name + "': " + e.what());
+    }
+    sequence->surface = surface;
+    return *sequence;
+}
+
+/// The motions of each pose.
+std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const MeshDocument &document,
+                                             const MeshModel &layer, const Deformer &deformer,
+                                             const vcg::fcd::Handles &handles) {
+    std::vector<std::map<int, Motion>> motions;
+    for (const vcg::fcd::NamedPose &pose : sequence.pose) {
+        HandleParam param;
+        param.transforms = QString::fromStdString(pose.motions);
+        vcg::fcd::Handles posed;
+        posed.world = handles.world;
+        try {
+            readMotions(
+                document, layer, nullptr, param, deformer.center, [](const std::string &) {}, posed);
+        } catch (const Error &e) {
+            throw Error("Pose '" + pose.name + "': " + e.what());
+        }
+        motions.push_back(std::move(posed.motion));
+    }
+    return motions;
+}
+
+} // namespace
+
+SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
+                            const SequenceParam &param, const Remark &remark, const Progress &progress) {
+    const vcg::fcd::Stopwatch watch;
+    SequenceLayers made;
+    const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
+    const vcg::fcd::SurfaceView view = surface.View();
+    const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
+    const PoseSequence sequence = readSequence(layer, param.posesFile, SurfaceMark::Of(view, handles.world));
+    LayerDeformer layerDeformer(document, layer, preparedLayers, remark);
+    layerDeformer.readHandles(param.handles);
+    layerDeformer.prepare(param.deformation, progress.Slice(0.02, 0.3));
+    const Prepared &prepared = *layerDeformer.prepared();
+    const Deformer &deformer = *prepared.deformer;
+    const auto motions = motionsOf(sequence, document, layer, deformer, handles);
+
+    FilesToSave files;
+    if (!param.saveFile.isEmpty()) {
+        const std::string text = vcg::fcd::PoseSequenceText(sequence);
+        files.add(param.saveFile)(0, text.data(), text.size());
+    }
+    vcg::fcd::SequenceOutput output;
+    output.rate = param.rate;
+    output.name = layer.label().toStdString();
+    output.shapes = param.shapes;
+    if (!param.gltfFile.isEmpty())
+        output.gltf = files.add(param.gltfFile);
+    if (!param.cacheFile.isEmpty())
+        output.pointCache = files.add(param.cacheFile);
+    NewLayers layers(document, layer, remark);
+    const bool turns = hasDirections(layer);
+    const auto addLayer = [&](const QString &what) {
+        return [&, what](std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position) {
+            std::vector<Eigen::Matrix3f> linear;
+            if (turns) {
+                Eigen::Matrix3Xd again = view.Positions();
+                vcg::fcd::Carrier(deformer, pose).Apply(again, &linear);
+            }
+            made.layers.push_back(&layers.addDeformed(what.arg(number), position, linear, {}));
+        };
+    };
+    if (param.layers == SequenceParam::KeyFrames)
+        output.keyFrame = addLayer("key frame %1");
+    else if (param.layers == SequenceParam::Frames)
+        output.frame = addLayer("frame %1");
+    if (output.gltf || output.pointCache || output.frame || output.keyFrame)
+        made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
+                                            progress.Slice(0.3, 1));
+    files.save();
+    keepPoses(document, layer, sequence);
+    layers.keep(made.layers.empty() ? layer : *made.layers.back());
+    if (host::inWindow() && !made.layers.empty()) { // one sees one of them
+        for (MeshModel *each : made.layers)
+            host::setVisible(*each, each == made.layers.back());
+        host::setVisible(layer, false);
+        host::showChanges(document);
+    }
+    made.poses = int(sequence.pose.size());
+    made.keyFrames = int(sequence.key.size());
+    made.nodes = int(deformer.graph.Size());
+    made.tags = prepared.tags;
+    made.seconds = watch.Seconds();
+    return made;
+}

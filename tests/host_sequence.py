@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pose sequences of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import numpy as np
+import pymeshlab
+import pytest
+
+from host_pymeshlab import DEFORM, assert_unchanged, check_returned, new_set, same_points, sheet, snapshot
+from host_straighten import DIAGONAL, LENGTH, tube
+
+SEQUENCE = "generate_fcd_pose_sequence"
+DEFAULTS = {
+    "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "pc2_file": "", "save_poses_file": "",
+    "initial_patches": 300, "smoothness": 0.0058, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
+RETURNS = {
+    "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "poses": int, "key_frames": int,
+    "frames": int, "layers": int, "largest_difference": float, "folded_triangles": int, "nodes": int, "converged": bool, "jumps": bool,
+    "stable": bool, "discretisation_error": float, "seconds": float}
+BENT, TWISTED = "2: rotate 0 1 0 60 translate -1 0 -2", "2: rotate 1 0 0 200"
+HEAD = f'time,easing,bent,twisted\nmotions,,{BENT},{TWISTED}\n'
+KEYS = "0,smooth\n0.5,linear,100\n1,,0,50\n"
+
+
+def layers(matrix=None):
+    """A tube along x, fixed at its beginning, with handle 2 at its end."""
+    points, faces = tube()
+    ms = new_set()
+    tags = np.where(points[:, 0] < 0.5, 0.0, np.where(points[:, 0] > LENGTH - 0.5, 2.0, 1.0))
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=points, face_matrix=faces, v_scalar_array=tags), "tube")
+    if matrix is not None:
+        ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+    return ms
+
+
+def table(folder, text, name="poses.csv"):
+    (folder / name).write_text(text)
+    return str(folder / name)
+
+
+def deformed(matrix=None, **motion):
+    ms = layers(matrix)
+    ms.apply_filter(DEFORM, graph_layers=False, **motion)
+    return ms.current_mesh().vertex_matrix()
+
+
+def cached(path):
+    """(number of the first frame, frames x points x 3) of a point cache."""
+    content = path.read_bytes()
+    assert content[:12] == b"POINTCACHE2\0"
+    version, points, frames = np.frombuffer(content, "<i4", 7, 4)[[2, 3, 6]]
+    start, rate = np.frombuffer(content, "<f4", 2, 20)
+    assert (version, rate) == (1, 1)
+    return start, np.frombuffer(content, "<f4", offset=32).reshape(frames, points, 3)
+
+
+class Gltf:
+    """A file with a mesh that has morph targets, as VTK reads it."""
+
+    def __init__(self, path):
+        core = pytest.importorskip("vtkmodules.vtkIOGeometry", reason="there is no VTK beside this pymeshlab")
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        self._arrays = vtk_to_numpy
+        self._reader = core.vtkGLTFReader()
+        self._reader.SetFileName(str(path))
+        self._reader.ApplyDeformationsToGeometryOn()
+        self._reader.UpdateInformation()
+        assert self._reader.GetNumberOfAnimations() == 1
+        self._reader.EnableAnimation(0)
+        self._reader.SetFrameRate(60)
+        self._reader.UpdateInformation()
+        self.duration = self._reader.GetAnimationDuration(0)
+
+    def at(self, seconds):
+        """(positions, faces, normals)"""
+        self._reader.UpdateTimeStep(seconds)
+        data = self._reader.GetOutput()
+        while data.IsA("vtkMultiBlockDataSet"):
+            data = data.GetBlock(0)
+        faces = self._arrays(data.GetPolys().GetConnectivityArray()).reshape(-1, 3) if data.GetNumberOfPolys() else None
+        normals = data.GetPointData().GetNormals()
+        return (self._arrays(data.GetPoints().GetData()).astype(float), faces, None if normals is None else self._arrays(normals))
+
+
+def test_what_is_done_is_logged(capfd, tmp_path):
+    """After an error in any filter pymeshlab logs no more, hence this test comes first."""
+    ms = layers()
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), gltf_file=str(tmp_path / "a.glb"), gltf_shapes=1, frames_per_second=4)
+    log = capfd.readouterr().err
+    assert "2 poses, 3 key frames, 5 frames; 3 new layers." in log and "mixed in straight lines, are off from the frames by up to" in log
+    assert "turned over" not in log
+    points, faces = sheet(60, 1 / 59)  # flat, and pushed together
+    tags = np.where(points[:, 0] < 0.1, 0.0, np.where(points[:, 0] > 0.9, 2.0, 1.0))
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points * [1, 1, 0], faces, v_scalar_array=tags), "sheet")
+    ms.set_verbosity(True)
+    folding = table(tmp_path, "time,easing,folded\nmotions,,2: translate -0.72 0 0\n0,,0\n1,,100\n")
+    result, log = ms.apply_filter(SEQUENCE, poses_file=folding), capfd.readouterr().err
+    assert f"In a frame, {result['folded_triangles']} triangles have turned over" in log and "1 pose, 2 key frames, 2 frames" in log
+
+
+def test_parameters_names_order_and_defaults():
+    assert SEQUENCE in pymeshlab.filter_list()
+    values = layers().filter_parameter_values(SEQUENCE)
+    assert list(values) == list(DEFAULTS)
+    for key, value in DEFAULTS.items():
+        assert values[key] == value if isinstance(value, str) else np.allclose(values[key], value, rtol=1e-6, atol=0), key
+
+
+@pytest.mark.parametrize("matrix", [None, np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])])
+def test_key_frames_are_layers(tmp_path, matrix):
+    """The first after rest is to the bit what the deformation is."""
+    ms = layers(matrix)
+    before = snapshot(ms.mesh(0))
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS))
+    check_returned(result, RETURNS)
+    assert (result["poses"], result["key_frames"], result["frames"], result["layers"]) == (2, 3, 3, 3) and result["converged"]
+    assert [mesh.label() for mesh in ms] == ["tube", "tube key frame 0", "tube key frame 1", "tube key frame 2"]
+    assert ms.current_mesh().label() == "tube key frame 2"
+    assert_unchanged(before, ms.mesh(0))
+    assert same_points(ms.mesh(1).vertex_matrix(), ms.mesh(0).vertex_matrix())
+    assert same_points(ms.mesh(1).vertex_scalar_array(), ms.mesh(0).vertex_scalar_array())
+    assert same_points(ms.mesh(2).vertex_matrix(), deformed(matrix, transforms=BENT))
+    straight = deformed(matrix, transforms=TWISTED, pose=50)
+    assert np.abs(ms.mesh(3).vertex_matrix() - straight).max() < 5e-4 * DIAGONAL  # it came there from the pose before
+
+
+def test_a_blend_turns_and_moves_the_handle(tmp_path):
+    ms = layers()
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, "time,easing,up,turned\nmotions,,2: translate 0 0 3,2: rotate 1 0 0 300\n0,,50,100\n"))
+    points, tags = ms.current_mesh().vertex_matrix(), ms.mesh(0).vertex_scalar_array()
+    rest, turn = ms.mesh(0).vertex_matrix()[tags == 2], np.radians(300)
+    middle = rest.mean(0)
+    turned = (rest - middle) @ np.array([[1, 0, 0], [0, np.cos(turn), np.sin(turn)], [0, -np.sin(turn), np.cos(turn)]])
+    assert np.abs(points[tags == 2] - turned - middle - [0, 0, 1.5]).max() < 1e-9 * DIAGONAL
+    assert same_points(points[tags == 0], ms.mesh(0).vertex_matrix()[tags == 0])
+    half = np.abs(ms.mesh(0).vertex_matrix()[:, 0] - LENGTH / 2) < 1e-9  # a turn of 300 degrees is followed half by half
+    y, z = (points - points[half].mean(0))[half][:, 1:].T, (ms.mesh(0).vertex_matrix()[half][:, 1:]).T
+    angle = np.angle((y[0] + 1j * y[1]) @ (z[0] - 1j * z[1]))
+    assert np.degrees(angle) % 360 == pytest.approx(150, abs=5)
+
+
+def test_frames_are_layers_and_a_point_cache(tmp_path):
+    ms = layers()
+    ms.apply_filter("meshing_remove_selected_vertices")  # none; the slots stay
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS.replace("0,smooth", "0.25,smooth", 1)), frame_layers=2,
+                             frames_per_second=8, pc2_file=str(tmp_path / "a.pc2"))
+    start, frames = cached(tmp_path / "a.pc2")
+    assert (start, len(frames), result["frames"], result["layers"]) == (2, 7, 7, 7)
+    assert ms.mesh(3).label() == "tube frame 2"
+    for i, frame in enumerate(frames):
+        assert np.abs(ms.mesh(i + 1).vertex_matrix() - frame).max() < 1e-6 * DIAGONAL, i
+    apart = np.linalg.norm(np.diff(frames, axis=0), axis=2).max(1)
+    assert 0 < apart[0] < 3 and (apart < 4).all()  # smooth: no frame jumps
+
+
+def test_an_animation_as_another_program_reads_it(tmp_path):
+    """Each frame, within 1e-6 of the diagonal; its normals are those of its faces."""
+    placed = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])
+    ms = layers(placed)
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=2, frames_per_second=8,
+                             gltf_file=str(tmp_path / "frames.glb"))
+    file = Gltf(tmp_path / "frames.glb")
+    assert file.duration == 1 and result["frames"] == 9 and result["largest_difference"] == 0
+    for i in (0, 3, 4, 8):
+        points, faces, normals = file.at(i / 8)
+        expected = ms.mesh(i + 1).vertex_matrix() @ placed[:3, :3].T + placed[:3, 3]
+        assert np.abs(points - expected).max() < 1e-6 * 2 * DIAGONAL and (faces == ms.mesh(0).face_matrix()).all()
+        turned = ms.mesh(i + 1).vertex_normal_matrix() @ placed[:3, :3].T
+        turned /= np.linalg.norm(turned, axis=1)[:, None]
+        normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        assert np.degrees(np.arccos(np.clip((normals * turned).sum(1), -1, 1))).max() < 1
+    between = (ms.mesh(4).vertex_matrix() + ms.mesh(5).vertex_matrix()) / 2 @ placed[:3, :3].T + placed[:3, 3]
+    assert np.abs(file.at(3.5 / 8)[0] - between).max() < 1e-5 * DIAGONAL
+
+
+def test_shapes_of_poses_are_mixed(tmp_path):
+    ms = layers()
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=2, frames_per_second=8, gltf_shapes=1,
+                             gltf_file=str(tmp_path / "poses.glb"))
+    file = Gltf(tmp_path / "poses.glb")
+    bent, twisted, rest = deformed(transforms=BENT), deformed(transforms=TWISTED), ms.mesh(0).vertex_matrix()
+    assert np.abs(file.at(0.5)[0] - bent).max() < 1e-6 * DIAGONAL
+    assert np.abs(file.at(0.75)[0] - rest - (bent - rest) / 2 - (twisted - rest) / 4).max() < 1e-6 * DIAGONAL
+    off = max(np.linalg.norm(file.at(i / 8)[0] - ms.mesh(i + 1).vertex_matrix(), axis=1).max() for i in range(9))
+    assert result["largest_difference"] == pytest.approx(off, rel=1e-3) and off > 0.01
+
+
+def test_a_cloud(tmp_path):
+    points, _ = tube()
+    ms = new_set()
+    tags = np.where(points[:, 0] < 0.5, 0.0, np.where(points[:, 0] > LENGTH - 0.5, 2.0, 1.0))
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=tags), "cloud")
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), gltf_file=str(tmp_path / "cloud.glb"), frames_per_second=2)
+    read, faces, normals = Gltf(tmp_path / "cloud.glb").at(0.5)
+    assert faces is None and normals is None and np.abs(read - ms.mesh(2).vertex_matrix()).max() < 1e-6 * DIAGONAL
+
+
+def test_the_table_is_saved_with_its_surface(tmp_path):
+    ms = layers()
+    saved = tmp_path / "saved.csv"
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD), frame_layers=0, save_poses_file=str(saved))
+    assert len(list(ms)) == 1 and ms.current_mesh_id() == 0
+    rows = saved.read_text().splitlines()
+    assert rows[0] == "time,easing,bent,twisted" and rows[1].startswith('surface,,2424 vertices from 0 -0.6') and rows[2] == HEAD.split("\n")[1]
+    assert rows[3:] == ["0,smooth,0,0", "1,smooth,100,0", "2,smooth,0,100"]
+    ms.apply_filter(SEQUENCE, poses_file=str(saved), save_poses_file=str(saved))
+    assert saved.read_text().splitlines() == rows and same_points(ms.mesh(2).vertex_matrix(), deformed(transforms=BENT))
+    other = layers(np.diag([2.0, 2, 2, 1]))
+    with pytest.raises(pymeshlab.PyMeshLabException, match="saved.csv': The poses are of another surface"):
+        other.apply_filter(SEQUENCE, poses_file=str(saved))
+    assert len(list(other)) == 1
+
+
+def test_a_layer_keeps_its_poses(tmp_path):
+    ms = layers()
+    first = table(tmp_path, HEAD + KEYS)
+    ms.apply_filter(SEQUENCE, poses_file=first)
+    ms.set_current_mesh(0)
+    result = ms.apply_filter(SEQUENCE, frame_layers=0, save_poses_file=str(tmp_path / "kept.csv"))
+    assert (result["poses"], result["layers"]) == (2, 0) and (tmp_path / "kept.csv").read_text().startswith("time,easing,bent,twisted\nsurface")
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, "time,easing,other\nmotions,,2: scale 2\n", "b.csv"), frame_layers=0,
+                    save_poses_file=str(tmp_path / "kept.csv"))
+    with pytest.raises(pymeshlab.PyMeshLabException):
+        ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, "time,easing,x\nmotions,,9: scale 2\n", "c.csv"))
+    assert ms.apply_filter(SEQUENCE)["poses"] == 1  # those of the last time that went well
+    ms.set_current_mesh(0)
+    ms.apply_filter("set_matrix", transformmatrix=np.diag([2.0, 2, 2, 1]), freeze=False)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="'tube': The poses are of another surface, or of one that lay elsewhere"):
+        ms.apply_filter(SEQUENCE)
+    for leaves in ("generate_copy_of_current_mesh", "save"):
+        other = layers()
+        other.apply_filter(SEQUENCE, poses_file=first)
+        other.set_current_mesh(0)
+        if leaves == "save":
+            other.save_current_mesh(str(tmp_path / "tube.ply"))
+            other.load_new_mesh(str(tmp_path / "tube.ply"))
+        else:
+            other.apply_filter(leaves)
+        with pytest.raises(pymeshlab.PyMeshLabException, match="keeps no poses"):
+            other.apply_filter(SEQUENCE)
+
+
+ERRORS = {
+    "no file": ({}, None, "The layer 'tube' keeps no poses: .* Give the .csv file with the poses as 'poses_file'"),
+    "missing": ({"poses_file": "/nowhere/poses.csv"}, None, "Cannot open '/nowhere/poses.csv'"),
+    "no table": ({}, "1 2 3\n", "poses.csv', line 1: expected a first row 'time, easing'"),
+    "nothing": ({"frame_layers": 0}, HEAD, "There is nothing to make: choose 'frame_layers'"),
+    "rate": ({"frames_per_second": 0}, HEAD, "frames_per_second must be a positive number"),
+    "same file": ({"gltf_file": "{}/a", "pc2_file": "{}/a"}, HEAD, "are the same file"),
+    "unknown handle": ({}, "time,easing,odd\nmotions,,5: scale 2\n", "Pose 'odd': transforms moves handle 5, but no vertex has tag 5"),
+    "motion": ({}, "time,easing,odd\nmotions,,2: jump 1\n", "Pose 'odd': transforms, character 4: expected"),
+    "mirrors": ({}, "time,easing,odd\nmotions,,2: matrix -1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n", "Pose 'odd': transforms, handle 2: A transform mirrors"),
+    "twice": ({}, "time,easing,a,a\nmotions,,2: scale 2\n", "Two poses are called 'a'"),
+    "times": ({}, HEAD + "1\n0\n", "Their times must ascend"),
+    "easing": ({}, HEAD + "1,soft\n", "expected linear, smooth or hold, found 'soft'"),
+    "folder": ({"pc2_file": "{}/none/a.pc2", "gltf_file": "{}/a.glb"}, HEAD, "Cannot write '.*a.pc2'"),
+    "too many": ({"frames_per_second": 1e9}, HEAD + KEYS, "more than a million frames"),
+}
+
+
+@pytest.mark.parametrize("name", ERRORS)
+def test_errors_change_nothing(tmp_path, name):
+    parameters, text, message = ERRORS[name]
+    parameters = {key: value.replace("{}", str(tmp_path)) if isinstance(value, str) else value for key, value in parameters.items()}
+    if text is not None:
+        parameters["poses_file"] = table(tmp_path, text)
+    ms = layers()
+    before, files = snapshot(ms.mesh(0)), sorted(tmp_path.iterdir())
+    with pytest.raises(pymeshlab.PyMeshLabException, match=message):
+        ms.apply_filter(SEQUENCE, **parameters)
+    assert len(list(ms)) == 1 and ms.current_mesh_id() == 0 and sorted(tmp_path.iterdir()) == files
+    assert_unchanged(before, ms.mesh(0))
+
+
+def test_files_that_were_there_stay_after_an_error(tmp_path):
+    """Also where the frames are being written: a motion too far."""
+    (tmp_path / "a.pc2").write_bytes(b"before")
+    ms = layers()
+    far = table(tmp_path, "time,easing,far\nmotions,,2: translate 1e35 0 0\n0,\n1,,100\n")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Handle 2"):
+        ms.apply_filter(SEQUENCE, poses_file=far, pc2_file=str(tmp_path / "a.pc2"), frames_per_second=2)
+    assert (tmp_path / "a.pc2").read_bytes() == b"before" and len(list(ms)) == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.pc2", "poses.csv"]
