@@ -248,6 +248,36 @@ TEST(SequenceSolver, OfOnePoseIsThatPoseAndOfNoneIsRest) {
     EXPECT_TRUE(SameBits(rig.Carried(solver.Go({0, 0})), SurfaceView(rig.arrays).Copy()));
 }
 
+TEST(SequenceSolver, HasNoPoints) {
+    SequenceRig rig;
+    rig.handles.point.push_back({std::size_t(rig.shape.Size() / 2), Vector3d(0, 0, 9)});
+    rig.deformer = PrepareDeformer(rig.arrays, rig.handles, rig.param);
+    EXPECT_NE(MessageOf<BadInput>([&] {
+                  SequenceSolver(*rig.deformer, rig.handles.world, rig.motions, rig.param);
+              }).find("this surface has points that are put somewhere, too"),
+              std::string::npos);
+}
+
+/// A single vertex turns with the surface where no pose turns it. Where one does, it does not jump as that begins.
+TEST(SequenceSolver, BeginsToTurnAHandleOfOneVertexWithoutAJump) {
+    SequenceRig rig;
+    for (std::size_t i = 0; i < rig.handles.tag.size(); ++i)
+        if (rig.handles.tag[i] == 2)
+            rig.handles.tag[i] = i + 1 == rig.handles.tag.size() ? 2 : 1;
+    ASSERT_EQ(std::count(rig.handles.tag.begin(), rig.handles.tag.end(), 2), 1);
+    rig.deformer = PrepareDeformer(rig.arrays, rig.handles, rig.param);
+    Motion up, turn;
+    up.matrix.topRightCorner<3, 1>() << 2, 0, 0;
+    const Vector3d at = rig.shape.position.back();
+    turn = Motion(
+        (Eigen::Translation3d(at) * Eigen::AngleAxisd(1, Vector3d::UnitY()) * Eigen::Translation3d(-at)).matrix());
+    SequenceSolver solver(*rig.deformer, rig.handles.world, {{{2, up}}, {{2, turn}}}, rig.param);
+    const Matrix3Xd none = rig.Carried(solver.Go({100, 0}));
+    EXPECT_LT((rig.Carried(solver.Go({100, 1e-6})) - none).cwiseAbs().maxCoeff(), 1e-4);
+    SequenceSolver alone(*rig.deformer, rig.handles.world, {{{2, up}}}, rig.param);
+    EXPECT_GT((rig.Carried(alone.Go({100})) - none).cwiseAbs().maxCoeff(), 1e-2); // it turns freely
+}
+
 TEST(SequenceFrames, AreWrittenAndTaken) {
     SequenceRig rig;
     rig.sequence.key = {{0, Easing::Linear, {0, 0}}, {0.5, Easing::Smooth, {100, 0}}, {1.1, Easing::Linear, {0, 100}}};

@@ -129,22 +129,15 @@ void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot
 
 void GltfFile::Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal) {
     assert(next < parts.size());
-    // What readers add it to is what was written, rounded.
-    const auto change = [](const auto &after, const auto &before) {
-        return Eigen::Vector3f((after - before.template cast<float>().template cast<double>()).template cast<float>());
+    const auto change = [](const Eigen::Matrix3Xd &after, const Eigen::Matrix3Xd &before, std::size_t slot) {
+        return Eigen::Vector3f((after.col(Eigen::Index(slot)) - before.col(Eigen::Index(slot))).cast<float>());
     };
-    WriteVectors([&](std::size_t slot) {
-        const auto at = Eigen::Index(slot);
-        if (position.col(at) == rest.col(at))
-            return Eigen::Vector3f::Zero().eval();
-        return change((position.col(at) - origin).eval(), (rest.col(at) - origin).eval());
-    });
+    WriteVectors([&](std::size_t slot) { return change(position, rest, slot); });
     if (!isCloud)
-        WriteVectors([&](std::size_t slot) {
+        WriteVectors([&](std::size_t slot) { // 0 without a face, which stays what it is in the file
             const auto at = Eigen::Index(slot);
-            if (normal.col(at) == restNormal.col(at) || normal.col(at).isZero(0) || restNormal.col(at).isZero(0))
-                return Eigen::Vector3f::Zero().eval();
-            return change(normal.col(at).eval(), restNormal.col(at).eval());
+            const bool isNone = normal.col(at).isZero(0) || restNormal.col(at).isZero(0);
+            return isNone ? Eigen::Vector3f::Zero().eval() : change(normal, restNormal, slot);
         });
 }
 

@@ -10,6 +10,10 @@ namespace fcd {
 SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world,
                                std::vector<std::map<int, Motion>> pose, const DeformationParam &param)
     : deformer(deformer), pose(std::move(pose)), param(param), world(world) {
+    if (!deformer.held.pointTag.empty())
+        throw BadInput(
+            "A pose sequence moves handles, and this surface has points that are put somewhere, too. Prepare it "
+            "without them.");
     Handles handles;
     handles.world = world;
     for (const std::map<int, Motion> &each : this->pose) {

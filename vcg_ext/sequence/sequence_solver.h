@@ -16,6 +16,7 @@ class SequenceSolver {
   public:
     /// Refers to \p deformer. \param world from mesh units to the world \param pose of each pose, the motions of handle
     /// tags, in the world \param param as the deformer was prepared with; param.pose is not read
+    /// \throw BadInput when the deformer has point handles
     SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world, std::vector<std::map<int, Motion>> pose,
                    const DeformationParam &param);
 
