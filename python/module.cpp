@@ -5,6 +5,7 @@
 #include "fitted.h"
 #include "posed.h"
 #include "prepared.h"
+#include "sequenced.h"
 #include "straightened.h"
 
 #include <nanobind/stl/optional.h>
@@ -118,5 +119,21 @@ NB_MODULE(_core, module) {
         .def_ro("prepared", &Fitting::prepared)
         .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("report").none())
         .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
+    nb::class_<Sequence>(module, "Sequence")
+        .def(nb::init<const std::vector<std::pair<std::string, std::string>> &, const std::vector<Sequence::Key> &>(),
+             arg("poses"), arg("keys"))
+        .def_static(
+            "parse", [](const std::string &text, const std::string &name) { return Sequence(text, name); }, arg("text"),
+            arg("name"))
+        .def("text", &Sequence::text, arg("prepared").none())
+        .def("poses", &Sequence::poses)
+        .def("keys", &Sequence::keys)
+        .def("weights_at", &Sequence::weightsAt, arg("time"))
+        .def("times", &Sequence::times, arg("rate"))
+        .def("write", &Sequence::write, arg("prepared"), arg("rate"), arg("gltf").none(), arg("shapes"),
+             arg("point_cache").none(), arg("report").none());
+    nb::class_<Sequencer>(module, "Sequencer")
+        .def(nb::init<std::shared_ptr<Prepared>, const Sequence &>(), arg("prepared"), arg("sequence"))
+        .def("go", &Sequencer::go, arg("weights"), arg("report").none());
     module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"));
 }

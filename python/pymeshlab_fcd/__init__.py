@@ -12,8 +12,9 @@ from ._meshlab import VERSIONS, deform_layer
 from ._motion import Motion
 from ._pose import DeformationWarning, Pose, PoseInfo
 from ._progress import Progress
+from ._sequence import AnimationInfo, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
 
-__all__ = ["Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter", "Graph", "LineInfo", "Motion", "Pose",
-           "PoseInfo", "Progress", "Straightened", "SurfaceInfo", "Transforms", "VERSIONS", "Weights", "deform", "deform_layer", "deformation",
-           "fit", "straighten"]
+__all__ = ["AnimationInfo", "Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter", "Graph",
+           "KeyFrame", "LineInfo", "Motion", "Pose", "PoseInfo", "PoseSequence", "Progress", "Straightened", "SurfaceInfo", "Transforms",
+           "VERSIONS", "Weights", "deform", "deform_layer", "deformation", "fit", "straighten"]

@@ -7,7 +7,8 @@ import math
 import os
 import shutil
 import uuid
-from typing import overload
+from collections.abc import Iterator
+from typing import BinaryIO, overload
 
 from numpy.typing import ArrayLike
 
@@ -17,15 +18,17 @@ from ._inputs import Points
 from ._progress import Progress, report
 
 
-def _write(path: str, content: bytes) -> None:
+@contextlib.contextmanager
+def _aside(path: str) -> Iterator[BinaryIO]:
+    """A file beside the one of this name, whose place it takes at the end; after an exception, it is gone."""
     if os.path.exists(path) and not os.path.isfile(path):  # a pipe, a device
         with open(path, "wb") as file:
-            file.write(content)
+            yield file
         return
     aside = f"{path}.{os.getpid()}.{uuid.uuid4().hex}.part"
     try:
         with open(aside, "xb") as file:
-            file.write(content)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         if os.path.exists(path):
@@ -35,6 +38,11 @@ def _write(path: str, content: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(aside)
         raise
+
+
+def _write(path: str, content: bytes) -> None:
+    with _aside(path) as file:
+        file.write(content)
 
 
 class Deformation:

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
     (folder / "use.py").write_text("""
 import numpy as np
 from numpy.typing import NDArray
-from pymeshlab_fcd import Deformation, Deformer, Fitted, Fitter, Motion, deform, deformation, fit
+from pymeshlab_fcd import AnimationInfo, Deformation, Deformer, Fitted, Fitter, KeyFrame, Motion, PoseSequence, deform, deformation, fit
 
 v: NDArray[np.float64] = np.zeros((3, 3))
 deformer = Deformer(v, [[0, 1, 2]], [0, 1, 2], smoothness=0.01, graph_weights="border", progress=lambda percent, stage: None)
@@ -37,6 +37,10 @@ again = deformer.pose({2: Motion.rotate([0, 0, 1], 90).then(Motion.scale(2))}, s
 a: NDArray[np.float64] = pose.map(v)
 b, c = pose.map(v, v)
 folded: int = pose.info.folded
+poses = PoseSequence({"up": {2: Motion.scale(2)}, "down": "2: scale 0.5"}, [KeyFrame(0, {"up": 100}, "smooth")])
+blended = poses.blend(deformer, {"up": 50}).map(v)
+written: AnimationInfo = poses.write(deformer, gltf="a.glb", shapes="poses")
+times: list[float] = [time for time, each in poses.frames(deformer, rate=12)]
 d: Deformation = deformation(v, tags=[0, 1, 2], transforms={2: np.eye(4)})
 e: float | None = d.largest_difference
 f: NDArray[np.float64] = deform(v, None, [0, 1, 2], {2: np.eye(4)}, patches=100)

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Poses with names, and animations of them."""
+from __future__ import annotations
+
+import contextlib
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import BinaryIO, Literal, Union
+
+import numpy as np
+
+from . import _core, _inputs
+from ._deformation import _aside, _write
+from ._deformer import Deformer, Transforms
+from ._pose import DeformationWarning, Pose
+from ._progress import Progress, report
+
+EasingName = Literal["linear", "smooth", "hold"]
+_EASINGS: tuple[EasingName, ...] = ("linear", "smooth", "hold")
+
+
+@dataclass(frozen=True)
+class KeyFrame:
+    """How much there is of each pose at one time."""
+
+    time: float
+    """Seconds, from 0."""
+    weights: Mapping[str, float] = field(default_factory=dict)
+    """Of each pose, by its name, how many percent; those that are not in it have 0."""
+    easing: EasingName = "linear"
+    """How the weights go to the next key frame: `linear`, `smooth` (3 t^2 - 2 t^3), or `hold` until it is there."""
+
+
+@dataclass(frozen=True)
+class AnimationInfo:
+    """What became of an animation."""
+
+    frames: int
+    """That were written."""
+    largest_difference: float
+    """By how much shapes of poses, mixed in straight lines, are off from the frames, at a vertex; 0 where each frame is a shape."""
+    converged: bool
+    """Whether all frames came to rest."""
+    jumps: bool
+    """Whether a shape jumps on its way to another one."""
+    folded: int
+    """Triangles that turned over, in the frame that has most."""
+
+
+class PoseSequence:
+    """Poses, each with a name, and key frames of them. Poses are blended: the turns of a handle (turns of half a turn and more, too), the
+    ways of its middle and the logarithms of its scalings add up, each by its weight. [Pose sequences](sequences.md) tells more.
+
+    Args:
+        poses: Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter
+            `transforms` takes it.
+        keys: The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
+
+    Raises:
+        TypeError: Something is of another kind than what is asked for here.
+        ValueError: There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
+    """
+
+    def __init__(self, poses: Mapping[str, Union[Transforms, str]], keys: Sequence[KeyFrame] | None = None) -> None:
+        if not isinstance(poses, Mapping):
+            raise TypeError(f"poses must be a mapping, {{name: {{tag: Motion}}}}; it is a {type(poses).__name__}")
+        texts = [(str(name), motions if isinstance(motions, str) else
+                  "; ".join(f"{tag}: {text}" for tag, text in _inputs.transforms(motions, None))) for name, motions in poses.items()]
+        names = [name for name, _ in texts]
+        if keys is None:
+            keys = [KeyFrame(i, {} if i == 0 else {names[i - 1]: 100}, "smooth") for i in range(len(names) + 1)]
+        told = []
+        for key in keys:
+            if not isinstance(key, KeyFrame):
+                raise TypeError(f"keys must be KeyFrames, as KeyFrame(1, {{'bent': 100}}); there is a {type(key).__name__}")
+            told.append((_inputs.number("time", key.time), _inputs.choice("easing", key.easing, _EASINGS), _weights(key.weights, names)))
+        self._core = _core.Sequence(texts, told)
+
+    @classmethod
+    def parse(cls, text: str, name: str = "poses") -> PoseSequence:
+        """From the table that [save][pymeshlab_fcd.PoseSequence.save] writes.
+
+        Args:
+            text: The table.
+            name: What messages call it.
+
+        Raises:
+            ValueError: What is wrong, with the line.
+        """
+        made = cls.__new__(cls)
+        made._core = _core.Sequence.parse(text, name)
+        return made
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> PoseSequence:
+        """From a file with such a table.
+
+        Args:
+            path: Of the file, `.csv`.
+
+        Raises:
+            OSError: It cannot be read.
+            ValueError: What is wrong in it, with the line.
+        """
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            return cls.parse(file.read(), os.fspath(path))
+
+    def text(self, deformer: Deformer | None = None) -> str:
+        """The table.
+
+        Args:
+            deformer: Of which surface the poses are: with another one, they are an error then. None: of any.
+        """
+        return self._core.text(None if deformer is None else deformer._core)
+
+    def save(self, path: str | os.PathLike[str], deformer: Deformer | None = None) -> None:
+        """Writes the table to a file; one that is there is replaced when all is written.
+
+        Args:
+            path: Of the file, `.csv`.
+            deformer: As in [text][pymeshlab_fcd.PoseSequence.text].
+
+        Raises:
+            OSError: It cannot be written; what was there is still there.
+        """
+        _write(os.fspath(path), self.text(deformer).encode())
+
+    @property
+    def poses(self) -> dict[str, str]:
+        """How handles move in each pose, by its name, as the filters' parameter `transforms` takes it."""
+        return dict(self._core.poses())
+
+    @property
+    def keys(self) -> list[KeyFrame]:
+        """The key frames."""
+        return [KeyFrame(time, self._named(weights), _EASINGS[easing]) for time, easing, weights in self._core.keys()]
+
+    def weights_at(self, time: float) -> dict[str, float]:
+        """How many percent there are of each pose at a time.
+
+        Args:
+            time: Seconds; before the first key frame, and after the last one, it is as at that.
+        """
+        return self._named(self._core.weights_at(_inputs.number("time", time)))
+
+    def _named(self, weights: list[float]) -> dict[str, float]:
+        return dict(zip(self.poses, weights))
+
+    def blend(self, deformer: Deformer, weights: Mapping[str, float], *, progress: Progress = None) -> Pose:
+        """The poses at once, each by its weight, from rest.
+
+        Args:
+            deformer: What is posed.
+            weights: Of each pose, by its name, how many percent; those that are not in it have 0.
+            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Raises:
+            ValueError: There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
+        """
+        return self._posed(deformer, _core.Sequencer(deformer._core, self._core), _weights(weights, list(self.poses)), progress)
+
+    def frames(self, deformer: Deformer, *, rate: float = 24.0) -> Iterator[tuple[float, Pose]]:
+        """Each frame, one after the other, each from the one before: its time in seconds, and the pose.
+
+        Args:
+            deformer: What is posed.
+            rate: How many frames a second; the last one is at the last key frame, or after it.
+
+        Raises:
+            ValueError: A pose moves a handle that the Deformer does not have, or they are of another surface.
+        """
+        sequencer = _core.Sequencer(deformer._core, self._core)
+        for time in self._core.times(_inputs.single("rate", rate)):
+            yield time, self._posed(deformer, sequencer, self._core.weights_at(time), None)
+
+    @staticmethod
+    def _posed(deformer: Deformer, sequencer: _core.Sequencer, weights: list[float], progress: Progress) -> Pose:
+        told = report(progress)
+        pose = Pose(deformer, sequencer.go(weights, told), np.empty_like(deformer.vertices))
+        pose._write(None, None)
+        return pose
+
+    def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
+              rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", progress: Progress = None) -> AnimationInfo:
+        """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
+        that are there are replaced when all is written.
+
+        Args:
+            deformer: What is posed.
+            gltf: A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
+            pc2: A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
+            rate: How many frames a second.
+            shapes: What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
+            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Raises:
+            ValueError: Neither file is given, a pose moves a handle that the Deformer does not have, they are of another surface, or a
+                file would be larger than its format holds.
+            OSError: A file cannot be written; those that were there are still there.
+            KeyboardInterrupt: Ctrl-C, at once; nothing is written then.
+
+        Warns:
+            DeformationWarning: Triangles turned over, or a frame did not come to rest.
+        """
+        kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
+        with contextlib.ExitStack() as stack:
+            writers: list[Callable[[int, bytes], None] | None] = []
+            for path in (gltf, pc2):
+                if path is None:
+                    writers.append(None)
+                    continue
+                file = stack.enter_context(_aside(os.fspath(path)))
+
+                def put(at: int, data: bytes, file: BinaryIO = file) -> None:
+                    file.seek(at)
+                    file.write(data)
+
+                writers.append(put)
+            info = AnimationInfo(**self._core.write(deformer._core, _inputs.single("rate", rate), writers[0], kind, writers[1],
+                                                    report(progress)))
+        if info.folded > 0:
+            warnings.warn(f"In a frame, {info.folded} {'triangle has' if info.folded == 1 else 'triangles have'} turned over: the surface is "
+                          "squeezed or twisted too much there. Move the handles less, or leave more free surface between them.",
+                          DeformationWarning, 2)
+        if not info.converged:
+            warnings.warn("A frame did not come to rest: raise max_iterations, or tolerance.", DeformationWarning, 2)
+        return info
+
+    def __repr__(self) -> str:
+        return f"<PoseSequence of {', '.join(self.poses)}, {len(self._core.keys())} key frames>"
+
+
+def _weights(given: Mapping[str, float], names: list[str]) -> list[float]:
+    if not isinstance(given, Mapping):
+        raise TypeError(f"weights must be a mapping, {{name of a pose: percent}}; it is a {type(given).__name__}")
+    for name in given:
+        if name not in names:
+            raise ValueError(f"there is no pose {name!r}; the poses are {', '.join(map(repr, names))}")
+    return [_inputs.number(f"the weight of {name!r}", given[name]) if name in given else 0.0 for name in names]

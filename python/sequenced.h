@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_SEQUENCED_H
+#define PYMESHLAB_FCD_SEQUENCED_H
+
+#include "posed.h"
+
+#include <vcg_ext/sequence/sequence_frames.h>
+
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+/// Named poses and key frames of them.
+class Sequence {
+  public:
+    using Key = std::tuple<double, int, std::vector<double>>; ///< time, easing, weights
+
+    Sequence(const std::vector<std::pair<std::string, std::string>> &poses, const std::vector<Key> &keys);
+    Sequence(const std::string &text, const std::string &name) : sequence(vcg::fcd::ReadPoseSequence(text, name)) {}
+
+    /// The table. \param prepared whose surface it tells of; null: none
+    std::string text(const Prepared *prepared) const;
+    std::vector<std::pair<std::string, std::string>> poses() const;
+    std::vector<Key> keys() const;
+    std::vector<double> weightsAt(double time) const { return sequence.WeightsAt(time); }
+    std::vector<double> times(double rate) const { return FrameTimes(sequence, rate); }
+
+    /// The motions of each pose, of handles that \p prepared has. \throw BadInput others, or another surface
+    std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const Prepared &prepared) const;
+
+    /// Writes frames. \param gltf, pointCache called with what they get, at which place; or None
+    nb::dict write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
+                   const nb::object &pointCache, const nb::object &report) const;
+
+  private:
+    vcg::fcd::PoseSequence sequence;
+};
+
+/// A surface that is posed by weights of poses, each time from where it is.
+class Sequencer {
+  public:
+    Sequencer(std::shared_ptr<Prepared> prepared, const Sequence &sequence);
+
+    std::unique_ptr<Posed> go(const std::vector<double> &weight, const nb::object &report);
+
+  private:
+    const std::shared_ptr<Prepared> prepared;
+    vcg::fcd::SequenceSolver solver;
+};
+
+#endif

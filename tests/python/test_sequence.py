@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Poses with names, and animations of them."""
+import json
+
+import numpy as np
+import pytest
+
+import pymeshlab_fcd
+from pymeshlab_fcd import AnimationInfo, Deformer, DeformationWarning, KeyFrame, Motion, PoseSequence
+from shapes import bar, same
+
+TURN = Motion.rotate([0, 1, 0], -60).then(Motion.translate([-2, 0, 3]))
+TWIST = Motion.rotate([1, 0, 0], 220)
+
+
+SURFACE = bar()[:3]
+MOVES = SURFACE[2] == 2
+
+
+def prepared(**more):
+    return Deformer(*SURFACE, **more)
+
+
+def sequence():
+    return PoseSequence({"bent": {2: TURN}, "twisted": {2: TWIST}},
+                        [KeyFrame(0), KeyFrame(0.5, {"bent": 100}, "smooth"), KeyFrame(1, {"twisted": 50})])
+
+
+class Glb:
+    """What is in a binary glTF file."""
+
+    def __init__(self, path):
+        content = path.read_bytes()
+        magic, version, size, bytes_, kind = np.frombuffer(content, "<u4", 5)
+        assert (magic, version, size, kind) == (0x46546C67, 2, len(content), 0x4E4F534A)
+        self.json, self._buffer = json.loads(content[20:20 + bytes_]), content[28 + bytes_:]
+        assert self.json["buffers"] == [{"byteLength": len(self._buffer)}]
+
+    def array(self, accessor):
+        told = self.json["accessors"][accessor]
+        view = self.json["bufferViews"][told["bufferView"]]
+        array = np.frombuffer(self._buffer, {5126: "<f4", 5125: "<u4"}[told["componentType"]],
+                              told["count"] * {"SCALAR": 1, "VEC3": 3}[told["type"]], view["byteOffset"])
+        array = array.reshape(-1, 3) if told["type"] == "VEC3" else array
+        if "min" in told:
+            assert (array.min(0) == np.float32(told["min"])).all() and (array.max(0) == np.float32(told["max"])).all()
+        return array
+
+
+def test_a_table_and_back(tmp_path):
+    made = sequence()
+    assert made.poses == {"bent": "2: " + TURN.text, "twisted": "2: " + TWIST.text}
+    assert made.keys[1] == KeyFrame(0.5, {"bent": 100, "twisted": 0}, "smooth")
+    made.save(tmp_path / "poses.csv")
+    read = PoseSequence.load(tmp_path / "poses.csv")
+    assert read.text() == made.text() and read.keys == made.keys and read.poses == made.poses
+    assert read.weights_at(0.75) == {"bent": 50, "twisted": 25} and read.weights_at(9) == {"bent": 0, "twisted": 50}
+    assert PoseSequence({"a": "2: scale 2", "b": {}}).keys == [
+        KeyFrame(0, {"a": 0, "b": 0}, "smooth"), KeyFrame(1, {"a": 100, "b": 0}, "smooth"), KeyFrame(2, {"a": 0, "b": 100}, "smooth")]
+    assert "bent, twisted, 3 key frames" in repr(made)
+
+
+def test_a_blend_of_one_pose_is_that_pose():
+    deformer, made = prepared(), sequence()
+    assert same(made.blend(deformer, {"bent": 100}).vertices, deformer.pose({2: TURN}).vertices)
+    assert same(made.blend(deformer, {"twisted": 30}).vertices, deformer.pose({2: TWIST}, percent=30).vertices)
+    assert same(made.blend(deformer, {}).vertices, deformer.vertices)
+    both = made.blend(deformer, {"bent": 50, "twisted": 50})
+    half = deformer.pose({2: TURN}, percent=50)
+    assert np.abs(both.vertices[MOVES].mean(0) - half.vertices[MOVES].mean(0)).max() < 1e-9  # the twist leaves the middle where it is
+    assert both.info.converged and both.info.folded == 0 and len(both.normals) == len(deformer.vertices)
+
+
+def test_frames_and_files_are_the_same(tmp_path):
+    deformer, made = prepared(), sequence()
+    frames = list(made.frames(deformer, rate=8))
+    assert [time for time, _ in frames] == [i / 8 for i in range(9)]
+    assert same(frames[0][1].vertices, deformer.vertices)
+    assert same(frames[0][1].vertices, next(made.frames(deformer))[1].vertices)
+    told = []
+    info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=8, progress=lambda percent, stage: told.append(percent))
+    assert info == AnimationInfo(9, 0.0, True, False, 0) and told == sorted(told) and told[-1] == 100
+    points = np.frombuffer((tmp_path / "a.pc2").read_bytes(), "<f4", offset=32).reshape(9, -1, 3)
+    assert all((points[i] == pose.vertices.astype(np.float32)).all() for i, (_, pose) in enumerate(frames))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.pc2"]
+    again = prepared(threads=1)
+    made.write(again, gltf=tmp_path / "b.glb", rate=8)
+    assert (tmp_path / "b.glb").read_bytes() == (tmp_path / "a.glb").read_bytes()
+
+
+def test_gltf_is_what_it_should_be(tmp_path):
+    """Positions and normals within 1e-6; trimesh reads the mesh at rest."""
+    deformer, made = prepared(), sequence()
+    diagonal = np.linalg.norm(np.ptp(deformer.vertices, axis=0))
+    made.write(deformer, gltf=tmp_path / "a.glb", rate=4)
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    node, = file.json["nodes"]
+    rest, normals = (file.array(primitive["attributes"][name]) for name in ("POSITION", "NORMAL"))
+    assert (file.array(primitive["indices"]).reshape(-1, 3) == deformer.faces).all()
+    sampler, = file.json["animations"][0]["samplers"]
+    times, weights = file.array(sampler["input"]), file.array(sampler["output"])
+    assert times.tolist() == [0, 0.25, 0.5, 0.75, 1] and (weights.reshape(5, 5) == np.eye(5)).all()
+    for i, (_, pose) in enumerate(made.frames(deformer, rate=4)):
+        target = primitive["targets"][i]
+        points = rest.astype(float) + file.array(target["POSITION"]) + node["translation"]
+        assert np.abs(points - pose.vertices).max() < 1e-6 * diagonal
+        assert np.abs(normals.astype(float) + file.array(target["NORMAL"]) - pose.normals).max() < 1e-6
+    trimesh = pytest.importorskip("trimesh")
+    read = trimesh.load(tmp_path / "a.glb", process=False).to_geometry()
+    assert np.abs(read.vertices - deformer.vertices).max() < 1e-6 * diagonal and (read.faces == deformer.faces).all()
+
+    info = made.write(deformer, gltf=tmp_path / "b.glb", rate=4, shapes="poses")
+    file = Glb(tmp_path / "b.glb")
+    assert file.json["meshes"][0]["extras"]["targetNames"] == ["bent", "twisted"] and info.largest_difference > 1e-3 * diagonal
+    target = file.json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"]
+    assert np.abs(rest.astype(float) + file.array(target) + node["translation"] - deformer.pose({2: TURN}).vertices).max() < 1e-6 * diagonal
+
+
+def test_a_cloud_and_far_from_the_origin(tmp_path):
+    vertices, _, tags = SURFACE
+    far = vertices + [4e5, 5e6, 0]
+    deformer = Deformer(far, None, tags)
+    sequence().write(deformer, gltf=tmp_path / "a.glb", rate=2)
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    assert primitive["mode"] == 0 and list(primitive["attributes"]) == ["POSITION"]
+    pose = deformer.pose({2: TURN})
+    points = file.array(primitive["attributes"]["POSITION"]).astype(float) + file.array(primitive["targets"][1]["POSITION"]) + file.json["nodes"][0]["translation"]
+    assert np.abs(points - pose.vertices).max() < 1e-6 * np.linalg.norm(np.ptp(vertices, axis=0))
+
+
+def test_of_another_surface(tmp_path):
+    deformer, made = prepared(), sequence()
+    made.save(tmp_path / "a.csv", deformer)
+    read = PoseSequence.load(tmp_path / "a.csv")
+    assert same(read.blend(deformer, {"bent": 100}).vertices, deformer.pose({2: TURN}).vertices)
+    vertices, faces, tags = SURFACE
+    with pytest.raises(ValueError, match="The poses are of another surface"):
+        read.blend(Deformer(vertices + [0, 0, 1], faces, tags), {"bent": 100})
+    with pytest.raises(ValueError, match="this surface has points that are put somewhere, too"):
+        made.blend(Deformer(vertices, faces, tags, points=[700]), {"bent": 100})
+    with pytest.raises(ValueError, match="pose 'odd': handle 7 moves, but no vertex has tag 7"):
+        next(PoseSequence({"odd": {7: TURN}}).frames(deformer))
+
+
+def test_what_is_wrong_is_told(tmp_path):
+    deformer, made = prepared(), sequence()
+    for wrong, error, message in [
+            (lambda: PoseSequence([TURN]), TypeError, "poses must be a mapping"),
+            (lambda: PoseSequence({}), ValueError, "There is no pose"),
+            (lambda: PoseSequence({"": {2: TURN}}), ValueError, "has no name"),
+            (lambda: PoseSequence({"a": {2: TURN}}, [1]), TypeError, "keys must be KeyFrames"),
+            (lambda: PoseSequence({"a": {2: TURN}}, [KeyFrame(0, {"b": 1})]), ValueError, "there is no pose 'b'; the poses are 'a'"),
+            (lambda: PoseSequence({"a": {2: TURN}}, [KeyFrame(0, {"a": 1}, "soft")]), ValueError, "easing"),
+            (lambda: PoseSequence({"a": {2: TURN}}, [KeyFrame(1), KeyFrame(1)]), ValueError, "Their times must ascend"),
+            (lambda: PoseSequence({"a": {2: TURN}}, [KeyFrame(0, 5)]), TypeError, "weights must be a mapping"),
+            (lambda: PoseSequence.parse("a,b\n", "x"), ValueError, "'x', line 1: expected a first row"),
+            (lambda: PoseSequence.load(tmp_path / "none.csv"), OSError, "none.csv"),
+            (lambda: made.blend(deformer, {"b": 5}), ValueError, "there is no pose 'b'"),
+            (lambda: made.write(deformer), ValueError, "nothing to make"),
+            (lambda: made.write(deformer, gltf=tmp_path / "a.glb", shapes="all"), ValueError, "shapes"),
+            (lambda: made.write(deformer, gltf=tmp_path / "a.glb", rate=0), ValueError, "must be a positive number"),
+            (lambda: made.write(deformer, gltf=tmp_path / "no" / "a.glb"), OSError, "a.glb")]:
+        with pytest.raises(error, match=message):
+            wrong()
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_was_there_stays_after_an_interruption(tmp_path):
+    (tmp_path / "a.glb").write_bytes(b"before")
+
+    def stop(percent, stage):
+        if percent > 30:
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        sequence().write(prepared(), gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=200, progress=stop)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.glb"] and (tmp_path / "a.glb").read_bytes() == b"before"
+
+
+def test_folds_are_warned_of(tmp_path):
+    x, y = [grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 60), indexing="ij")]
+    i = np.arange(60 * 60).reshape(60, 60)[:-1, :-1].ravel()
+    faces = np.concatenate([np.stack([i, i + 60, i + 1], 1), np.stack([i + 1, i + 60, i + 61], 1)])
+    deformer = Deformer(np.stack([x, y, 0 * x], 1), faces, np.where(x < 0.1, 0, np.where(x > 0.9, 2, 1)))
+    pushed = PoseSequence({"pushed": {2: Motion.translate([-0.72, 0, 0])}}, [KeyFrame(0, {"pushed": 100})])
+    with pytest.warns(DeformationWarning, match="turned over"):
+        assert pushed.write(deformer, pc2=tmp_path / "a.pc2").folded > 0
+
+
+def test_the_filter_writes_the_same_bits(tmp_path):
+    pymeshlab = pytest.importorskip("pymeshlab")
+    if pymeshlab_fcd._meshlab.missing:
+        pytest.skip(pymeshlab_fcd._meshlab.missing)
+    made = sequence()
+    made.save(tmp_path / "poses.csv")
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(SURFACE[0], SURFACE[1].astype(np.int32), v_scalar_array=SURFACE[2].astype(float)), "surface")
+    ms.apply_filter("generate_fcd_pose_sequence", poses_file=str(tmp_path / "poses.csv"), gltf_file=str(tmp_path / "filter.glb"),
+                    pc2_file=str(tmp_path / "filter.pc2"), frames_per_second=8)
+    made.write(prepared(), gltf=tmp_path / "python.glb", pc2=tmp_path / "python.pc2", rate=8)
+    assert (tmp_path / "filter.pc2").read_bytes() == (tmp_path / "python.pc2").read_bytes()
+    assert (tmp_path / "filter.glb").read_bytes() == (tmp_path / "python.glb").read_bytes()
