@@ -12,6 +12,7 @@
 #include <vcg/complex/algorithms/update/normal.h>
 
 #include <QCoreApplication>
+#include <QTemporaryFile>
 
 #include <cmath>
 #include <fstream>
@@ -100,10 +101,21 @@ static bool follows(const CMeshO &deformed, const CMeshO &rest) {
     return true;
 }
 
+/// A file with poses of the handle.
+static QString poses() {
+    static QTemporaryFile file;
+    if (file.open()) // once
+        file.write("time,easing,up,turned\nmotions,,2: translate 0 0 5,2: rotate 1 0 0 30\n");
+    file.close();
+    return file.fileName();
+}
+
 static float angle; // degrees, of the handle
 static void bend(RichParameterList &parameters) {
     if (parameters.hasParameter("fit_steps"))
         parameters.setValue("fit_steps", IntValue(5)); // which are alike
+    if (parameters.hasParameter("poses_file"))
+        parameters.setValue("poses_file", host::RichFileParam("poses_file", poses(), QStringList(), "", "").value());
     if (parameters.hasParameter("rotation_angle"))
         parameters.setValue("rotation_angle", FloatValue(angle));
 }
@@ -142,7 +154,7 @@ static void fail(const QAction *action, const std::string &what) {
 static void checkResult(const QAction *action, const MeshDocument &document, const MeshModel *sheet) {
     for (const MeshModel *layer : host::layers(document))
         if (layer->label() == "sheet patches" || layer->label() == "sheet deformed" ||
-            layer->label() == "sheet fitted") {
+            layer->label() == "sheet fitted" || layer->label() == "sheet key frame 2") {
             if (!follows(layer->cm, sheet->cm))
                 fail(action, "a wrong layer");
             return;
@@ -230,7 +242,7 @@ int main(int argc, char **argv) {
         return 2;
     for (QAction *action : plugin->actions())
         if (action->text() == "FCD: Build Deformation Graph" || action->text() == "FCD: Deform Mesh" ||
-            action->text() == "FCD: Fit to Layer") {
+            action->text() == "FCD: Fit to Layer" || action->text() == "FCD: Pose Sequence") {
             cancel(*plugin, action); // the other filters take no time, and do not report progress
             runOutOfMemory(*plugin, action);
         } else if (action->text() == "FCD: Pose in Place") {

@@ -8,6 +8,7 @@
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/line/line_points.h>
+#include <vcg_ext/sequence/pose_sequence.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -98,6 +99,14 @@ static void Line(const std::string &text) {
     REQUIRE(points.cols() > 0 && points.allFinite());
 }
 
+static void Poses(const std::string &text) {
+    const PoseSequence sequence = ReadPoseSequence(text, "input");
+    REQUIRE(!sequence.pose.empty() && !sequence.key.empty());
+    const std::string written = PoseSequenceText(sequence);
+    REQUIRE(PoseSequenceText(ReadPoseSequence(written, "written")) == written);
+    REQUIRE(sequence.WeightsAt(sequence.key.back().time) == sequence.key.back().weight);
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
     const std::string text(reinterpret_cast<const char *>(data), size);
     Try("'input', line ", [&] { Tags(text); });
@@ -105,6 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
     Try("'input', line ", [&] { Points(ReadPointHandleText(text, "input")); });
     Try("'input'", [&] { Points(readPickedPoints(QByteArray::fromStdString(text), "'input'")); });
     Try("'input', line ", [&] { Line(text); });
+    Try("'input'", [&] { Poses(text); });
     Try("input, character ", [&] { Motions(text); });
     Try("'input' ", [&] { SavedDeformation(text); });
     return 0;

@@ -107,6 +107,7 @@ def test_gltf_is_what_it_should_be(tmp_path):
         assert np.abs(points - pose.vertices).max() < 1e-6 * diagonal
         assert np.abs(normals.astype(float) + file.array(target["NORMAL"]) - pose.normals).max() < 1e-6
     trimesh = pytest.importorskip("trimesh")
+    trimesh.exchange.gltf.validate(file.json)  # by the schema of the format
     read = trimesh.load(tmp_path / "a.glb", process=False).to_geometry()
     assert np.abs(read.vertices - deformer.vertices).max() < 1e-6 * diagonal and (read.faces == deformer.faces).all()
 

@@ -170,6 +170,7 @@ TEST(PoseSequence, SaysWhatIsWrong) {
              {"time,easing\n", "with the name of a pose in each further cell"},
              {std::string("\xFF\xFEt\0i\0", 6), "expected plain text (ASCII or UTF-8), found another kind of file"},
              {head, "there is no row 'motions'"},
+             {"time,easing" + std::string(20004, ',') + "z", "line 1: found 20004 poses, where 10000 are the most"},
              {two + "motions,,,\n", "line 3: found a second row 'motions'"},
              {two + "0,,1,2,3\n", "line 3: found 5 cells, where the first row has 4; put quotation marks"},
              {two + "soon,,1,2\n", "line 3: expected a time in seconds, 'motions' or 'surface', found 'soon'"},

@@ -200,7 +200,8 @@ void PoseSequence::Validate() const {
         if (each.name.empty())
             throw BadInput("A pose has no name.");
         if (!names.insert(each.name).second)
-            throw BadInput("Two poses are called '" + each.name + "'. Give each a name of its own.");
+            throw BadInput("Two poses are called " + detail::Excerpt(each.name, 0, each.name.size()) +
+                           ". Give each a name of its own.");
     }
     double before = -1;
     for (const KeyFrame &each : key) {
@@ -232,6 +233,10 @@ PoseSequence ReadPoseSequence(const std::string &text, const std::string &name) 
     for (std::size_t i = 2; i < reader.cell.size(); ++i)
         sequence.pose.push_back({reader.cell[i], {}});
     const std::size_t cells = reader.cell.size();
+    const std::size_t most = 10000; // without key frames, these have the square of it
+    if (sequence.pose.size() > most)
+        reader.Fail("found " + std::to_string(sequence.pose.size()) + " poses, where " + std::to_string(most) +
+                    " are the most");
     bool hasMotions = false;
     while (reader.Next()) {
         if (reader.cell.size() > cells)
