@@ -165,6 +165,32 @@ save({str(tmp_path)!r})
     assert (tmp_path / "t.sel").stat().st_size > 50 and (tmp_path / "t.def").stat().st_size > 200
 
 
+@pytest.mark.parametrize("there", [("a.glb", "a.pc2", "a.csv"), ()])
+def test_a_full_disk_loses_no_animation(tmp_path, there):
+    """The disk is full while frames are being written."""
+    (tmp_path / "poses.csv").write_text("time,easing,up\nmotions,,2: translate 0 0 1\n")
+    for name in there:
+        (tmp_path / name).write_text("old\n")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    animate = f"""
+ms = sheet(40)
+try:
+    ms.apply_filter("generate_fcd_pose_sequence", poses_file={str(tmp_path / "poses.csv")!r}, frames_per_second=4, gltf_file={str(tmp_path / "a.glb")!r},
+                    pc2_file={str(tmp_path / "a.pc2")!r}, save_poses_file={str(tmp_path / "a.csv")!r})
+except pymeshlab.PyMeshLabException as e:
+    print(e)
+print(len(list(ms)), "layers")
+"""
+    out = run(f"""
+import signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000))
+{animate}""")
+    assert "a.pc2': File too large." in out or "a.glb': File too large." in out, out
+    assert "1 layers" in out and {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert "3 layers" in run(animate) and (tmp_path / "a.glb").stat().st_size > 60000 < (tmp_path / "a.pc2").stat().st_size
+
+
 @pytest.mark.parametrize("there", [("t.sel", "t.def"), ("t.def",), ()])
 def test_the_tags_are_as_they_were_where_the_motions_cannot_take_their_place(tmp_path, there):
     library = tmp_path / "refuse.so"
