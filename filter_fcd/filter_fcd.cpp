@@ -126,17 +126,17 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case DeformMesh: return deformMesh(parameters, document, callback);
     case FitMesh:
         return tell(
-            fitLayer(document, input(document), fitMeshParam(parameters, document), remark(), Progress(callback)));
+            fitLayer(document, input(document), fitMeshParam(parameters, document), toLog(), Progress(callback)));
     case StraightenMesh:
-        return tell(straightenLayer(document, input(document), straightenMeshParam(parameters, document), remark(),
+        return tell(straightenLayer(document, input(document), straightenMeshParam(parameters, document), toLog(),
                                     Progress(callback)));
     case PoseSequence:
         return tell(makeSequence(document, input(document), preparedLayers, sequenceParam(parameters, document),
-                                 remark(), Progress(callback)));
+                                 toLog(), Progress(callback)));
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
-    case ResetPose: resetPose(input(document), resetPoseParam(parameters), remark()); return {};
+    case ResetPose: resetPose(input(document), resetPoseParam(parameters), toLog()); return {};
     case TagSelection: {
         const TagSelectionParam param = tagSelectionParam(parameters);
         return reportTags(input(document), tagSelection(input(document), param), param.target);
@@ -146,7 +146,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
         return reportTags(input(document), tagFromFiles(input(document), param), param.target);
     }
     case ClearTags: return clearTags(input(document));
-    case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), remark()));
+    case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), toLog()));
     }
     throw Error("Unknown filter.");
 }
@@ -155,7 +155,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
                                                        vcg::CallBackPos *callback) {
     MeshModel &layer = input(document);
     const BuildGraphParam param = buildGraphParam(parameters);
-    const vcg::fcd::CentroidalGraph graph = addGraphLayers(document, layer, param, remark(), Progress(callback));
+    const vcg::fcd::CentroidalGraph graph = addGraphLayers(document, layer, param, toLog(), Progress(callback));
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
     logLine(describe(graph.surface));
@@ -183,7 +183,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     MeshModel &layer = meant(DeformMesh, input(document), document);
     const DeformMeshParam param = deformMeshParam(parameters, document);
     const DeformedLayers made =
-        LayerDeformer(document, layer, preparedLayers, remark()).deform(param, inWindow, Progress(callback));
+        LayerDeformer(document, layer, preparedLayers, toLog()).deform(param, inWindow, Progress(callback));
     const vcg::fcd::DeformationResult &result = made.result;
     if (inWindow)
         logLine((made.replaced == 0 ? std::string()
@@ -237,8 +237,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const SequenceLayers &made) const {
-    const vcg::fcd::SequenceReport &report = made.report;
-    warnOf({1, report.jumps, report.unstable}, report.converged, report.discretisationError);
+    warnOf({1, made.report.jumps, made.report.unstable}, made.report.converged, made.report.discretisationError);
     return tell(describe(made), warningsOf(made), valuesOf(made));
 }
 
@@ -246,7 +245,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
                                                  vcg::CallBackPos *callback) {
     MeshModel &layer = input(document);
     const PoseParam param = poseParam(parameters, document);
-    const PoseResult result = LayerDeformer(document, layer, preparedLayers, remark()).pose(param, Progress(callback));
+    const PoseResult result = LayerDeformer(document, layer, preparedLayers, toLog()).pose(param, Progress(callback));
     std::ostringstream line;
     line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
          << " iterations; " << (result.prepared ? "prepared in " : "already prepared, found in ")
@@ -284,7 +283,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
         if (targets.empty())
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
     }
-    const DeformedCopies made = copyDeformation(document, param, targets, remark(), Progress(callback));
+    const DeformedCopies made = copyDeformation(document, param, targets, toLog(), Progress(callback));
     const int layers = int(targets.size());
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +

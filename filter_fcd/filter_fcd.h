@@ -64,7 +64,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
-    Remark remark() const {
+    Remark toLog() const {
         return [this](const std::string &line) { logLine(line); };
     }
     static MeshModel &meant(int id, MeshModel &current, MeshDocument &document);

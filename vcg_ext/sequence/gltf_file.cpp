@@ -3,6 +3,7 @@
 #include <vcg_ext/sequence/gltf_file.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 #include <limits>
@@ -74,9 +75,9 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
         for (std::size_t i = 0; i < times; ++i)
             weights[i * targets + i] = 1;
     }
-    std::vector<float> seconds;
-    for (double time : this->animation.time)
-        seconds.push_back(float(time));
+    std::vector<float> seconds(times);
+    std::transform(this->animation.time.begin(), this->animation.time.end(), seconds.begin(),
+                   [](double time) { return float(time); });
     parts[0].low[0] = seconds.front();
     parts[0].high[0] = seconds.back();
     const auto writeNext = [&](const auto &values) {

@@ -18,8 +18,8 @@ SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &
     handles.world = world;
     for (const std::map<int, Motion> &each : this->pose) {
         handles.motion = each;
-        for (const auto &[tag, turns] : deformer.MotionsOf(handles, 100).rotates)
-            this->turns[tag] = this->turns[tag] || turns;
+        for (const auto &[tag, rotates] : deformer.MotionsOf(handles, 100).rotates)
+            turns[tag] = turns[tag] || rotates;
     }
 }
 
