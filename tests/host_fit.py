@@ -119,6 +119,8 @@ def test_an_untagged_layer_comes_near_the_truth():
     assert [mesh.label() for mesh in ms] == ["target", "tube", "tube graph", "tube deformed graph", "tube fitted"]
     for i, each in enumerate(before):
         assert_unchanged(each, ms.mesh(i))
+    energy = ms.mesh(3).vertex_custom_scalar_attribute_array("energy")
+    assert energy.min() > 0, "it bends everywhere"
     # The same bits again.
     ms, _ = pair()
     assert same_points(points, fit(ms, graph_layers=False)[1])

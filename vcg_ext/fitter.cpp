@@ -155,6 +155,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
     graph.converged = report.converged;
+    MeasureEnergy(deformer->graph, param.smoothness * surface.area, graph);
     Measure(matches, report);
     for (std::size_t s = matched; s < drawn.Size(); ++s)
         report.landmarks = std::max(report.landmarks, (drawn.At(s, graph) - place[s - matched]).norm() * frame.scale);
