@@ -150,6 +150,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         report.steps = step + 1;
         report.converged = change.bottomRows<3>().colwise().norm().maxCoeff() < 1e-3;
     }
+    report.insideOut = matches.IsInsideOut();
     report.pull = MoveOnto(drawn, matched, place, isFree, graph) * frame.scale;
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
