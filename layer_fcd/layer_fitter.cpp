@@ -65,11 +65,12 @@ std::vector<float> qualityOf(const SurfaceView &surface, const Deformer &deforme
     std::vector<float> quality(surface.vertexSlots, 0.f);
     ParallelFor(progress.Slice(0.3, 1), "Measuring the distance", quality.size(), 1 << 12,
                 [&](std::size_t first, std::size_t last) {
+                    vcg::fcd::NearestPlace::Hint hint; // the next vertex mostly is beside the last one
                     for (std::size_t i = first; i < last; ++i) {
                         if (surface.IsDeleted(i))
                             continue;
                         const Eigen::Vector3d p = frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i))));
-                        const FitTarget::Match match = target.Nearest(p);
+                        const FitTarget::Match match = target.Nearest(p, hint);
                         const double distance = (p - match.point).norm() * frame.scale;
                         if (param.quality == FitMeshParam::Distance)
                             quality[i] = float(distance);

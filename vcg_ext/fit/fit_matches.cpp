@@ -34,14 +34,14 @@ double Quantile(std::vector<double> values, double part) {
 
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
-      back(Size()), angular(Size()), match(Size()), counts(Size()) {}
+      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()) {}
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
             at[s] = samples.At(s, pose);
             turned[s] = samples.NormalAt(s, pose);
-            match[s] = target.Nearest(at[s]);
+            match[s] = target.Nearest(at[s], hint[s]);
             distance[s] = (at[s] - match[s].point).norm();
         }
     });

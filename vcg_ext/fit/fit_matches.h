@@ -55,6 +55,7 @@ class FitMatches {
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
     std::vector<FitTarget::Match> match;
+    std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
 };
 
