@@ -142,6 +142,13 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     return deformation;
 }
 
+void addGraphLayers(RichParameterList &list, bool graphLayers) {
+    addParameter<RichBool>(list, Shown::Always, "graph_layers", graphLayers, "Layers with the graph",
+                           "Also adds the deformation graph at rest and deformed, as two layers, which keep the "
+                           "deformation for 'FCD: Apply Deformation to Layer' and 'FCD: Save Deformation'; their "
+                           "attribute <i>energy</i> says where the deformation costs most.");
+}
+
 RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others) {
     if (host::firstMayBeLacking())
         first.prepend(handleLayer);

@@ -27,6 +27,9 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
 /// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all);
 
+/// Whether the graph is added as layers, too.
+void addGraphLayers(RichParameterList &list, bool graphLayers);
+
 /// \p list with the parameters \p first before the others, which come last or, without \p others, not at all; with
 /// handleLayer where a script of before may lack it.
 RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others);

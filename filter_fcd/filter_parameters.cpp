@@ -87,9 +87,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     addRandomSeed(list, deformation.graph.randomSeed);
 
     addBending(list, deformation, host::scriptsMayLackParameters);
-    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
-                           "Also adds the deformation graph at rest and deformed, as two layers; their attribute "
-                           "<i>energy</i> says where the deformation costs most.");
+    addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(
         list, Shown::Advanced, "deformed_quality", int(param.quality),
         QStringList() << "As the input"

@@ -164,6 +164,8 @@ std::string describe(const FittedLayers &made) {
     line << describe(made.result.tags) << "; " << made.result.rest.position.cols() << " nodes, " << report.steps
          << " steps. " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
          << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+    if (report.insideOut)
+        line << " Its normals point to the other side than those of the target, which were taken turned over.";
     if (made.landmarks > 0)
         line << " None of the " << made.landmarks << " landmarks is off by more than " << report.landmarks
              << "; at last the surface gave way by " << report.pull << " for them.";
@@ -183,6 +185,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
                    {"landmark_pull", report.pull},
+                   {"inside_out", report.insideOut},
                    {"nodes", int(made.result.rest.position.cols())},
                    {"steps", report.steps},
                    {"converged", report.converged},

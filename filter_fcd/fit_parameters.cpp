@@ -75,9 +75,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
                           "The surface gets softer from step to step, over so many. <b>Raise it</b> where it has far "
                           "to go, or when the log says that it did not come to rest.");
-    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
-                           "Also adds the deformation graph at rest and deformed, as two layers, which keep the "
-                           "deformation for 'FCD: Apply Deformation to Layer' and 'FCD: Save Deformation'.");
+    addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(
         list, Shown::Always, "fit_quality", int(param.quality),
         QStringList() << "As the input"

@@ -70,9 +70,7 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
     addInitialPatches(list, param.bend.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, param.bend.smoothness);
     addRandomSeed(list, param.bend.graph.randomSeed);
-    addParameter<RichBool>(list, Shown::Always, "graph_layers", param.graphLayers, "Layers with the graph",
-                           "Also adds the deformation graph at rest and deformed, as two layers, which keep the "
-                           "deformation for 'FCD: Apply Deformation to Layer' and 'FCD: Save Deformation'.");
+    addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(list, Shown::Always, "straightened_quality", int(param.quality),
                            QStringList() << "As the input"
                                          << "Place along the line",

@@ -2,7 +2,6 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "graph_layer.h"
-#include "kept_deformation.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_matrix.h"
@@ -113,29 +112,6 @@ Deformer::Pose LayerDeformer::solveFrom(const Deformer::Pose *last, const Deform
 
 // --- FCD: Deform Mesh ---
 
-namespace {
-
-/// Adds the layers of a deformation: if wanted, the graph at rest and the deformed one, which keeps the deformation;
-/// last, the deformed mesh.
-std::vector<MeshModel *> addResult(NewLayers &layers, const MeshDocument &document, const MeshModel &layer,
-                                   const std::shared_ptr<Prepared> &prepared, const vcg::fcd::DeformationResult &result,
-                                   const DeformMeshParam &param) {
-    static const std::vector<float> none;
-    std::vector<MeshModel *> added;
-    if (param.graphLayers) {
-        added.push_back(&layers.addGraph("graph", result.rest));
-        added.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(document, *added.back(), *added.front(), layer, prepared, result.pose);
-    }
-    added.push_back(&layers.addDeformed("deformed", result.position, result.linear,
-                                        param.quality == DeformMeshParam::Stretch    ? result.stretch
-                                        : param.quality == DeformMeshParam::Rotation ? result.rotation
-                                                                                     : none));
-    return added;
-}
-
-} // namespace
-
 DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier, const Progress &progress) {
     const bool inWindow = host::inWindow();
     DeformedLayers made;
@@ -168,7 +144,12 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
     made.replaced = int(earlier.size());
     NewLayers layers(document, layer, remark, earlier);
-    made.layers = addResult(layers, document, layer, found, result, param);
+    static const std::vector<float> none;
+    made.layers = layers.addResult("deformed", result,
+                                   param.quality == DeformMeshParam::Stretch    ? result.stretch
+                                   : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                                                                : none,
+                                   param.graphLayers ? found : nullptr);
     adding(1, "Done");
     layers.keep(*made.layers.back());
     if (inWindow) // one sees what one asked for, and the next try takes its place

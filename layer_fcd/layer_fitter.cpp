@@ -2,13 +2,13 @@
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
 #include <vcg_ext/fit/fit_target.h>
 
-#include "kept_deformation.h"
 #include "layer_contents.h"
 #include "layer_fitter.h"
 #include "layer_matrix.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
+#include "results.h"
 #include "tag_sources.h"
 
 #include <algorithm>
@@ -65,11 +65,12 @@ std::vector<float> qualityOf(const SurfaceView &surface, const Deformer &deforme
     std::vector<float> quality(surface.vertexSlots, 0.f);
     ParallelFor(progress.Slice(0.3, 1), "Measuring the distance", quality.size(), 1 << 12,
                 [&](std::size_t first, std::size_t last) {
+                    vcg::fcd::NearestPlace::Hint hint; // the next vertex mostly is beside the last one
                     for (std::size_t i = first; i < last; ++i) {
                         if (surface.IsDeleted(i))
                             continue;
                         const Eigen::Vector3d p = frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i))));
-                        const FitTarget::Match match = target.Nearest(p);
+                        const FitTarget::Match match = target.Nearest(p, hint);
                         const double distance = (p - match.point).norm() * frame.scale;
                         if (param.quality == FitMeshParam::Distance)
                             quality[i] = float(distance);
@@ -125,23 +126,17 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     const Progress adding = progress.Slice(0.95, 1);
     adding(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
+    std::shared_ptr<Prepared> graphOf;
     if (param.graphLayers) {
-        const auto prepared = std::make_shared<Prepared>();
-        prepared->deformer = std::shared_ptr<const Deformer>(fitter, &deformer); // lives as long as the fitter
-        prepared->tags = result.tags;
-        made.layers.push_back(&layers.addGraph("graph", result.rest));
-        made.layers.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(document, *made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
+        graphOf = std::make_shared<Prepared>();
+        graphOf->deformer = std::shared_ptr<const Deformer>(fitter, &deformer); // lives as long as the fitter
+        graphOf->tags = result.tags;
     }
-    made.layers.push_back(&layers.addDeformed("fitted", result.position, result.linear, quality));
+    made.layers = layers.addResult("fitted", result, quality, graphOf);
     adding(1, "Done");
     layers.keep(*made.layers.back());
-    if (host::inWindow()) { // one sees what one asked for, beside the target
-        for (MeshModel *each : made.layers)
-            host::setVisible(*each, each == made.layers.back());
-        host::setVisible(layer, false);
-        host::showChanges(document);
-    }
+    if (host::inWindow()) // one sees what one asked for
+        showLast(document, layer, made.layers);
     made.seconds = watch.Seconds();
     return made;
 }

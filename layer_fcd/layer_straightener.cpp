@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "kept_deformation.h"
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "layer_straightener.h"
 #include "line_sources.h"
 #include "new_layers.h"
+#include "results.h"
 
 #include <memory>
 
@@ -80,20 +80,11 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
     const Progress adding = progress.Slice(0.95, 1);
     adding(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    if (param.graphLayers) {
-        made.layers.push_back(&layers.addGraph("graph", result.rest));
-        made.layers.push_back(&layers.addGraph("deformed graph", result.deformed));
-        keepDeformation(document, *made.layers.back(), *made.layers.front(), layer, prepared, result.pose);
-    }
-    made.layers.push_back(&layers.addDeformed("straightened", result.position, result.linear, quality));
+    made.layers = layers.addResult("straightened", result, quality, param.graphLayers ? prepared : nullptr);
     adding(1, "Done");
     layers.keep(*made.layers.back());
-    if (host::inWindow()) { // one sees what one asked for
-        for (MeshModel *each : made.layers)
-            host::setVisible(*each, each == made.layers.back());
-        host::setVisible(layer, false);
-        host::showChanges(document);
-    }
+    if (host::inWindow()) // one sees what one asked for
+        showLast(document, layer, made.layers);
     made.seconds = watch.Seconds();
     return made;
 }

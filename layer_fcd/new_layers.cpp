@@ -2,6 +2,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "kept_aside.h"
+#include "kept_deformation.h"
 #include "layer_labels.h"
 #include "layer_normals.h"
 #include "marks.h"
@@ -159,6 +160,19 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         }
     });
     return layer;
+}
+
+std::vector<MeshModel *> NewLayers::addResult(const QString &what, const vcg::fcd::DeformationResult &result,
+                                              const std::vector<float> &quality,
+                                              const std::shared_ptr<const Prepared> &graphOf) {
+    std::vector<MeshModel *> layers;
+    if (graphOf) {
+        layers.push_back(&addGraph("graph", result.rest));
+        layers.push_back(&addGraph("deformed graph", result.deformed));
+        keepDeformation(document, *layers.back(), *layers.front(), base, graphOf, result.pose);
+    }
+    layers.push_back(&addDeformed(what, result.position, result.linear, quality));
+    return layers;
 }
 
 MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,

@@ -3,9 +3,11 @@
 #define FCD_NEW_LAYERS_H
 
 #include "parameters.h"
+#include "prepared_layers.h"
 
 #include <Eigen/Core>
 
+#include <memory>
 #include <vector>
 
 /// New layers that stay in the document all or none: those that were added are removed again, and the current layer is
@@ -37,6 +39,12 @@ class NewLayers {
     /// \p quality per slot is that of the new layer; empty: the base's.
     MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
                            const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality);
+
+    /// The layers of a deformation: where \p graphOf, what it was solved with, is not null, "NAME graph" at rest and
+    /// "NAME deformed graph", which keeps the deformation; last, as addDeformed, "NAME what".
+    std::vector<MeshModel *> addResult(const QString &what, const vcg::fcd::DeformationResult &result,
+                                       const std::vector<float> &quality,
+                                       const std::shared_ptr<const Prepared> &graphOf);
 
     /// Keeps the layers; \p current becomes the current one.
     void keep(const MeshModel &current);

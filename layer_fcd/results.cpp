@@ -31,14 +31,18 @@ const Result *resultOf(const MeshModel &layer) { return host::meshAttribute<Resu
 
 } // namespace
 
-void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
-    for (MeshModel *result : results) {
-        host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), contentsOf(*result),
-                                                                   numberOf(result->label())};
+void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
+    for (MeshModel *result : results)
         host::setVisible(*result, result == results.back());
-    }
     host::setVisible(source, false);
     host::showChanges(document);
+}
+
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
+    for (MeshModel *result : results)
+        host::madeMeshAttribute<Result>(result->cm, resultName) = {source.id(), contentsOf(*result),
+                                                                   numberOf(result->label())};
+    showLast(document, source, results);
 }
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {

@@ -9,8 +9,10 @@
 /// \file
 /// For a person at the window (host::inWindow): what was made from what, so that one try replaces another.
 
-/// Shows the last of \p results, hides the others and the \p source that they were made from, and remembers that they
-/// were, so that another try replaces them.
+/// Shows the last of \p results, and hides the others and the \p source that they were made from.
+void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
+
+/// The same, and remembers what they were made from, so that another try replaces them.
 void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
 /// The layer that \p layer was made from, if it is as it was made then and that is still there, or else \p layer

@@ -100,6 +100,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["landmarks"] = points.shape(0);
     all["landmark_residual"] = found.landmarks;
     all["landmark_pull"] = found.pull;
+    all["inside_out"] = found.insideOut;
     all["steps"] = found.steps;
     all["diagonal"] = prepared->deformer->surface.frame.scale;
     return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);

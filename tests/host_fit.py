@@ -18,7 +18,7 @@ FIT_DEFAULTS = {
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
     "median": float, "percentile_95": float, "matched": float, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
-    "nodes": int, "steps": int, "converged": bool, "seconds": float}
+    "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
 PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
@@ -83,6 +83,11 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     ms, _ = pair(target=tube(10, 53, end=0.4))
     result, log = fit_logged(ms, capfd, largest_distance=0.01 * DIAGONAL)
     assert result["matched"] < 0.3 and "do not trust the rest" in log
+    points, faces = tube(97, 53, shift=0.5)
+    ms, truth = pair(target=(points, faces[:, ::-1]))
+    result, log = fit_logged(ms, capfd)
+    assert result["inside_out"] and "point to the other side than those of the target" in log and result["matched"] > 0.9
+    assert rms(ms.current_mesh().vertex_matrix(), truth) < 0.5
     ms, truth = pair()
     chosen = np.array([600, 601])  # side by side, where one belongs at the other end
     file = point_file(tmp_path / "mixed.csv", "index", chosen, None, truth[[600, 6600]])
@@ -119,6 +124,8 @@ def test_an_untagged_layer_comes_near_the_truth():
     assert [mesh.label() for mesh in ms] == ["target", "tube", "tube graph", "tube deformed graph", "tube fitted"]
     for i, each in enumerate(before):
         assert_unchanged(each, ms.mesh(i))
+    energy = ms.mesh(3).vertex_custom_scalar_attribute_array("energy")
+    assert energy.min() > 0, "it bends everywhere"
     # The same bits again.
     ms, _ = pair()
     assert same_points(points, fit(ms, graph_layers=False)[1])

@@ -63,7 +63,7 @@ for compiler in ${FCD_COMPILERS:-clang++ g++}; do
     # Nothing but Qt's two entry points is visible, and all that they need is found.
     for plugin in filter_fcd edit_fcd; do
         library=$(find "$build" -name "lib$plugin.so")
-        visible=$(nm -D --defined-only "$library" | awk '{ print $3 }' | sort | paste -sd ' ')
+        visible=$(nm -D --defined-only --extern-only "$library" | awk '{ print $3 }' | sort | paste -sd ' ')
         [ "$visible" = "qt_plugin_instance qt_plugin_query_metadata" ] || fail "$library shows $visible"
         missing=$(ldd -r "$library" 2>&1 | grep -m 1 -E 'not found|undefined symbol' || true)
         [ -z "$missing" ] || fail "$library lacks: $missing"

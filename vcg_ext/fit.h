@@ -62,7 +62,8 @@ struct FitReport {
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
     double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
     double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
-    double pull = 0; ///< how far nodes had to give way so that all landmarks are there, world units
+    double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
+    bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     int steps = 0;
     bool converged = false; ///< the last step moved no node by more than a thousandth of the diagonal
 };

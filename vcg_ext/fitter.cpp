@@ -150,11 +150,13 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         report.steps = step + 1;
         report.converged = change.bottomRows<3>().colwise().norm().maxCoeff() < 1e-3;
     }
+    report.insideOut = matches.IsInsideOut();
     report.pull = MoveOnto(drawn, matched, place, isFree, graph) * frame.scale;
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
     graph.converged = report.converged;
+    MeasureEnergy(deformer->graph, param.smoothness * surface.area, graph);
     Measure(matches, report);
     for (std::size_t s = matched; s < drawn.Size(); ++s)
         report.landmarks = std::max(report.landmarks, (drawn.At(s, graph) - place[s - matched]).norm() * frame.scale);

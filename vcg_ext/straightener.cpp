@@ -197,6 +197,7 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
     // What moves by no more than numbers are rounded by, does not.
     solved.moves = farthest > 1e-12;
     solved.rests.assign(std::size_t(k), !solved.moves);
+    MeasureEnergy(graph, param.smoothness * deformer.surface.area, solved);
     pose.solved = solved;
     pose.graph = solved;
     FitLinear(graph, given.constrained, pose.graph, param.shape.openness);

@@ -44,6 +44,8 @@ class FitInfo(PoseInfo):
     """The largest distance of a landmark from where it belongs."""
     landmark_pull: float
     """How far the surface had to give way at last so that all landmarks are there: much where they contradict each other."""
+    inside_out: bool
+    """Its normals point to the other side than those of the target, which were taken turned over."""
 
 
 class Fitted(Pose):

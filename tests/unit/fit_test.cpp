@@ -116,6 +116,22 @@ TEST(Fit, FindsAnUnweldedSurfaceAsAWeldedOne) {
     EXPECT_LT(Rms(Fit(Unwelded(source), target), Unwelded(truth)), 0.0042);
 }
 
+TEST(Fit, FindsASurfaceThatIsInsideOut) {
+    Shape turned = target;
+    for (auto &face : turned.face)
+        std::swap(face[1], face[2]);
+    const Fitted plain = Fit(source, target), other = Fit(source, turned);
+    EXPECT_FALSE(plain.report.insideOut);
+    EXPECT_TRUE(other.report.insideOut);
+    EXPECT_LT((other.position - plain.position).cwiseAbs().maxCoeff(), 1e-6);
+    FitParam param = Small();
+    param.start = FitStart::TriedAxes;
+    Shape away = turned; // about a line that is none of its axes
+    for (Vector3d &p : away.position)
+        p = Eigen::AngleAxisd(2, Vector3d(1, 2, -1).normalized()) * p + Vector3d(20, 5, 0);
+    EXPECT_GT(Fit(source, away, param).report.matched, 0.9);
+}
+
 TEST(Fit, FindsPointsWithAndWithoutNormals) {
     const double limit = sanitized ? 0.0084 : 0.0063;
     EXPECT_LT(Rms(Fit(source, Points(target)), truth), limit);

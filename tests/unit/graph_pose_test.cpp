@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/solve/graph_deformer.h>
 #include <vcg_ext/solve/graph_pose.h>
 #include "test_support.h"
 
@@ -41,4 +42,25 @@ TEST(FitLinear, KeepsTheRotationWhereThereAreNoEdges) {
     const std::vector<Matrix3d> before = pose.linear;
     FitLinear(rig.graph, std::vector<bool>(rig.graph.Size()), pose);
     EXPECT_EQ(pose.linear, before);
+}
+
+TEST(MeasureEnergy, IsWhatTheSolverMinimises) {
+    const Rig rig(Jittered(Tube(40, 16), 0.05), 0.6, [](const Vector3d &p) { return TubeTag(p); });
+    const Eigen::Affine3d bend = RandomRigid(3);
+    const std::vector<Eigen::Affine3d> motion =
+        rig.NodeMotion([&](Index tag) { return tag == 0 ? Eigen::Affine3d::Identity() : bend; });
+    const SolverParam param;
+    const double area = 3;
+    GraphPose pose = GraphDeformer(rig.graph, rig.constrained, area).Solve(motion, param);
+    const GraphPose solved = pose;
+    ASSERT_GT(solved.energy, 0);
+    MeasureEnergy(rig.graph, param.smoothness * area, pose);
+    EXPECT_NEAR(pose.energy, solved.energy, 1e-6 * solved.energy);
+    for (Index j = 0; j < rig.graph.Size(); ++j)
+        EXPECT_NEAR(pose.nodeEnergy[std::size_t(j)], solved.nodeEnergy[std::size_t(j)], 1e-6 * solved.energy);
+
+    pose.position = bend * rig.graph.graph.position.cast<double>();
+    pose.linear.assign(std::size_t(rig.graph.Size()), bend.linear());
+    MeasureEnergy(rig.graph, param.smoothness * area, pose);
+    EXPECT_LE(pose.energy, 1e-12 * solved.energy) << "one motion of all";
 }

@@ -34,14 +34,14 @@ double Quantile(std::vector<double> values, double part) {
 
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
-      back(Size()), angular(Size()), match(Size()), counts(Size()) {}
+      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()) {}
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
             at[s] = samples.At(s, pose);
             turned[s] = samples.NormalAt(s, pose);
-            match[s] = target.Nearest(at[s]);
+            match[s] = target.Nearest(at[s], hint[s]);
             distance[s] = (at[s] - match[s].point).norm();
         }
     });
@@ -54,12 +54,24 @@ void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     });
 }
 
+/// That to which most of the half of the samples looks that lies nearest to the target.
+double FitMatches::Side() const {
+    const double near = Quantile(distance, 0.5);
+    double sum = 0;
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (distance[s] <= near && match[s].isOriented)
+            sum += match[s].normal.dot(turned[s]);
+    return sum < 0 ? -1 : 1;
+}
+
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {
     Search(pose, threads);
+    if (first < 0)
+        side = Side();
     const double full = param.edge + (1 - param.edge) / 2;
     std::vector<double> good;
     for (std::size_t s = 0; s < Size(); ++s) {
-        Eigen::Vector3d n = match[s].normal;
+        Eigen::Vector3d n = side * match[s].normal;
         angular[s] = 1;
         if (!n.isZero(0) && !turned[s].isZero(0)) {
             double cosine = n.dot(turned[s]);

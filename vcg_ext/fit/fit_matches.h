@@ -39,17 +39,23 @@ class FitMatches {
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
     bool Counts(std::size_t s) const { return counts[s] != 0; }
+    /// Whether the target's normals point to the other side than the surface's, as those of a mesh whose faces are
+    /// numbered the other way round: they are taken turned over.
+    bool IsInsideOut() const { return side < 0; }
 
   private:
+    double Side() const;
     void Search(const GraphPose &pose, unsigned threads);
 
     const FitTarget &target;
     const FitSamples &samples;
     const MatchParam param;
     double first = -1; // the width of the weights in the first step
+    double side = 1;   // that the target's normals are taken by
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
     std::vector<FitTarget::Match> match;
+    std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
 };
 

@@ -37,7 +37,9 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
     const Eigen::Matrix3d axes = own.Axes(), targetAxes = its.Axes();
     Eigen::Affine3d best = Eigen::Affine3d::Identity();
     double least = std::numeric_limits<double>::infinity();
-    std::vector<double> far(points.size());
+    std::vector<double> far[2]; // with the target's normals as they are, and turned over
+    for (std::vector<double> &each : far)
+        each.resize(points.size());
     int order[3] = {0, 1, 2};
     do {
         for (int signs = 0; signs < 8; ++signs) {
@@ -55,16 +57,20 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
                     const FitTarget::Match match = target.Nearest(p);
                     const double cosine = match.normal.dot(turn * normal[s]);
                     // A side that looks the other way is no counterpart: as if it were so much farther.
-                    far[s] = (p - match.point).norm() * (match.isOriented && cosine < 0 ? 3 : 1);
+                    for (int side = 0; side < 2; ++side)
+                        far[side][s] = (p - match.point).norm() *
+                                       (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? 3 : 1);
                 }
             });
-            std::sort(far.begin(), far.end());
-            double sum = 0;
-            for (std::size_t s = 0; s < 4 * far.size() / 5; ++s)
-                sum += far[s];
-            if (sum < least) {
-                least = sum;
-                best = motion;
+            for (std::vector<double> &each : far) {
+                std::sort(each.begin(), each.end());
+                double sum = 0;
+                for (std::size_t s = 0; s < 4 * each.size() / 5; ++s)
+                    sum += each[s];
+                if (sum < least) {
+                    least = sum;
+                    best = motion;
+                }
             }
         }
     } while (std::next_permutation(order, order + 3));

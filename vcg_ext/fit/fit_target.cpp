@@ -63,7 +63,7 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
     border.resize(n);
     for (std::size_t i = 0; i < n; ++i)
         border[i] = once[i] != 0;
-    place = std::make_unique<NearestPlace>(position, std::move(triangle), std::vector<char>());
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), std::vector<char>(), progress.threads);
 }
 
 void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
@@ -90,8 +90,8 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
     place = std::make_unique<NearestPlace>(position, std::vector<std::array<Index, 3>>(), isPoint);
 }
 
-FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p) const {
-    const SurfacePlace at = (*place)(p);
+FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const {
+    const SurfacePlace at = (*place)(p, hint);
     Match match;
     match.point.setZero();
     bool isBorder = !border.empty();

@@ -50,7 +50,12 @@ class FitTarget {
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
               const Eigen::Affine3d &toFrame, const Progress &progress = {});
 
-    Match Nearest(const Eigen::Vector3d &p) const;
+    /// \param hint of a point that is near, or the same one earlier; changes no bit
+    Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
+    Match Nearest(const Eigen::Vector3d &p) const {
+        NearestPlace::Hint none;
+        return Nearest(p, none);
+    }
     const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
 
   private:

@@ -27,5 +27,26 @@ void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, Gr
     }
 }
 
+void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose) {
+    const auto rest = [&](Index i) { return Eigen::Vector3d(graph.graph.position.col(i).cast<double>()); };
+    // Where an edge ends: at the node, or, of a held one, at the border of its patch, which moves as that does.
+    const auto placeOf = [&](Index i, const Eigen::Vector3d &border) -> Eigen::Vector3d {
+        const Eigen::Vector3d node = pose.position.col(i);
+        return graph.IsHeld(i) ? Eigen::Vector3d(node + pose.linear[i] * (border - rest(i))) : node;
+    };
+    pose.energy = 0;
+    pose.nodeEnergy.assign(std::size_t(graph.Size()), 0);
+    for (Index i = 0; i < graph.Size(); ++i) {
+        for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
+            const Index j = graph.graph.adjacency.item[e];
+            const Eigen::Vector3d edge = graph.edge.col(e).cast<double>(),
+                                  way = placeOf(i, rest(j) + edge) - placeOf(j, rest(i) - edge);
+            pose.nodeEnergy[i] += graph.weight[e] * ((way - pose.linear[i] * edge).squaredNorm() +
+                                                     0.5 * smooth * (pose.linear[i] - pose.linear[j]).squaredNorm());
+        }
+        pose.energy += pose.nodeEnergy[i];
+    }
+}
+
 } // namespace fcd
 } // namespace vcg

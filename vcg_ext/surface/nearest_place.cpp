@@ -14,10 +14,10 @@ namespace fcd {
 class NearestPlace::Search {
   public:
     Search(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-           const std::vector<char> &isVertex) {
+           const std::vector<char> &isVertex, unsigned threads) {
         assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
         if (!triangle.empty()) {
-            triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle));
+            triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), threads);
             return;
         }
         std::vector<Eigen::Vector3d> point;
@@ -94,8 +94,8 @@ class NearestPlace::Search {
 };
 
 NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-                           const std::vector<char> &isVertex)
-    : search(std::make_unique<Search>(position, std::move(triangle), isVertex)) {}
+                           const std::vector<char> &isVertex, unsigned threads)
+    : search(std::make_unique<Search>(position, std::move(triangle), isVertex, threads)) {}
 
 NearestPlace::~NearestPlace() = default;
 

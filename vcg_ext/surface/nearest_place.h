@@ -26,9 +26,10 @@ struct SurfacePlace {
 class NearestPlace {
   public:
     /// \param position 3 x slots, which must outlive this \param triangle slots of the corners \param isVertex flags of
-    /// slots, of those that count where there are no triangles \pre a triangle, or a vertex that counts
+    /// slots, of those that count where there are no triangles \param threads that prepare it, 0 = one a core
+    /// \pre a triangle, or a vertex that counts
     NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-                 const std::vector<char> &isVertex);
+                 const std::vector<char> &isVertex, unsigned threads = 0);
     ~NearestPlace();
     NearestPlace(const NearestPlace &) = delete;
     NearestPlace &operator=(const NearestPlace &) = delete;

@@ -3,6 +3,8 @@
 #define VCG_FCD_TRIANGLE_TREE_H
 
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/parallel.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -30,25 +32,35 @@ class TriangleTree {
     };
 
     /// \param position 3 x slots, which must outlive this; no number beyond 1e100
-    /// \param triangle slots of the corners, at least one triangle
-    TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given)
+    /// \param triangle slots of the corners, at least one triangle \param threads 0 = one a core
+    TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given, unsigned threads = 0)
         : position(position), triangle(std::move(given)) {
+        const std::size_t grain = 1 << 14;
+        std::vector<Eigen::AlignedBox3d> boxes((triangle.size() + grain - 1) / grain);
+        ParallelFor(threads, triangle.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t)
+                for (Index i : triangle[t])
+                    boxes[first / grain].extend(Eigen::Vector3d(position.col(i)));
+        });
         Eigen::AlignedBox3d all;
-        for (const auto &corners : triangle)
-            for (Index i : corners)
-                all.extend(Eigen::Vector3d(position.col(i)));
+        for (const Eigen::AlignedBox3d &box : boxes)
+            all.extend(box);
         center = 0.5 * all.min() + 0.5 * all.max();
         const double radius = 0.5 * all.sizes().norm();
         scale = radius > 1e-50 ? 1 / radius : 1; // a single point has none; no square of a distance is infinite
         largest = all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff();
         middle.resize(triangle.size());
-        for (std::size_t t = 0; t < triangle.size(); ++t) {
-            const Eigen::AlignedBox3f box = BoxOf(Index(t));
-            middle[t] = box.center();
-        }
+        ParallelFor(threads, triangle.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t)
+                middle[t] = BoxOf(Index(t)).center();
+        });
         std::vector<Index> order(triangle.size());
         std::iota(order.begin(), order.end(), 0);
-        Build(order.begin(), order.end());
+        const std::size_t count = std::max<std::size_t>(1, NodesAround(triangle.size()));
+        nodes.reserve(count);
+        PreferLargePages(nodes.data(), count * sizeof(Node));
+        nodes.resize(count);
+        Build(order.data(), order.data() + order.size(), 0, threads);
         middle = {};
     }
 
@@ -92,12 +104,12 @@ class TriangleTree {
         return nearest;
     }
 
-    static constexpr int wide = 4;
+    static constexpr std::size_t wide = 4;
     static constexpr Index none = std::numeric_limits<Index>::max();
 
     /// Boxes of the children, from the middle of all triangles, in units of their radius.
     struct Node {
-        std::array<Eigen::Array<float, wide, 1>, 3> low, high;
+        std::array<Eigen::Array<float, int(wide), 1>, 3> low, high;
         std::array<Index, wide> child; ///< a node, -1 - t for a triangle t, or none
     };
 
@@ -109,12 +121,11 @@ class TriangleTree {
     }
 
     /// Divides the triangles along the longest side of the box of their middles.
-    template <class Iterator>
-    void Divide(Iterator first, Iterator at, Iterator last) const {
+    void Divide(Index *first, Index *at, Index *last) const {
         if (at >= last)
             return;
         Eigen::AlignedBox3f box;
-        for (Iterator t = first; t != last; ++t)
+        for (const Index *t = first; t != last; ++t)
             box.extend(middle[std::size_t(*t)]);
         int axis;
         box.sizes().maxCoeff(&axis);
@@ -122,36 +133,52 @@ class TriangleTree {
                          [&](Index a, Index b) { return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis]; });
     }
 
-    /// \return the box of these triangles; its node is the last one of them that is added, so the root is the last
-    template <class Iterator>
-    Eigen::AlignedBox3f Build(Iterator first, Iterator last) {
-        const auto count = last - first;
-        auto part = decltype(count)(1); // of each child but the last one, so that nearly all nodes are full
-        while (wide * part < count)
+    /// How many nodes are around so many triangles, of which one alone has none.
+    static std::size_t NodesAround(std::size_t triangles) {
+        if (triangles < 2)
+            return 0;
+        const std::size_t part = PartOf(triangles);
+        return 1 + triangles / part * ((part - 1) / (wide - 1)) + NodesAround(triangles % part);
+    }
+    /// How many triangles each child has, but the last one, so that nearly all nodes are full.
+    static std::size_t PartOf(std::size_t triangles) {
+        std::size_t part = 1;
+        while (wide * part < triangles)
             part *= wide;
-        const auto to = [&](int k) { return first + std::min(k * part, count); };
+        return part;
+    }
+
+    /// Sets the nodes around these triangles, from number \p at on; theirs comes last. \return the triangles' box
+    Eigen::AlignedBox3f Build(Index *first, Index *last, std::size_t at, unsigned threads) {
+        const std::size_t count = std::size_t(last - first), part = PartOf(count);
+        if (count < 1 << 15) // where threads would cost more than they save
+            threads = 1;
+        const auto to = [&](std::size_t k) { return first + std::min(k * part, count); };
         Divide(first, to(2), last);
-        Divide(first, to(1), to(2));
-        Divide(to(2), to(3), last);
-        Node node;
+        ParallelFor(threads, 2, 1, [&](std::size_t half, std::size_t) {
+            Divide(to(2 * half), to(2 * half + 1), half == 0 ? to(2) : last);
+        });
+        std::array<Eigen::AlignedBox3f, wide> box;
+        std::array<std::size_t, wide> end; // of each child's nodes; behind the last ones is this one
+        for (std::size_t k = 0; k < wide; ++k)
+            end[k] = at += NodesAround(std::size_t(to(k + 1) - to(k)));
+        ParallelFor(threads, wide, 1, [&](std::size_t k, std::size_t) {
+            if (to(k + 1) - to(k) == 1)
+                box[k] = BoxOf(*to(k));
+            else if (to(k) != to(k + 1))
+                box[k] = Build(to(k), to(k + 1), end[k] - NodesAround(std::size_t(to(k + 1) - to(k))), threads);
+        });
+        Node &node = nodes[at];
         Eigen::AlignedBox3f all;
-        for (int k = 0; k < wide; ++k) {
-            Eigen::AlignedBox3f box;
-            node.child[std::size_t(k)] = none;
-            if (to(k + 1) - to(k) == 1) {
-                box = BoxOf(*to(k));
-                node.child[std::size_t(k)] = -1 - *to(k);
-            } else if (to(k) != to(k + 1)) {
-                box = Build(to(k), to(k + 1));
-                node.child[std::size_t(k)] = Index(nodes.size()) - 1;
+        for (std::size_t k = 0; k < wide; ++k) {
+            const auto size = to(k + 1) - to(k);
+            node.child[k] = size == 0 ? none : size == 1 ? -1 - *to(k) : Index(end[k]) - 1;
+            for (std::size_t d = 0; d < 3; ++d) {
+                node.low[d][Eigen::Index(k)] = box[k].min()[Eigen::Index(d)]; // of an empty box: farther than all
+                node.high[d][Eigen::Index(k)] = box[k].max()[Eigen::Index(d)];
             }
-            for (int d = 0; d < 3; ++d) {
-                node.low[std::size_t(d)][k] = box.min()[d]; // of an empty box: farther than all
-                node.high[std::size_t(d)][k] = box.max()[d];
-            }
-            all.extend(box);
+            all.extend(box[k]);
         }
-        nodes.push_back(node);
         return all;
     }
 
@@ -159,7 +186,7 @@ class TriangleTree {
     /// \param q p in the units of the boxes \param begin has been tried \param nearest in, out
     template <class Real>
     void Search(const Eigen::Vector3d &p, const Eigen::Vector3d &q, Index begin, Nearest &nearest) const {
-        using Lanes = Eigen::Array<Real, wide, 1>;
+        using Lanes = Eigen::Array<Real, int(wide), 1>;
         // What distances of boxes and triangles may be off by, in the units of the boxes: those, at most 1 from the
         // middle, are rounded to 2^-25 there, q and the distance to a few of its last bits, triangles to a few of those
         // of the coordinates.
@@ -195,7 +222,7 @@ class TriangleTree {
                 square += beyond.max(Real(0)).square();
             }
             const int first = count;
-            for (int k = 0; k < wide; ++k) {
+            for (int k = 0; k < int(wide); ++k) {
                 if (!(square[k] <= bound) || node.child[std::size_t(k)] == none)
                     continue;
                 int place = count++;
