@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_matches.h>
@@ -24,12 +25,6 @@ bool IsInParts(const Deformer &deformer) {
         ++size[std::size_t(componentOf[std::size_t(each.node)])];
     const std::size_t all = deformer.bent.size() + deformer.carried.size();
     return size.empty() || 3 * *std::max_element(size.begin(), size.end()) < all;
-}
-
-/// The rotation by a vector: along its axis, by its length.
-Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
-    const double angle = w.norm();
-    return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
 }
 
 // Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
@@ -144,7 +139,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         const double stiffness = stiffest * std::pow(softest * param.stiffness / stiffest, a);
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
         for (Index j = 0; j < deformer->graph.Size(); ++j) {
-            graph.linear[std::size_t(j)] = RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];
+            graph.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];
             graph.position.col(j) += change.col(j).tail<3>();
         }
         report.steps = step + 1;

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit/fit_system.h>
 
 #include <algorithm>
 
 namespace vcg {
 namespace fcd {
-
-namespace {
-
-Eigen::Matrix3d Cross(const Eigen::Vector3d &a) {
-    Eigen::Matrix3d m;
-    m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-    return m;
-}
-
-} // namespace
 
 FitSystem::FitSystem(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
                      double smoothness)
@@ -88,7 +79,7 @@ void FitSystem::AddSamples(Index row, const GraphPose &pose, const std::vector<P
         gradient.tail<3>() += own.weight * p.gradient;
         // Its Jacobian is weight [-[arm]x, I]; the transposed times the form:
         Eigen::Matrix<double, 6, 3> drawn;
-        drawn.topRows<3>() = own.weight * Cross(arm) * p.form;
+        drawn.topRows<3>() = own.weight * detail::CrossMatrix(arm) * p.form;
         drawn.bottomRows<3>() = own.weight * p.form;
         for (std::uint32_t t = samples.begin[use.sample]; t < samples.begin[use.sample + 1]; ++t) {
             const FitSamples::Term &other = samples.term[t];
@@ -124,7 +115,7 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, double stiffness, std
         const Eigen::Vector3d here = ci + a - cj, there = cj + b - ci; // by the rotation of each end
         gradient.head<3>() += mu * a.cross(here);
         gradient.tail<3>() += mu * (here - there);
-        const Eigen::Matrix3d ax = Cross(a), bx = Cross(b);
+        const Eigen::Matrix3d ax = detail::CrossMatrix(a), bx = detail::CrossMatrix(b);
         own.topLeftCorner<3, 3>() += mu * (ax.transpose() * ax);
         own.topRightCorner<3, 3>() += mu * ax;
         own.bottomLeftCorner<3, 3>() -= mu * ax;

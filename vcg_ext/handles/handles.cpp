@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/handles/handles.h>
 
 #include <Eigen/Eigenvalues>
@@ -100,7 +101,7 @@ void Motion::SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &po
     if (!std::isfinite(angle) || !point.allFinite() || angle < 3.14159)
         return;
     // The tolerance is for layers placed in single precision.
-    const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, wholeTurn / angle).toRotationMatrix();
+    const Eigen::Matrix3d rotation = detail::RotationBy(wholeTurn);
     if ((Polar(matrix.topLeftCorner<3, 3>()).rotation - rotation).norm() > 1e-5)
         return;
     turn = wholeTurn;
@@ -149,10 +150,7 @@ Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen:
             t * (polar.svd.matrixV() * factors.array().log().matrix().asDiagonal() * polar.svd.matrixV().transpose());
     }
     if (count > 1) {
-        const double angle = turn.norm();
-        Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
-        if (angle > 0)
-            linear = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+        Eigen::Matrix3d linear = detail::RotationBy(turn);
         ExpectFinite(Eigen::Matrix4d::Constant(stretch.sum())); // the solver below would not come to an end
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(stretch);
         linear *= axes.eigenvectors() * axes.eigenvalues().array().exp().matrix().asDiagonal() *

@@ -2,11 +2,11 @@
 #ifndef VCG_FCD_GRAPH_HESSIAN_H
 #define VCG_FCD_GRAPH_HESSIAN_H
 
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/solve/graph_energy.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <vector>
@@ -72,9 +72,9 @@ class GraphHessian {
                     pull(at, -2 * w * u.cross(way));
                     add(at, at, w * (2 * way.dot(u) * one - way * u.transpose() - u * way.transpose()));
                     if (position[i] >= 0)
-                        addBoth(position[i], at, 2 * w * Cross(u));
+                        addBoth(position[i], at, 2 * w * CrossMatrix(u));
                     if (position[j] >= 0)
-                        addBoth(position[j], at, -2 * w * Cross(u));
+                        addBoth(position[j], at, -2 * w * CrossMatrix(u));
                 }
             });
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
@@ -113,10 +113,9 @@ class GraphHessian {
             x.position.col(i) += step.segment<3>(position[i]);
         for (Index i : unknown.rotation) {
             const Eigen::Vector3d turn = step.segment<3>(rotation[i]);
-            const double angle = turn.norm();
-            if (!(angle > 0))
+            if (turn.isZero(0))
                 continue;
-            x.rotation[i] = Eigen::AngleAxisd(angle, turn / angle) * x.rotation[i];
+            x.rotation[i] = RotationBy(turn) * x.rotation[i];
             const Eigen::Vector4d q = ToQuaternion(x.rotation[i]);
             x.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
         }
@@ -135,12 +134,6 @@ class GraphHessian {
     }
 
   private:
-    static Eigen::Matrix3d Cross(const Eigen::Vector3d &v) {
-        Eigen::Matrix3d m;
-        m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-        return m;
-    }
-
     const GraphUnknowns &unknown;
     std::vector<Index> position, rotation; // k, where those of a node begin; -1 where they are given
     Index size = 0;
