@@ -32,7 +32,7 @@ echo "built $size kB after $SECONDS s: $(basename "$package")"
 rm -rf "$root/python/third_party" # what it has collected
 source=$(echo dist/*.tar.gz)
 "$tools/python" -m twine check --strict dist/*
-if "$tools/python" -m zipfile -l "$package" | grep -q 'pymeshlab_fcd.libs'; then
+if "$tools/python" -m zipfile -l "$package" | grep 'pymeshlab_fcd.libs'; then
     echo "error: the wheel carries libraries of this system"
     exit 1
 fi
@@ -67,7 +67,7 @@ HOME=$build/from-source XDG_CACHE_HOME=$build/from-source CCACHE_DIR=$caches \
 fresh/bin/pip install --disable-pip-version-check --quiet --no-deps --force-reinstall from-source/dist/*.whl
 fresh/bin/python -c "$bend"
 extension=$(fresh/bin/python -c 'import pymeshlab_fcd._core as core; print(core.__file__)')
-nm -D "$extension" | grep -q __assert_fail || { echo "error: $extension has no assertions, so it is no build without optimisation"; exit 1; }
+nm -D "$extension" | grep __assert_fail >assertions.log || { echo "error: $extension has no assertions, so it is no build without optimisation"; exit 1; }
 fresh/bin/python "$root/tests/python/build_types.py" compare optimised.npy
 
 # The environment has what the tests need; the packages are laid anew.
