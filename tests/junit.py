@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the JUnit files of ctest and pytest say.
+"""What the JUnit files of ctest, GoogleTest and pytest say.
 
-    python3 tests/junit.py count FILE          passed, failed and skipped tests
+    python3 tests/junit.py count FILE...       passed, failed and skipped tests
     python3 tests/junit.py slowest FILE...     the ten tests that took longest"""
 import sys
 import xml.etree.ElementTree
@@ -12,10 +12,10 @@ def cases(path):
     return list(xml.etree.ElementTree.parse(path).iter("testcase"))
 
 
-def count(path):
-    every = cases(path)
+def count(*paths):
+    every = [case for path in paths for case in cases(path)]
     failed = [c for c in every if c.find("failure") is not None or c.find("error") is not None]
-    skipped = [c for c in every if c not in failed and (c.find("skipped") is not None or c.get("status") in ("notrun", "disabled"))]
+    skipped = [c for c in every if c not in failed and (c.find("skipped") is not None or c.get("status") in ("notrun", "disabled") or c.get("result") == "skipped")]
     print(len(every) - len(failed) - len(skipped), len(failed), len(skipped))
 
 

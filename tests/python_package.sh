@@ -12,12 +12,13 @@ mkdir -p "$build"
 rm -rf "$build"/{built,dist,site-2022,fresh,from-source}
 cd "$build" # where no folder is called as the package is
 
-# wheel COMPILER OPTION... SOURCE: builds one. By g++, the method is the same as in the plugin for MeshLab's window: the compiler cache has it.
+# wheel COMPILER OPTION... SOURCE: builds one.
 wheel() {
     nice "$tools/pip" wheel --disable-pip-version-check --quiet --no-build-isolation --no-deps \
         --config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache "--config-settings=cmake.define.CMAKE_CXX_COMPILER=$1" "${@:2}"
 }
-wheel g++ --wheel-dir built "$root"
+# With the method as the plugin for MeshLab's window has it; that from the source distribution, below, compiles all of it.
+wheel g++ --wheel-dir built "--config-settings=cmake.define.FCD_METHOD=$root/build/cmake/meshlab-2020.09" "$root"
 wheel g++ --wheel-dir built "--config-settings=cmake.define.FCD_PLUGINS=$root/build/plugins" "$root/python/plugin"
 # What else it runs on; the libraries of the plugins are those that pymeshlab has loaded.
 PATH=$tools:$PATH

@@ -70,25 +70,26 @@ finish() {
         [ -s "$results/$name.count" ] || fail "$name ended early, see $results/$name.out"
     done
     echo "== the slowest tests (of $SECONDS s in all)"
-    python3 tests/junit.py slowest "$results"/*.xml
+    python3 tests/junit.py slowest "$results"/*.xml "$results"/*/*.xml
     read -r passed failed skipped < <(cat "$results"/*.count | awk '{ p += $1; f += $2; s += $3 } END { print p, f, s }')
     echo "$passed passed, $failed failed, $skipped skipped"
     [ "$failed" = 0 ]
     exit
 }
 
-# count: adds up the JUnit file of ctest or pytest.
+# count: adds up the JUnit files of ctest, GoogleTest or pytest.
 count() {
     if [ -s "$results/$name.xml" ]; then
-        python3 tests/junit.py count "$results/$name.xml" >>"$results/$name.count"
+        python3 tests/junit.py count "$results/$name.xml" "$results/$name"/*.xml >>"$results/$name.count"
     else
         fail "$name gave no result"
     fi
 }
 
-# unit CMAKE-ARGUMENT...: tests that ctest runs, built one way in build/NAME.
-unit() {
-    local directory=$build/$name arguments
+# build_tests JOBS CMAKE-ARGUMENT...: tests that ctest runs, in build/NAME.
+build_tests() {
+    local directory=$build/$name jobs=$1 arguments
+    shift
     arguments="$root $*"
     # CMake forgets its variables when the compiler changes.
     if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$arguments" ]; then
@@ -96,25 +97,35 @@ unit() {
         mkdir -p "$directory"
         echo "$arguments" >"$directory/arguments"
     fi
-    if ! { cmake -G Ninja -S . -B "$directory" -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" \
-        -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" && nice ninja -C "$directory" -j 1; } >"$results/$name.log" 2>&1; then
+    if ! { cmake -G Ninja -S . -B "$directory" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER=clang++ "$@" &&
+        nice ninja -C "$directory" -j "$jobs"; } >"$results/$name.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"
         fail "building $name, see $results/$name.log"
-        return
+        return 1
     fi
-    echo "built after $SECONDS s"
-    LOCPATH=$build/locale ctest --test-dir "$directory" --output-on-failure --output-junit "$results/$name.xml" 2>&1 |
-        tee -a "$results/$name.log" | grep -vE '^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start '
+    add 0 0 0
+}
+# The tests once, and with them the method as GCC has compiled it for the plugin, and as sanitizers want it.
+unit_build() {
+    build_tests 2 -DFCD_BUILD_TESTS=ON -DFCD_SANITIZE=ON -DCMAKE_BUILD_TYPE=Release "-DFCD_METHOD=$build/cmake/meshlab-2020.09" \
+        "-DFCD_VCGLIB=$cache/meshlab-2025.07/src/vcglib"
+}
+# unit FOLDER TESTS: those that ctest runs there, by a regular expression, and each test of the programs among them.
+unit() {
+    LOCPATH=$build/locale GTEST_OUTPUT=xml:$results/$name/ ctest --test-dir "$build/$1" --output-on-failure -R "$2" \
+        --output-junit "$results/$name.xml" 2>&1 | tee "$results/$name.log" | grep -vE '^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start '
     count
 }
 # On one core: threads that count lines are slow side by side, and lose counts.
-sanitized() {
+unit_addresses() {
     taskset -pc "$(taskset -pc $BASHPID | grep -oE '[0-9]+$')" $BASHPID >"$results/core.log"
-    LLVM_PROFILE_FILE=$results/%4m.profraw unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None \
-        "-DCMAKE_CXX_FLAGS=-O1 -g1 -fprofile-instr-generate -fcoverage-mapping -fprofile-list=$root/tests/coverage.txt -fsanitize-ignorelist=$root/tests/ignored.txt" \
-        -DFCD_SANITIZE=ON
-    check coverage bash tests/coverage.sh vcg_ext 95 "$build/$name/tests/fcd_unit_tests" "$results"/*.profraw
+    LLVM_PROFILE_FILE=$results/%4m.profraw unit unit _tests_addresses
+    check coverage bash tests/coverage.sh vcg_ext 95 "$build/unit/tests/fcd_unit_tests_addresses" "$results"/*.profraw
     tail -n 1 "$results/coverage.log"
+}
+fuzz() {
+    build_tests 1 -DFCD_FUZZ=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" "-DFCD_VCGLIB=$cache/meshlab-2025.07/src/vcglib" &&
+        unit fuzz Fuzz
 }
 
 # host COMMAND... tests/FILE...: host tests with a command that is the Python of a pymeshlab.
@@ -151,7 +162,7 @@ sanitized_plugin() {
     shift
     mapfile -t arguments < <(tail -n +2 "$build/cmake/$host/arguments" | grep -v -e FCD_OUTPUT_DIR -e CMAKE_CXX_COMPILER=)
     if cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DCMAKE_CXX_COMPILER=clang++ -DFCD_OUTPUT_DIR="$directory/plugins" \
-        -DFCD_SANITIZE_PLUGINS=ON >"$results/$name-$host.log" 2>&1 && nice ninja -C "$directory" -j 1 "$@" >>"$results/$name-$host.log" 2>&1; then
+        -DFCD_SANITIZE_PLUGINS=ON -DFCD_METHOD="$build/cmake/$host" >"$results/$name-$host.log" 2>&1 && nice ninja -C "$directory" -j 1 "$@" >>"$results/$name-$host.log" 2>&1; then
         add 0 0 0
     else
         grep -m 5 -E 'error|Error' "$results/$name-$host.log"
@@ -277,14 +288,17 @@ wait_beside bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
 # What takes longest begins first.
 start hosts hosts
 hosts=$!
-start unit-sanitized sanitized
-start unit-threads unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DFCD_SANITIZE_THREAD=ON
 wait "$hosts"
+start unit unit_build
+unit=$!
 wait_beside window-2020.09 window
 start sanitized-plugins sanitized_plugins
 plugins=$!
-start unit-release unit -DFCD_BUILD_TESTS=ON -DCMAKE_CXX_COMPILER=g++ -DCMAKE_BUILD_TYPE=Release
-start fuzz unit -DFCD_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1"
+wait "$unit"
+start unit-addresses unit_addresses
+start unit-threads unit unit _tests_threads
+start unit-release unit unit '^fcd_(unit|fault)_tests$|^make_benchmark'
+start fuzz fuzz
 
 (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 

@@ -466,12 +466,12 @@ static double PercentApart(const Matrix3Xd &x, const Matrix3Xd &y) {
 }
 
 TEST(DeformCentroidal, ScanLinesTwentyTimesDenserHaveTheShapeOfTheMesh) {
-    constexpr int n = sanitized ? 21 : 41, dense = 20;
-    constexpr double width = n - 1;
-    const auto height = [](double x, double y) {
+    const int n = sanitized ? 21 : 41, dense = 20;
+    const double width = n - 1;
+    const auto height = [&](double x, double y) {
         return 0.03 * width * std::sin(6 / width * x) * std::cos(8 / width * y);
     };
-    const auto tag = [](const Vector3d &p) { return p[0] < 0.15 * width ? 0 : p[0] > 0.85 * width ? 2 : 1; };
+    const auto tag = [&](const Vector3d &p) { return p[0] < 0.15 * width ? 0 : p[0] > 0.85 * width ? 2 : 1; };
     const Affine3d turned = Eigen::Translation3d(width * Vector3d(0.75, 0.5, 0.2)) *
                             Eigen::AngleAxisd(-1, Vector3d::UnitY()) *
                             Eigen::Translation3d(-width * Vector3d(0.9, 0.5, 0));
@@ -1074,7 +1074,7 @@ TEST(DeformCentroidal, TakesAllVerticesAtOnePlace) {
 }
 
 TEST(DeformCentroidal, TakesAFanOfAThousandFaces) {
-    constexpr int many = sanitized ? 300 : 1000;
+    const int many = sanitized ? 300 : 1000;
     ExpectFinite(Fan(many), TagsInTurn(many + 2));
 }
 

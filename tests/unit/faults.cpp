@@ -63,7 +63,7 @@ void operator delete[](void *memory, std::size_t) noexcept { __wrap_free(memory)
 
 // --- threads ---
 
-#ifdef FCD_TEST_THREADS
+#ifndef FCD_TEST_SANITIZED // sanitizers have one of their own
 extern "C" int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *data) {
     using Create = int (*)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
     static const auto create = reinterpret_cast<Create>(dlsym(RTLD_NEXT, "pthread_create"));

@@ -5,10 +5,6 @@
 #include <atomic>
 #include <limits>
 
-#ifndef FCD_TEST_SANITIZED // sanitizers have a pthread_create of their own
-#define FCD_TEST_THREADS
-#endif
-
 /// What goes wrong in a program that is linked with faults.cpp.
 namespace fcd_test::faults {
 

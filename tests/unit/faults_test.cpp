@@ -126,7 +126,6 @@ TEST(Cancel, LeavesNothingBehind) {
         }
 }
 
-#ifdef FCD_TEST_THREADS
 TEST(NoThreads, TheResultIsTheSame) {
     const SmallRun run;
     const Eigen::Matrix3Xd expected = DeformCentroidal(run.mesh, run.c.handles, run.param, Threads(3)).position;
@@ -142,4 +141,3 @@ TEST(NoThreads, TheResultIsTheSame) {
         EXPECT_EQ(ran, 100);
     }
 }
-#endif

@@ -147,7 +147,7 @@ TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
 
 TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
     // A surface of which each vertex goes its own way: nothing but all of them tells that.
-    constexpr int n = sanitized ? 90 : 260;
+    const int n = sanitized ? 90 : 260;
     const MeshD mesh(Grid(n, n));
     const Matrix3Xd rest = PositionsOf(mesh);
     Matrix3Xd deformed = rest;

@@ -6,6 +6,7 @@
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/read_surface.h>
 #include <vcg_ext/surface/surface_graph.h>
+#include "sanitizers.h"
 #include "test_mesh.h"
 
 #include <clocale>
@@ -18,19 +19,6 @@
 #include <thread>
 
 namespace fcd_test {
-
-/// Sanitizers slow everything down tenfold: large tests are smaller then.
-#ifdef FCD_TEST_SANITIZED
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-/// ThreadSanitizer slows most down more than the others, and only looks at what threads do at the same time.
-#ifdef FCD_TEST_SANITIZED_THREAD
-constexpr bool threadSanitized = true;
-#else
-constexpr bool threadSanitized = false;
-#endif
 
 /// What a test goes through; of that, sanitizers get the first: the code that runs is the same with all of it.
 template <class T>

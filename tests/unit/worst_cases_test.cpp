@@ -164,11 +164,11 @@ TEST(WorstCases, AFanOfAPatchPerVertex) {
 }
 
 TEST(WorstCases, FacesWithoutArea) {
-    constexpr int n = sanitized ? 40 : 70;
+    const int n = sanitized ? 40 : 70;
     const Shape shape = NoArea(n);
     ExpectGraph(shape);
     ExpectDeforms(shape, TagsInTurn(shape.position.size()));
-    const Case c = CaseOf(shape, [](const Vector3d &p) { return p[0] < 0.14 * n ? 0 : p[0] > 0.8 * n ? 2 : 1; });
+    const Case c = CaseOf(shape, [&](const Vector3d &p) { return p[0] < 0.14 * n ? 0 : p[0] > 0.8 * n ? 2 : 1; });
     ExpectDeforms(c.shape, c.handles);
 }
 
@@ -387,7 +387,7 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
 }
 
 TEST(WorstCases, TheThreadsMakeNoDifference) {
-    constexpr int n = sanitized ? 5000 : 70000;
+    const int n = sanitized ? 5000 : 70000;
     const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(n / 650, 160);
     for (const Shape &shape : {LooseTriangles(n / 3), NoArea(sanitized ? 40 : 120), Fan(n / 20), Points(duplicates),
                                Unwelded(Jittered(sheet, 0.2))}) {

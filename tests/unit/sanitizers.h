@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_TEST_SANITIZERS_H
+#define FCD_TEST_SANITIZERS_H
+
+namespace fcd_test {
+
+// Of the method in a program: each says so itself, since the tests are compiled once for all of them (sanitizers.cpp).
+
+/// Sanitizers slow everything down tenfold: large tests are smaller then.
+extern const bool sanitized;
+/// ThreadSanitizer slows most down more than the others, and only looks at what threads do at the same time.
+extern const bool threadSanitized;
+
+} // namespace fcd_test
+
+#endif
