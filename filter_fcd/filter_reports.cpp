@@ -207,11 +207,11 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.push_back(std::to_string(made.result.check.flipped) +
                            (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
                            " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
-    if (report.pull > 0.01 * made.diagonal || report.landmarks > 1e-6 * made.diagonal) { // 1 %: no hand misses so much
+    if (report.pull > 0.01 * made.diagonal || report.beyond > 1e-6 * made.diagonal) { // 1 %: no hand misses so much
         std::ostringstream line;
-        line << "The landmarks contradict each other or the target, by " << std::max(report.pull, report.landmarks)
+        line << "The landmarks contradict each other or the target, by " << std::max(report.pull, report.beyond)
              << ". Look for pairs that are mixed up";
-        if (report.landmarks > 1e-6 * made.diagonal)
+        if (report.beyond > 1e-6 * made.diagonal)
             line << "; where they are closer than patches, raise initial_patches";
         warnings.push_back(line.str() + ".");
     }

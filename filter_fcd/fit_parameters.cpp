@@ -43,6 +43,10 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose "
         "names "
         "are the same. <b>Empty</b> (the default): that file holds both ends of each pair.");
+    addParameter<RichFloat>(
+        list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Tolerance of the landmarks",
+        "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
+        "<b>Raise it</b> to the error of the points where they were measured or picked by hand.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -66,6 +70,11 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle), "Largest angle (degrees)",
         "A place of the target whose normal is turned by more than this from that of the surface is no counterpart: "
         "what keeps the two sides of something thin apart. <b>180</b>: normals do not count.");
+    addParameter<RichBool>(list, Shown::Always, "both_ways", fit.bothWays, "Matches both ways",
+                           "Places of the target that nothing of the layer lies near draw what is nearest, too, so "
+                           "that thin and long parts "
+                           "of the target are reached. Leave it <b>off</b> (the default) where the target has parts "
+                           "that the layer lacks.");
     addInitialPatches(list, fit.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, fit.smoothness);
     addRandomSeed(list, fit.graph.randomSeed);
@@ -95,6 +104,8 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.target = host::layerParameter(list, "target_layer", document);
     param.landmarkFile = list.getOpenFileName("landmarks_file");
     param.targetFile = list.getOpenFileName("target_landmarks_file");
+    param.fit.landmarkTolerance = list.getFloat("landmark_tolerance");
+    param.fit.bothWays = list.getBool("both_ways");
     param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;

@@ -11,13 +11,11 @@
 #include "results.h"
 #include "tag_sources.h"
 
-#include <algorithm>
 #include <memory>
 
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
 using vcg::fcd::FitGoal;
-using vcg::fcd::FitTarget;
 using vcg::fcd::Fitter;
 using vcg::fcd::Handles;
 using vcg::fcd::Landmark;
@@ -49,41 +47,6 @@ std::vector<Landmark> readLandmarks(const MeshModel &layer, const Handles &handl
     return landmarks;
 }
 
-/// The distance of each vertex slot from the target, world units, at \p position; or whether it has a counterpart
-/// there, 1 or 0.
-std::vector<float> qualityOf(const SurfaceView &surface, const Deformer &deformer, const Handles &handles,
-                             const FitGoal &goal, const Eigen::Matrix3Xd &position, const FitMeshParam &param,
-                             const vcg::fcd::FitReport &report, const Progress &progress) {
-    // As seen from the surface, where single precision is fine.
-    const vcg::fcd::Frame &frame = deformer.surface.frame;
-    Eigen::Affine3d toFrame = Eigen::Affine3d(frame.metric) * handles.world.inverse() * goal.world;
-    toFrame = Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) * toFrame;
-    const FitTarget target(goal.surface, goal.normal, toFrame, progress.Slice(0, 0.3));
-    // Beside an open border, what is farther than it mostly is where it is matched is beyond the border. Elsewhere,
-    // what is three times as far as nineteen in twenty of these are is not the target's noise.
-    const double besideBorder = std::max(report.percentile95, 1e-4 * frame.scale), far = 3 * besideBorder;
-    std::vector<float> quality(surface.vertexSlots, 0.f);
-    ParallelFor(progress.Slice(0.3, 1), "Measuring the distance", quality.size(), 1 << 12,
-                [&](std::size_t first, std::size_t last) {
-                    vcg::fcd::NearestPlace::Hint hint; // the next vertex mostly is beside the last one
-                    for (std::size_t i = first; i < last; ++i) {
-                        if (surface.IsDeleted(i))
-                            continue;
-                        const Eigen::Vector3d p = frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i))));
-                        const FitTarget::Match match = target.Nearest(p, hint);
-                        const double distance = (p - match.point).norm() * frame.scale;
-                        if (param.quality == FitMeshParam::Distance)
-                            quality[i] = float(distance);
-                        else
-                            quality[i] = distance <= (match.onBorder ? besideBorder : far) &&
-                                                 distance <= param.fit.largestDistance
-                                             ? 1.f
-                                             : 0.f;
-                    }
-                });
-    return quality;
-}
-
 } // namespace
 
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
@@ -110,7 +73,8 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     made.diagonal = deformer.surface.frame.scale;
 
     const FitGoal goal = {targetSurface.View(), vcg::tri::NormalsOf(target.cm), matrixOf(target)};
-    result.pose = fitter->Solve(goal, landmarks, made.report, progress.Slice(0.4, 0.8));
+    const auto goalTarget = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
+    result.pose = fitter->Solve(*goalTarget, landmarks, made.report, progress.Slice(0.5, 0.8));
     if (made.report.matched == 0)
         throw Error("Nothing of " + inQuotes(layer) + " has a counterpart on " + inQuotes(target) +
                     ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
@@ -119,9 +83,12 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     vcg::fcd::CarryPose(view, normal, handles, deformer, fit, progress.Slice(0.8, 0.85), result);
     fitter->PutLandmarks(landmarks, result.position);
     std::vector<float> quality;
-    if (param.quality != FitMeshParam::Input)
-        quality =
-            qualityOf(view, deformer, handles, goal, result.position, param, made.report, progress.Slice(0.85, 0.95));
+    if (param.quality != FitMeshParam::Input) {
+        std::vector<char> liesOn;
+        fitter->Compare(*goalTarget, made.report, result.position, quality, liesOn, progress.Slice(0.85, 0.95));
+        if (param.quality == FitMeshParam::Matched)
+            quality.assign(liesOn.begin(), liesOn.end());
+    }
 
     const Progress adding = progress.Slice(0.95, 1);
     adding(0, "Adding layers...");

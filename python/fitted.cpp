@@ -28,6 +28,8 @@ FitParam fitParamOf(const nb::dict &given) {
     if (param.largestDistance == 0)
         param.largestDistance = std::numeric_limits<double>::infinity();
     param.largestAngle = nb::cast<double>(given["largest_angle"]);
+    param.bothWays = nb::cast<bool>(given["both_ways"]);
+    param.landmarkTolerance = nb::cast<double>(given["landmark_tolerance"]);
     param.graph.initialPatches = nb::cast<int>(given["patches"]);
     param.graph.randomSeed = nb::cast<unsigned>(given["seed"]);
     param.smoothness = nb::cast<double>(given["smoothness"]);
@@ -89,7 +91,8 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         goal.surface.Validate(progress.Slice(0, 0.02));
-        pose = fitter->Solve(goal, landmarksOf(points, places), found, progress.Slice(0.02, 1));
+        const auto target = fitter->Prepare(goal, progress.Slice(0.02, 0.3));
+        pose = fitter->Solve(*target, landmarksOf(points, places), found, progress.Slice(0.3, 1));
     });
     pose.iterations = found.steps;
     nb::dict all;
@@ -102,6 +105,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["landmark_pull"] = found.pull;
     all["inside_out"] = found.insideOut;
     all["steps"] = found.steps;
+    all["beyond"] = found.beyond;
     all["diagonal"] = prepared->deformer->surface.frame.scale;
     return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);
 }

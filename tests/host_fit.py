@@ -12,8 +12,8 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "initial_patches": 150,
-    "smoothness": 0.0058, "random_seed": 1, "samples": 4000, "fit_steps": 100, "graph_layers": True, "fit_quality": 0,
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False,
+    "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
@@ -307,7 +307,7 @@ def test_a_start_that_cannot_be():
     ("target_layer", 1, "The target is the layer that is fitted itself"), ("target_layer", 77, "'target_layer' names no layer"),
     ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
     ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
-    ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"),
+    ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"),
     ("transforms", "2: translate 0 0 1", "no vertex has tag 2"), ("landmarks_file", "/no/such.csv", "Cannot open '/no/such.csv'")])
 def test_a_value_that_makes_no_sense_changes_nothing(name, value, word):
     ms, _ = pair()

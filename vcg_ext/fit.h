@@ -49,9 +49,11 @@ struct FitParam : DeformationParam {
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
-    int fitSteps = 100;                  ///< from stiff to soft, >= 2
+    int fitSteps = 50;                   ///< from stiff to soft, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
-    int samples = 4000;                  ///< places of the source that are matched, >= 100
+    int samples = 6000;                  ///< places of the source that are matched, >= 100
+    bool bothWays = false;               ///< places of the target that none of the source is near draw the nearest one
+    double landmarkTolerance = 0;        ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
 
     /// \throw BadInput naming the value that is out of range
     void ValidateFit() const;
@@ -59,9 +61,16 @@ struct FitParam : DeformationParam {
 
 /// How well a surface fits, over its samples.
 struct FitReport {
+    /// Whether a place at this distance from the target, world units, lies on it. Beside an open border, what is
+    /// farther than it mostly is where it is matched is beyond the border; elsewhere, what is three times as far as
+    /// nineteen in twenty of these are is not the target's noise.
+    bool LiesOn(double distance, bool onBorder) const { return distance <= (onBorder ? nearest : 3 * nearest); }
+
+    double nearest = 0;                           ///< world units
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
     double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
     double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
+    double beyond = 0;      ///< how far the landmarks are beyond their tolerance, at most, world units
     double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     int steps = 0;
@@ -77,10 +86,19 @@ class Fitter {
     Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
            const Progress &progress = {});
 
-    /// Fits it, from its pose at rest. \throw BadInput a goal without vertices; landmarks that are no vertices, or
-    /// twice at one place \throw Unsolvable \throw Cancelled
-    Deformer::Pose Solve(const FitGoal &goal, const std::vector<Landmark> &landmark, FitReport &report,
+    /// Prepares what it is fitted to, for Solve and Compare. \param goal is not needed after it
+    /// \throw BadInput a goal without vertices, or a coordinate that is not finite \throw Cancelled
+    std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
+
+    /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place
+    /// \throw Unsolvable \throw Cancelled
+    Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
+
+    /// The distance of each vertex slot from the target, world units, and whether it lies on it, as \p report of the
+    /// fit tells; 0 and false for deleted ones. \param position 3 x slots, mesh units \throw Cancelled
+    void Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
+                 std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress = {}) const;
 
     const Deformer &Surface() const { return *deformer; }
 
@@ -90,6 +108,8 @@ class Fitter {
     void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 
   private:
+    Eigen::Affine3d ToFrame(const Eigen::Affine3d &world) const;
+    std::vector<double> StiffnessOf(const FitMatches &matches, const FitSamples &samples, double soft) const;
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
                           const std::vector<Eigen::Vector3d> &place, unsigned threads) const;
     void Measure(const FitMatches &matches, FitReport &report) const;

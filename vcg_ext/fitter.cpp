@@ -16,6 +16,14 @@ namespace fcd {
 
 namespace {
 
+/// The place nearest to \p x that is no farther from \p place than that.
+Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x) {
+    const Eigen::Vector3d off = x - place;
+    const double far = off.norm();
+    const double inside = 0.999 * tolerance; // what rounding leaves is within, too
+    return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
+}
+
 /// Whether no connected part of the surface that bends has as much as a third of the free vertices.
 bool IsInParts(const Deformer &deformer) {
     std::vector<Index> componentOf;
@@ -31,12 +39,28 @@ bool IsInParts(const Deformer &deformer) {
 // (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff enough that limbs follow
 // their roots and nothing slides along the surface, soft enough that it reaches the target.
 constexpr double stiffest = 1e-2, softest = 1e-6;
+// The last steps, of all: it has arrived, and is as soft as it gets.
+constexpr double lastSteps = 0.2;
+// What has no counterpart is carried along if it is wider than this many nodes; what is narrower, as a hole is, bends
+// as what is on both sides of it does. One more node of what has a counterpart is as stiff, so that it leads by all of
+// its patch. Chosen on the half armadillos and the heads with holes (tests/fit_recipes.py): of gaps of 0, 1 and 2, 0
+// spoils the holes, and 1 and 2 are the same.
+constexpr int widestGap = 2, margin = 1;
+
+/// The greatest, or with less = true the least, that each node and those beside it have.
+std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &value, bool less) {
+    std::vector<double> result = value;
+    for (std::size_t j = 0; j < value.size(); ++j)
+        for (Index i : adjacency[Index(j)])
+            result[j] = less ? std::min(result[j], value[std::size_t(i)]) : std::max(result[j], value[std::size_t(i)]);
+    return result;
+}
 
 } // namespace
 
 FitParam::FitParam() {
-    // A vertex then follows some seven nodes; with more, a step takes several times as long.
-    influence = 2;
+    // Smooth where a joint turns: 2 folds there (the arm of tests/fit_recipes.py), and 4 takes twice as long.
+    influence = 3;
     graph.initialPatches = 150; // the data say where it bends; twice as many fit no better and take four times as long
     bendsUnheld = true;
 }
@@ -53,6 +77,8 @@ void FitParam::ValidateFit() const {
         throw BadInput("A fit takes 2 to 10000 steps.");
     if (samples < 100)
         throw BadInput("At least 100 places have to be matched.");
+    if (!(landmarkTolerance >= 0) || std::isinf(landmarkTolerance))
+        throw BadInput("The tolerance of the landmarks must be 0, for exact ones, or a positive, finite length.");
 }
 
 Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
@@ -73,7 +99,37 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     progress(1, "Preparing the fit");
 }
 
-Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &landmark, FitReport &report,
+/// From the world. The frame has the source's matrix without its translation.
+Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
+    const Frame &frame = deformer->surface.frame;
+    return Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) *
+           Eigen::Affine3d(frame.metric) * handles.world.inverse() * world;
+}
+
+std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
+    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress);
+}
+
+/// Of each node of the graph in the last steps: what has no counterpart, as far as it is no small gap, is as stiff as
+/// the fit began.
+std::vector<double> Fitter::StiffnessOf(const FitMatches &matches, const FitSamples &samples, double soft) const {
+    const Graph &graph = deformer->graph.graph;
+    std::vector<double> all(std::size_t(graph.Size()), 0), share = all;
+    for (std::size_t s = 0; s < samples.Size(); ++s)
+        for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
+            all[std::size_t(samples.term[t].node)] += samples.term[t].weight;
+            share[std::size_t(samples.term[t].node)] += matches.Counts(s) ? samples.term[t].weight : 0;
+        }
+    for (std::size_t j = 0; j < all.size(); ++j)
+        share[j] = all[j] > 0 ? share[j] / all[j] : 0;
+    for (int i = 0; i < 2 * widestGap + margin; ++i)
+        share = Beside(graph.adjacency, share, i >= widestGap);
+    for (double &each : share) // from none to a half
+        each = soft * std::pow(std::max(stiffest / soft, 1.0), std::clamp(2 * (1 - each), 0.0, 1.0));
+    return share;
+}
+
+Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                              const Progress &progress) const {
     const SurfaceGraph &surface = deformer->surface;
     const Frame &frame = surface.frame;
@@ -82,12 +138,6 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     GraphPose &graph = pose.graph;
     graph = pose.solved;
     graph.rests.assign(std::size_t(deformer->graph.Size()), 0);
-
-    // The frame has the source's matrix without its translation.
-    Eigen::Affine3d toFrame = handles.world.inverse() * goal.world;
-    toFrame = Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) *
-              Eigen::Affine3d(frame.metric) * toFrame;
-    const FitTarget target(goal.surface, goal.normal, toFrame, progress.Slice(0.05, 0.3));
 
     FitSamples samples;
     for (Index node : sample)
@@ -123,21 +173,31 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     FitSamples drawn = samples; // the landmarks are behind those that are matched
     samples.Shrink(matched);
     FitSystem system(*deformer, isFree, drawn, param.smoothness);
-    FitMatches matches(
-        target, samples,
-        {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
-         std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)))});
+    FitMatches matches(target, samples,
+                       {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
+                        std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1))),
+                        param.bothWays});
+    const double tolerance = param.landmarkTolerance / frame.scale;
     std::vector<FitSystem::Pull> pull(drawn.Size());
     for (int step = 0; step < param.fitSteps; ++step) {
-        const double a = double(step) / (param.fitSteps - 1);
-        progress.Slice(0.3, 1)(a, "Fitting");
+        const double a = std::min(1.0, step / ((1 - lastSteps) * (param.fitSteps - 1)));
+        progress.Slice(0.05, 1)(double(step) / param.fitSteps, "Fitting");
         matches.Find(graph, a, progress.threads, pull);
         for (std::size_t s = matched; s < drawn.Size(); ++s) {
-            pull[s].form = Eigen::Matrix3d::Identity() * (10 / double(landmark.size()));
-            pull[s].gradient = pull[s].form * (drawn.At(s, graph) - place[s - matched]);
+            const Eigen::Vector3d x = drawn.At(s, graph);
+            const Eigen::Vector3d off = x - Within(tolerance, place[s - matched], x);
+            const double weight = 10 / double(landmark.size());
+            // With a tolerance, only towards the ball around the place, and not along it.
+            const Eigen::Vector3d way = off.stableNormalized();
+            pull[s].form =
+                weight * (tolerance > 0 ? Eigen::Matrix3d(way * way.transpose()) : Eigen::Matrix3d::Identity());
+            pull[s].gradient = weight * off;
         }
         const double stiffness = stiffest * std::pow(softest * param.stiffness / stiffest, a);
-        const auto change = system.Step(graph, pull, stiffness, progress.threads);
+        const auto change = system.Step(graph, pull,
+                                        a < 1 ? std::vector<double>(isFree.size(), stiffness)
+                                              : StiffnessOf(matches, samples, stiffness),
+                                        progress.threads);
         for (Index j = 0; j < deformer->graph.Size(); ++j) {
             graph.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];
             graph.position.col(j) += change.col(j).tail<3>();
@@ -146,7 +206,10 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
         report.converged = change.bottomRows<3>().colwise().norm().maxCoeff() < 1e-3;
     }
     report.insideOut = matches.IsInsideOut();
-    report.pull = MoveOnto(drawn, matched, place, isFree, graph) * frame.scale;
+    std::vector<Eigen::Vector3d> goal = place;
+    for (std::size_t l = 0; l < place.size(); ++l)
+        goal[l] = Within(tolerance, place[l], drawn.At(matched + l, graph));
+    report.pull = MoveOnto(drawn, matched, goal, isFree, graph) * frame.scale;
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
@@ -155,6 +218,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     Measure(matches, report);
     for (std::size_t s = matched; s < drawn.Size(); ++s)
         report.landmarks = std::max(report.landmarks, (drawn.At(s, graph) - place[s - matched]).norm() * frame.scale);
+    report.beyond = std::max(report.landmarks - param.landmarkTolerance, 0.0);
     progress(1, "Fitting");
     return pose;
 }
@@ -189,13 +253,39 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
             near.push_back(distance[s] * scale);
             squares += near.back() * near.back();
         }
-    report.matched = double(near.size()) / double(std::max<std::size_t>(distance.size(), 1));
     report.rms = near.empty() ? 0 : std::sqrt(squares / double(near.size()));
     report.median = Quantile(near, 0.5);
     report.percentile95 = Quantile(near, 0.95);
+    report.nearest = std::max(report.percentile95, 1e-4 * scale);
+    std::size_t matched = 0;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        matched += matches.Counts(s) && report.LiesOn(distance[s] * scale, matches.OnBorder(s));
+    report.matched = double(matched) / double(std::max<std::size_t>(distance.size(), 1));
+}
+
+void Fitter::Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
+                     std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress) const {
+    const Frame &frame = deformer->surface.frame;
+    distance.assign(source.vertexSlots, 0.f);
+    liesOn.assign(source.vertexSlots, 0);
+    ParallelFor(progress, "Measuring the distance", source.vertexSlots, 1 << 12,
+                [&](std::size_t first, std::size_t last) {
+                    NearestPlace::Hint hint; // the next vertex mostly is beside the last one
+                    for (std::size_t i = first; i < last; ++i) {
+                        if (source.IsDeleted(i))
+                            continue;
+                        const Eigen::Vector3d p = frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i))));
+                        const FitTarget::Match match = target.Nearest(p, hint);
+                        const double far = (p - match.point).norm() * frame.scale;
+                        distance[i] = float(far);
+                        liesOn[i] = report.LiesOn(far, match.onBorder) && far <= param.largestDistance;
+                    }
+                });
 }
 
 void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const {
+    if (param.landmarkTolerance > 0)
+        return;
     const double rounding = 1e-5 * deformer->surface.frame.scale;
     std::map<Index, Eigen::Vector3d> at;
     for (const Landmark &each : landmark) {

@@ -58,7 +58,7 @@ class Fitted(Pose):
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
         info, told = self._core.info(), dict(self._report)
-        del told["diagonal"]
+        del told["diagonal"], told["beyond"]
         return FitInfo(nodes=info["nodes"], iterations=info["iterations"], converged=info["converged"], energy=math.nan,
                        discretisation_error=math.nan, folded=self._check()["folded"], strained=self._check()["strained"],
                        largest_stretch=float(self.stretch().max(initial=1)), seconds=info["seconds_solve"] + info["seconds_map"], **told)
@@ -72,10 +72,10 @@ class Fitted(Pose):
         if folded > 0:
             texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the fit folds the surface there. Give "
                          "landmarks, or raise stiffness.")
-        off = told["landmark_residual"] > 1e-6 * told["diagonal"]
+        off = told["beyond"] > 1e-6 * told["diagonal"]
         if off or told["landmark_pull"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
             texts.append("The landmarks contradict each other or the target, by "
-                         f"{max(told['landmark_pull'], told['landmark_residual']):g}. Look for pairs that are mixed up"
+                         f"{max(told['landmark_pull'], told['beyond']):g}. Look for pairs that are mixed up"
                          f"{'; where they are closer than patches, raise patches' if off else ''}.")
         if not self._core.info()["converged"]:
             texts.append("The fit did not come to rest: raise steps.")
@@ -98,6 +98,9 @@ class Fitter:
         stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
         largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
         largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+        both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
+            reached. Not where the target has parts that the surface lacks.
+        landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
         patches: How many patches to begin with, from 1.
         smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
         seed: Chooses where the first patches are.
@@ -127,18 +130,21 @@ class Fitter:
         stiffness: float = 1.0,
         largest_distance: float = 0.0,
         largest_angle: float = 70.0,
+        both_ways: bool = False,
+        landmark_tolerance: float = 0.0,
         patches: int = 150,
         smoothness: float = 0.0058,
         seed: int = 1,
-        samples: int = 4000,
-        steps: int = 100,
+        samples: int = 6000,
+        steps: int = 50,
         threads: int = 0,
         progress: Progress = None,
     ) -> None:
         param: dict[str, Any] = {
             "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.single("stiffness", stiffness),
             "largest_distance": _inputs.single("largest_distance", largest_distance),
-            "largest_angle": _inputs.single("largest_angle", largest_angle), "patches": _inputs.whole("patches", patches, 1),
+            "largest_angle": _inputs.single("largest_angle", largest_angle), "both_ways": _inputs.flag("both_ways", both_ways),
+            "landmark_tolerance": _inputs.single("landmark_tolerance", landmark_tolerance), "patches": _inputs.whole("patches", patches, 1),
             "smoothness": _inputs.single("smoothness", smoothness), "seed": _inputs.whole("seed", seed, 0),
             "samples": _inputs.whole("samples", samples, 0), "steps": _inputs.whole("steps", steps, 0),
         }
@@ -169,7 +175,7 @@ class Fitter:
             target_vertices: k x 3, or a mesh as of `vertices`. It is not changed.
             target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
             landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
-                and the points of the target where they belong. These are exact.
+                and the points of the target where they belong. These are exact, or within `landmark_tolerance`.
             target_normals: k x 3, of a cloud: they tell its sides apart.
             progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -243,11 +249,13 @@ def fit(
     stiffness: float = 1.0,
     largest_distance: float = 0.0,
     largest_angle: float = 70.0,
+    both_ways: bool = False,
+    landmark_tolerance: float = 0.0,
     patches: int = 150,
     smoothness: float = 0.0058,
     seed: int = 1,
-    samples: int = 4000,
-    steps: int = 100,
+    samples: int = 6000,
+    steps: int = 50,
     threads: int = 0,
     progress: Progress = None,
 ) -> Fitted:
@@ -260,7 +268,7 @@ def fit(
         faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
         target_vertices: k x 3, or a mesh.
         target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-        landmarks: A pair: numbers of free vertices or places, and the points of the target where they belong, exactly.
+        landmarks: A pair: numbers of free vertices or places, and the points of the target where they belong.
         tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
         transforms: `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
         normals: n x 3, at rest, which turn with the surface.
@@ -269,6 +277,8 @@ def fit(
         stiffness: 1 is the default, 10 is stiff.
         largest_distance: What is farther from the target has no counterpart there. 0: no limit.
         largest_angle: Of the normals of counterparts, in degrees.
+        both_ways: The target draws the surface where nothing of it is near, too.
+        landmark_tolerance: So far a landmark may stay from where it belongs. 0: it is exact.
         patches: How many patches to begin with.
         smoothness: 0.001 is loose, 0.1 is stiff.
         seed: Chooses where the first patches are.
@@ -292,6 +302,6 @@ def fit(
     """
     told = shared(progress)
     fitter = Fitter(vertices, faces, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
-                    largest_angle=largest_angle, patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps,
+                    largest_angle=largest_angle, both_ways=both_ways, landmark_tolerance=landmark_tolerance, patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps,
                     threads=threads, progress=report(told, 0, 40))
     return fitter._fit(target_vertices, target_faces, landmarks, target_normals, report(told, 40, 100), 3)

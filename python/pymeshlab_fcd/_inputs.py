@@ -98,6 +98,12 @@ def single(name: str, value: object) -> float:
         return float(np.float32(number(name, value)))
 
 
+def flag(name: str, value: object) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be True or False; it is {value!r}")
+    return bool(value)
+
+
 def whole(name: str, value: object, low: int, high: int = _LAST_INT32) -> int:
     try:
         if isinstance(value, (bool, np.bool_)):

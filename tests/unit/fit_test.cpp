@@ -4,6 +4,9 @@
 #include <vcg_ext/fit/fit_target.h>
 #include "test_support.h"
 
+#include <algorithm>
+#include <limits>
+
 using namespace vcg::fcd;
 using namespace fcd_test;
 using Eigen::Matrix3Xd;
@@ -47,6 +50,8 @@ FitParam Small() {
 struct Fitted {
     Matrix3Xd position;
     FitReport report;
+    std::vector<float> distance = {};
+    std::vector<char> liesOn = {};
 };
 
 Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Small(), std::vector<int> tag = {},
@@ -62,9 +67,11 @@ Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Sma
     FitGoal goal;
     goal.surface = toArrays.View();
     goal.normal = normal;
-    const Deformer::Pose pose = fitter.Solve(goal, landmark, fitted.report, progress);
+    const auto prepared = fitter.Prepare(goal, progress);
+    const Deformer::Pose pose = fitter.Solve(*prepared, landmark, fitted.report, progress);
     fitted.position = fromArrays.View().Copy();
     Carrier(fitter.Surface(), pose).Apply(fitted.position);
+    fitter.Compare(*prepared, fitted.report, fitted.position, fitted.distance, fitted.liesOn, progress);
     return fitted;
 }
 
@@ -171,6 +178,58 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
             stretched += stretch < 0.8 || stretch > 1.25;
         }
     EXPECT_LE(100 * stretched, edges);
+    // What lies on the target is told vertex by vertex, as by the distance.
+    int there = 0, lies = 0;
+    for (std::size_t i = 0; i < source.position.size(); ++i) {
+        there += source.position[i][0] < 4.8;
+        lies += source.position[i][0] < 4.8 && fitted.liesOn[i];
+        if (source.position[i][0] > 5.5) {
+            EXPECT_FALSE(fitted.liesOn[i]);
+            EXPECT_GT(double(fitted.distance[i]), 0.2);
+        }
+    }
+    EXPECT_GT(lies, 0.9 * there);
+}
+
+// Half of the target is not there, and that half of the source has not moved: it stays where it is.
+TEST(Fit, WhatHasNoCounterpartIsStiff) {
+    const auto bent = [](Vector3d p) { // where x is above 6.5
+        const double beyond = std::max(p[0] - 6.5, 0.0);
+        p[2] += 0.06 * beyond * beyond;
+        return p;
+    };
+    Shape there = source, half = BumpySheet(57, 33);
+    for (Vector3d &p : there.position)
+        p = bent(p);
+    for (Vector3d &p : half.position)
+        p = bent(p);
+    half.face.erase(std::remove_if(half.face.begin(), half.face.end(),
+                                   [&](const auto &f) { return half.position[std::size_t(f[0])][0] < 4; }),
+                    half.face.end());
+    const Fitted fitted = Fit(source, half);
+    EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] > 4.2; }), 0.0042);
+    EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
+}
+
+// A thin tongue that is shorter than that of the target: nothing of it is nearest to the far end.
+TEST(Fit, MatchesBothWaysReachWhatIsThin) {
+    const auto tongue = [](double length, int n) {
+        Shape shape = Grid(n, 9);
+        for (Vector3d &p : shape.position) {
+            const double t = p[0] / (n - 1), width = t < 0.5 ? 1.5 : 0.25;
+            p = Bumpy(t < 0.5 ? 8 * t : 4 + (t - 0.5) * 2 * length, 3 + width * (p[1] / 4 - 1));
+        }
+        return shape;
+    };
+    const Shape from = tongue(3, 61), to = tongue(3.8, 81);
+    FitParam param = Small();
+    param.graph.initialPatches = 100;
+    const auto reached = [&](const Fitted &fitted) { return fitted.position.row(0).maxCoeff(); };
+    const double oneWay = reached(Fit(from, to, param));
+    param.bothWays = true;
+    const double bothWays = reached(Fit(from, to, param));
+    EXPECT_LT(oneWay, 7.3);
+    EXPECT_GT(bothWays, oneWay + 0.2);
 }
 
 // Rolled so far that the nearest points are wrong ones.
@@ -182,6 +241,21 @@ TEST(Fit, LandmarksLeadThere) {
     const Fitted fitted = Fit(source, goal, Small(), {}, landmark);
     EXPECT_LT(Rms(fitted, far), 0.021);
     EXPECT_LT(fitted.report.landmarks, 1e-4);
+}
+
+TEST(Fit, LandmarksStayWithinTheirTolerance) {
+    std::vector<Landmark> landmark; // a tenth of the height aside of the truth
+    for (std::size_t i : {0u, 39u, 12u * 40u + 20u, 24u * 40u, 24u * 40u + 39u})
+        landmark.push_back({i, truth.position[i] + Vector3d(0, 0, i % 2 == 0 ? 0.6 : -0.6)});
+    FitParam param = Small();
+    EXPECT_LT(Fit(source, target, param, {}, landmark).report.landmarks, 1e-4);
+    param.landmarkTolerance = 0.5;
+    const Fitted within = Fit(source, target, param, {}, landmark);
+    EXPECT_GT(within.report.landmarks, 0.4);
+    EXPECT_LT(within.report.landmarks, 0.5);
+    EXPECT_EQ(within.report.beyond, 0);
+    param.landmarkTolerance = 0.7;
+    EXPECT_LT(Rms(Fit(source, target, param, {}, landmark), truth), 0.0063);
 }
 
 TEST(Fit, WhatIsFixedKeepsItsBits) {
@@ -214,7 +288,7 @@ TEST(Fit, MatricesOfBothLayersCount) {
     FitReport report;
     const Fitter fitter(fromArrays.View(), {}, handles, Small());
     Fitted fitted{fromArrays.View().Copy(), {}};
-    Carrier(fitter.Surface(), fitter.Solve(goal, {}, report)).Apply(fitted.position);
+    Carrier(fitter.Surface(), fitter.Solve(*fitter.Prepare(goal), {}, report)).Apply(fitted.position);
     EXPECT_LT(Rms(fitted, truth), 0.0042);
 }
 
@@ -240,6 +314,11 @@ TEST(Fit, SaysWhatCannotBe) {
     FitParam param;
     param.fitSteps = 1;
     ExpectError([&] { Fit(source, target, param); }, "steps");
+    for (double tolerance : {-1.0, std::numeric_limits<double>::infinity()}) {
+        param = {};
+        param.landmarkTolerance = tolerance;
+        ExpectError([&] { Fit(source, target, param); }, "tolerance");
+    }
     param = {};
     param.samples = 1;
     ExpectError([&] { Fit(source, target, param); }, "places");
@@ -318,7 +397,8 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     };
     std::vector<char> isFree(std::size_t(deformer.graph.Size()), 1);
     FitSystem system(deformer, isFree, samples, smoothness);
-    const auto step = system.Step(pose, pull, stiffness);
+    const std::vector<double> stiff(isFree.size(), stiffness);
+    const auto step = system.Step(pose, pull, stiff);
     const auto moved = [&](double t) {
         GraphPose at = pose;
         for (Index j = 0; j < deformer.graph.Size(); ++j) {
@@ -337,5 +417,5 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     // Newton leave out.
     EXPECT_NEAR(curve / -slope, 1, 0.3);
     EXPECT_LT(moved(1), 0.7 * moved(0));
-    EXPECT_LT(system.Step(pose, pull, stiffness).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
+    EXPECT_LT(system.Step(pose, pull, stiff).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
 }

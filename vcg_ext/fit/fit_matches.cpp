@@ -34,7 +34,11 @@ double Quantile(std::vector<double> values, double part) {
 
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
-      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()) {}
+      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()) {
+    if (param.bothWays)
+        reach = target.Places(Size());
+    reaches.resize(reach.size());
+}
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -52,6 +56,10 @@ void FitMatches::Search(const GraphPose &pose, unsigned threads) {
         for (std::size_t s = begin; s < end; ++s)
             back[s] = (at[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
     });
+    ParallelFor(threads, reach.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r)
+            reaches[r] = tree.Nearest(reach[r].point);
+    });
 }
 
 /// That to which most of the half of the samples looks that lies nearest to the target.
@@ -64,25 +72,52 @@ double FitMatches::Side() const {
     return sum < 0 ? -1 : 1;
 }
 
+/// How much the normals of a sample and of a place of the target agree, [0, 1]. \param n out: their mean
+double FitMatches::Angular(const FitTarget::Match &place, std::size_t s, Eigen::Vector3d &n) const {
+    n = side * place.normal;
+    if (n.isZero(0) || turned[s].isZero(0))
+        return 1;
+    double cosine = n.dot(turned[s]);
+    if (!place.isOriented && cosine < 0) {
+        n = -n;
+        cosine = -cosine;
+    }
+    n = (n + turned[s]) / 2;
+    const double full = param.edge + (1 - param.edge) / 2;
+    return std::clamp((cosine - param.edge) / (full - param.edge), 0.0, 1.0);
+}
+
+/// All that one sample is drawn to counts as one match together, and no less where it is far: that is what it is for.
+void FitMatches::DrawBack(double along, std::vector<FitSystem::Pull> &pull) const {
+    std::vector<double> sum(Size(), 0), weight(reach.size(), 0);
+    std::vector<Eigen::Vector3d> mean(reach.size());
+    for (std::size_t r = 0; r < reach.size(); ++r) {
+        const std::size_t s = std::size_t(reaches[r]);
+        const double far = (at[s] - reach[r].point).norm();
+        if (far <= 2 * param.spacing || far > param.farthest)
+            continue;
+        weight[r] = Angular(reach[r], s, mean[r]);
+        sum[s] += weight[r];
+    }
+    for (std::size_t r = 0; r < reach.size(); ++r) {
+        if (weight[r] <= 0)
+            continue;
+        const std::size_t s = std::size_t(reaches[r]);
+        const Eigen::Vector3d &n = mean[r];
+        const Eigen::Matrix3d form = weight[r] * std::min(1.0, 1 / sum[s]) / double(Size()) *
+                                     (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
+        pull[s].form += form;
+        pull[s].gradient += form * (at[s] - reach[r].point);
+    }
+}
+
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {
     Search(pose, threads);
     if (first < 0)
         side = Side();
-    const double full = param.edge + (1 - param.edge) / 2;
     std::vector<double> good;
     for (std::size_t s = 0; s < Size(); ++s) {
-        Eigen::Vector3d n = side * match[s].normal;
-        angular[s] = 1;
-        if (!n.isZero(0) && !turned[s].isZero(0)) {
-            double cosine = n.dot(turned[s]);
-            if (!match[s].isOriented && cosine < 0) {
-                n = -n;
-                cosine = -cosine;
-            }
-            angular[s] = std::clamp((cosine - param.edge) / (full - param.edge), 0.0, 1.0);
-            n = (n + turned[s]) / 2;
-        }
-        normal[s] = n;
+        angular[s] = Angular(match[s], s, normal[s]);
         counts[s] =
             angular[s] > 0 && distance[s] <= param.farthest && distance[s] <= param.spacing + mostDetour * back[s];
         if (counts[s] && !match[s].onBorder)
@@ -98,7 +133,7 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     const double width = std::max({first * std::pow(narrow, part), wide * Quantile(good, 0.9), least});
     // How much a match holds along the surface: little, or it takes many steps to slide to its place; but not less, or
     // a smooth shape slides along itself (the tube of tests/host_fit.py).
-    const double along = 0.5 * std::pow(0.02, part);
+    const double along = 0.5 * std::pow(0.004, part);
     for (std::size_t s = 0; s < Size(); ++s) {
         const double w =
             counts[s] ? angular[s] * std::exp(-0.5 * std::pow(distance[s] / width, 2)) / double(Size()) : 0;
@@ -106,6 +141,7 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
         pull[s].form = w * (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
         pull[s].gradient = pull[s].form * (at[s] - match[s].point);
     }
+    DrawBack(0.5, pull);
 }
 
 } // namespace fcd

@@ -18,6 +18,7 @@ struct MatchParam {
     double farthest = 1;   ///< a match that is farther does not count
     double edge = 0.34;    ///< cosine of the largest angle between the normals
     double spacing = 0.01; ///< of the samples
+    bool bothWays = false; ///< the target draws, too, where no sample is near it
 };
 
 /// What the samples of a surface are drawn to, found anew in each step of a fit: for each its nearest place on the
@@ -27,6 +28,9 @@ struct MatchParam {
 /// and with the angle between the normals. One whose way back leads elsewhere does not count (as in the picky matches
 /// of Godin 1994 and Zinsser 2003): something else of the surface is nearer to the place. Nor does one where the target
 /// ends that is farther than they mostly are. So what has no counterpart is not drawn to what lies beside it.
+///
+/// Both ways: a place of the target that no sample is within two spacings of draws the nearest one that looks to the
+/// same side, so that what is thin and long is reached (both directions, as Zinsser and others match).
 class FitMatches {
   public:
     FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param);
@@ -39,6 +43,7 @@ class FitMatches {
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
     bool Counts(std::size_t s) const { return counts[s] != 0; }
+    bool OnBorder(std::size_t s) const { return match[s].onBorder; }
     /// Whether the target's normals point to the other side than the surface's, as those of a mesh whose faces are
     /// numbered the other way round: they are taken turned over.
     bool IsInsideOut() const { return side < 0; }
@@ -46,6 +51,8 @@ class FitMatches {
   private:
     double Side() const;
     void Search(const GraphPose &pose, unsigned threads);
+    void DrawBack(double along, std::vector<FitSystem::Pull> &pull) const;
+    double Angular(const FitTarget::Match &match, std::size_t s, Eigen::Vector3d &normal) const;
 
     const FitTarget &target;
     const FitSamples &samples;
@@ -57,6 +64,8 @@ class FitMatches {
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
+    std::vector<FitTarget::Match> reach; // of the target, what is to be reached
+    std::vector<Index> reaches;          // of each of them, the nearest sample
 };
 
 /// A part of a list, as if it were sorted; 0 of none.

@@ -98,8 +98,8 @@ void FitSystem::AddSamples(Index row, const GraphPose &pose, const std::vector<P
 }
 
 /// Eq. 2: of each edge, from both ends, |c_i + R_i e - c_j|^2, and alpha A |R_i - R_j|^2.
-void FitSystem::AddEdges(Index row, const GraphPose &pose, double stiffness, std::vector<Matrix6> &block,
-                         Vector6 &gradient) const {
+void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
+                         std::vector<Matrix6> &block, Vector6 &gradient) const {
     const DeformationGraph &graph = deformer.graph;
     const Index i = node[std::size_t(row)];
     const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
@@ -108,7 +108,8 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, double stiffness, std
     for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
          item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
         const Index j = graph.graph.adjacency.item[item];
-        const double mu = stiffness * double(graph.weight[item]) / area;
+        const double stiff = std::max(stiffness[std::size_t(i)], stiffness[std::size_t(j)]),
+                     mu = stiff * double(graph.weight[item]) / area;
         const Eigen::Matrix3d &ri = pose.linear[std::size_t(i)], &rj = pose.linear[std::size_t(j)];
         const Eigen::Vector3d ci = pose.position.col(i), cj = pose.position.col(j), e = rest(j) - rest(i), a = ri * e,
                               b = -(rj * e);
@@ -168,7 +169,7 @@ Eigen::VectorXd FitSystem::Solve(const Eigen::VectorXd &right) {
 }
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, const std::vector<Pull> &pull,
-                                                         double stiffness, unsigned threads) {
+                                                         const std::vector<double> &stiffness, unsigned threads) {
     Eigen::VectorXd gradient(Eigen::Index(6 * node.size()));
     ParallelFor(threads, node.size(), 8, [&](std::size_t first, std::size_t last) {
         std::vector<Matrix6> block;

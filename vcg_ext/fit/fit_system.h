@@ -14,6 +14,7 @@ namespace fcd {
 
 /// The Gauss-Newton step of a fit: turns w_k and shifts d_k of the free nodes of a deformation graph that minimise
 /// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose, where m_s is a quadratic form.
+/// An edge is as stiff as the stiffer one of its ends.
 class FitSystem {
   public:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -28,15 +29,15 @@ class FitSystem {
     /// \param isFree flags of the graph's nodes \param samples which the pulls will be of, in this order
     FitSystem(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &samples, double smoothness);
 
-    /// The step from \p pose. \return 6 x nodes: w_k in radians, d_k in frame units; 0 for those that are not free
-    /// \throw Unsolvable
+    /// The step from \p pose. \param stiffness of each node of the graph \return 6 x nodes: w_k in radians, d_k in
+    /// frame units; 0 for those that are not free \throw Unsolvable
     Eigen::Matrix<double, 6, Eigen::Dynamic> Step(const GraphPose &pose, const std::vector<Pull> &pull,
-                                                  double stiffness, unsigned threads = 0);
+                                                  const std::vector<double> &stiffness, unsigned threads = 0);
 
   private:
     void AddSamples(Index row, const GraphPose &pose, const std::vector<Pull> &pull, std::vector<Matrix6> &block,
                     Vector6 &gradient) const;
-    void AddEdges(Index row, const GraphPose &pose, double stiffness, std::vector<Matrix6> &block,
+    void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness, std::vector<Matrix6> &block,
                   Vector6 &gradient) const;
     Eigen::VectorXd Solve(const Eigen::VectorXd &right);
     std::size_t Place(Index row, Index column) const;

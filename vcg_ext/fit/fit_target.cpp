@@ -34,6 +34,7 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
     normal = Eigen::Matrix3Xd::Zero(3, Eigen::Index(n));
     std::vector<std::array<Index, 3>> triangle;
     triangle.reserve(target.faces);
+    std::vector<char> isUsed(n, 0);
     // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
     std::vector<std::uint64_t> once(n, 0);
     const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
@@ -53,6 +54,7 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
         moments.Add(p + (one + other) / 3, across.norm());
         for (std::size_t k = 0; k < 3; ++k) {
             normal.col(c[k]) += across;
+            isUsed[std::size_t(c[k])] = 1;
             once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
         }
     }
@@ -61,8 +63,11 @@ void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &
     if (triangle.empty())
         throw BadInput("The target has no triangle with an area.");
     border.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < n; ++i) {
         border[i] = once[i] != 0;
+        if (isUsed[i])
+            vertex.push_back(Index(i));
+    }
     place = std::make_unique<NearestPlace>(position, std::move(triangle), std::vector<char>(), progress.threads);
 }
 
@@ -72,22 +77,29 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
     position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
     if (normalOf)
         normal = position;
-    std::size_t points = 0;
     const Eigen::Matrix3d turn = toFrame.linear().inverse().transpose();
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (!target.IsDeleted(i)) {
             if (!target.At(i).allFinite())
                 throw detail::NotFinite(i);
             isPoint[i] = 1;
-            ++points;
+            vertex.push_back(Index(i));
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
             if (normalOf)
                 normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized();
             moments.Add(position.col(Eigen::Index(i)), 1);
         }
-    if (points == 0)
+    if (vertex.empty())
         throw BadInput("The target has no vertices.");
     place = std::make_unique<NearestPlace>(position, std::vector<std::array<Index, 3>>(), isPoint);
+}
+
+std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
+    std::vector<Match> places;
+    const std::size_t stride = 1 + (vertex.size() - 1) / std::max<std::size_t>(wanted, 1);
+    for (std::size_t i = stride / 2; i < vertex.size(); i += stride)
+        places.push_back(Nearest(position.col(vertex[i])));
+    return places;
 }
 
 FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const {

@@ -58,6 +58,9 @@ class FitTarget {
     }
     const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
 
+    /// Some of its vertices, about so many, evenly among all.
+    std::vector<Match> Places(std::size_t wanted) const;
+
   private:
     void ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress);
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
@@ -66,6 +69,7 @@ class FitTarget {
     Eigen::Matrix3Xd position; // of nodes, or points
     Eigen::Matrix3Xd normal;   // of each; 0 columns where there are none
     std::vector<char> border;  // flags of nodes; empty for points
+    std::vector<Index> vertex; // those that are there, nodes along a curve that fills space
     std::unique_ptr<NearestPlace> place;
     Moments moments;
 };
