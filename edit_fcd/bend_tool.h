@@ -145,8 +145,9 @@ class BendTool : public HostEditTool {
     QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
-    bool isEnding = false; ///< done, and about to be told so
-    bool isLive = false;   ///< the layer has a shape between two full solves
+    unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
+    bool isEnding = false;     ///< done, and about to be told so
+    bool isLive = false;       ///< the layer has a shape between two full solves
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;
     double milliseconds = 0; ///< of the last step

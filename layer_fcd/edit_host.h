@@ -42,6 +42,11 @@ inline void showTextures(GLArea &view, const MeshModel &layer) {
         QMetaObject::invokeMethod(view.window(), "updateTexture", Qt::DirectConnection, Q_ARG(int, layer.id()));
 }
 
+/// Gives the mouse to the camera, or takes it back, as the host's Esc.
+inline void suspendEditing(GLArea &view) {
+    QMetaObject::invokeMethod(view.window(), "suspendEditMode", Qt::DirectConnection);
+}
+
 } // namespace host
 
 /// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.

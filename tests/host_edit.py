@@ -8,6 +8,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -109,7 +110,7 @@ class Window:
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
-        self.start(["openbox"], self.environment)
+        self.manager = self.start(["openbox"], self.environment)
         self.settle()
         self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
         self.wait("All files opened")
@@ -156,6 +157,16 @@ class Window:
         subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=60)
         if settle:
             self.settle()
+
+    def while_the_manager_sleeps(self, *arguments):
+        """As do(), but that the window manager, which sees presses first and then lets the window have them, does so late: keys that
+        came after them are there first."""
+        os.kill(self.manager.pid, signal.SIGSTOP)
+        try:
+            self.do(*arguments)
+        finally:
+            os.kill(self.manager.pid, signal.SIGCONT)
+        self.settle()
 
     def title(self):
         return subprocess.run(["xdotool", "getactivewindow", "getwindowname"], env={**os.environ, **self.environment}, capture_output=True,

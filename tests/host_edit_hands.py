@@ -191,6 +191,25 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert w.save("undone.ply").read_bytes() == before
 
 
+def test_esc_stops_what_was_begun_before_it(window, tmp_path):
+    """However late Esc is for the preparing of a large layer, and also where the window gets the press only after it."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    for i in range(8): # until after the last step of preparing
+        w.do("mousemove", X + 40 + i, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "sleep", 0.1 + 0.03 * i, "key", "Escape", "mouseup", 1)
+    assert w.text().count("trace: answer") == 8
+    assert not any(solve for *_, solve, _, _, _ in w.traces("full"))
+    w.do("mousemove", X + 40, Y)
+    w.while_the_manager_sleeps("mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1)
+    w.shot("stopped")
+    assert w.save("stopped.ply").read_bytes() == before
+    full = w.text().count("trace: full")
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "mouseup", 1) # the mouse is not the camera's
+    w.wait("trace: full", full + 1)
+
+
 def test_axes_and_steps(window, tmp_path):
     """Of the surface: z is its normal; with Ctrl, a drag goes in round lengths."""
     w, points, _ = open_tube(window, tmp_path)
