@@ -153,6 +153,7 @@ void BendTool::onCommand(int which) {
         }
         active = 0;
         showVertices(true);
+        showChanged();
         showOverlay();
         break;
     case BendPanel::ApplyToNewLayer:

@@ -77,6 +77,16 @@ void BendTool::showVertices(bool full) {
     isPainted = false;
 }
 
+/// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
+/// it writes that list anew.)
+void BendTool::showChanged() {
+    if (isShownChanged && model->meshModified())
+        return;
+    model->setMeshModified();
+    host::showLayers(*view);
+    isShownChanged = true;
+}
+
 /// Shows the marks, or the stretch.
 void BendTool::showOverlay() {
     if (!layer())

@@ -113,6 +113,7 @@ class BendTool : public HostEditTool {
     void endMarking();
 
     void showVertices(bool full);
+    void showChanged();
     void showOverlay();
     void showStretch();
     void drawOverlay() const;
@@ -145,9 +146,10 @@ class BendTool : public HostEditTool {
     QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
-    unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
-    bool isEnding = false;     ///< done, and about to be told so
-    bool isLive = false;       ///< the layer has a shape between two full solves
+    unsigned long escaped = 0;   ///< when Esc has given the mouse to the camera last, by the clock of the window system
+    bool isEnding = false;       ///< done, and about to be told so
+    bool isLive = false;         ///< the layer has a shape between two full solves
+    bool isShownChanged = false; ///< the list of layers shows that the layer was changed
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;
     double milliseconds = 0; ///< of the last step

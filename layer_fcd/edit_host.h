@@ -47,6 +47,11 @@ inline void suspendEditing(GLArea &view) {
     QMetaObject::invokeMethod(view.window(), "suspendEditMode", Qt::DirectConnection);
 }
 
+/// The list of layers shows which ones have changed since they were saved.
+inline void showLayers(GLArea &view) {
+    QMetaObject::invokeMethod(view.window(), "updateLayerDialog", Qt::QueuedConnection);
+}
+
 } // namespace host
 
 /// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.

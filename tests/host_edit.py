@@ -297,9 +297,9 @@ def mark_two_regions(w):
     """The left end of the tube fixed, the right end the handle, through the tube."""
     x, y = MIDDLE
     w.key("v", "t", "f")
-    w.drag((x - 280, y - 200), (x - 110, y + 200))
+    w.drag((x - 290, y - 200), (x - 110, y + 200))
     w.key("h")
-    w.drag((x + 280, y + 200), (x + 110, y - 200))
+    w.drag((x + 290, y + 200), (x + 110, y - 200))
     w.shot("marked")
     w.key("m")
 
@@ -483,10 +483,10 @@ def test_polylines_mark_what_rectangles_mark(window, tmp_path):
     w.key("ctrl+z", "ctrl+z")
     assert np.array_equal(w.seen(), plain)
     w.key("l", "f")
-    w.click((x - 280, y - 200), (x - 110, y - 200), (x - 110, y + 200), (x - 280, y + 200))
+    w.click((x - 290, y - 200), (x - 110, y - 200), (x - 110, y + 200), (x - 290, y + 200))
     w.shot("polyline")
     w.key("Return", "h")
-    w.click((x + 280, y + 200), (x + 280, y - 200), (x + 110, y - 200))
+    w.click((x + 290, y + 200), (x + 290, y - 200), (x + 110, y - 200))
     w.click((x + 110, y + 200), count=2) # ends it
     w.shot("polylines")
     w.key("m")
@@ -584,9 +584,13 @@ def test_drag_on_the_surface_bends_and_leaving_keeps(window, tmp_path):
     before = w.save("before.ply").read_bytes()
     w.start_tool()
     x, y = MIDDLE
+    name = lambda: np.asarray(w.picture().convert("L"))[118:146, 990:1100] # in the list of layers
+    saved = name()
     w.press_and_move((x + 40, y), (x + 60, y - 120))
     w.shot("dragging")
     w.do("mouseup", 1)
+    w.shot("released")
+    assert not np.array_equal(name(), saved) # it has a star
     assert len(w.traces("drag")) > 3 and w.traces("full")
     bent = load(w.save("bent.ply"))[0] # the tool is on
     moved = np.linalg.norm(bent - points, axis=1)
