@@ -153,11 +153,12 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     w.key("ctrl+z") # one step
     assert np.array_equal(load(w.save("all.ply"))[0], bent)
 
-    gizmo = colored(w, (X + 205 + 80, Y - 60), (230, 40, 40))
+    arrow = lambda: colored(w, (X + 205, Y - 60 - 80), (40, 190, 40)) # the end of it
+    gizmo = arrow()
     said = state_text(w)
     w.key("Escape")
     w.shot("camera")
-    assert gizmo > 20 and colored(w, (X + 205 + 80, Y - 60), (230, 40, 40)) == 0 and state_text(w) != said
+    assert gizmo > 20 and arrow() == 0 and state_text(w) != said
     w.key("Escape", "ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
 
