@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
+#include "bend_sight.h"
+
 #include <cmath>
 
 #include <QCoreApplication>
@@ -111,6 +113,12 @@ void BendTool::move(QMouseEvent *event) {
         return;
     if (drag) {
         drag->snap = event->modifiers() & Qt::ControlModifier;
+        drag->onto.reset();
+        if (event->modifiers() & Qt::ShiftModifier) {
+            const Eigen::Vector3d window = mouseInWindow();
+            drag->onto = firstOnOthers(*view->md(), *model, seen.toWorld({window[0], window[1], 0}),
+                                       seen.toWorld({window[0], window[1], 1}));
+        }
         drag->moveTo(seen, mouseInWindow());
         requestStep();
     } else if (marking && marking->kind == BendMarking::Brush) {

@@ -8,7 +8,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, load, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_state import open_tube
+from host_edit_state import choose_layer, import_another, open_tube
 
 pytestmark = host_edit.pytestmark
 
@@ -209,6 +209,24 @@ def test_esc_stops_what_was_begun_before_it(window, tmp_path):
     full = w.text().count("trace: full")
     w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "mouseup", 1) # the mouse is not the camera's
     w.wait("trace: full", full + 1)
+
+
+def test_a_handle_is_laid_onto_another_layer(window, tmp_path):
+    """By Shift, where the mouse points at one; elsewhere it goes with the mouse."""
+    w, points, _ = open_tube(window, tmp_path)
+    import_another(w, tmp_path) # along x through y = 0.6
+    choose_layer(w, 0)
+    w.start_tool()
+    y, other = Y + 52, Y - 94 # where the two are in the view
+    w.do("mousemove", X, y, "mousedown", 1, "keydown", "shift")
+    for i in range(1, 9):
+        w.do("mousemove", X, y + (other - y) * i // 8)
+    w.do("mouseup", 1, "keyup", "shift")
+    w.shot("laid")
+    laid = load(w.save("laid.ply"))[0]
+    moved = np.linalg.norm(laid - points, axis=1)
+    at = laid[moved.argmax()]
+    assert moved.max() > 0.3 and abs(np.hypot(at[1] - 0.6, at[2]) - 0.3 * 0.25) < 0.01
 
 
 def test_axes_and_steps(window, tmp_path):
