@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Python package as it is installed from its wheel (tests/python_package.sh). Saved deformations, arrays, MeshSets."""
 import concurrent.futures
+import os
 import pickle
 import re
 import subprocess
@@ -260,6 +261,16 @@ def test_files_that_hold_no_deformation(tmp_path, bend):
         pymeshlab_fcd.Deformation.load(tmp_path / "cut.ply")
     with pytest.raises(ValueError, match="'deformation' is no saved deformation"):
         pymeshlab_fcd.Deformation(b"ply\n")
+
+
+def test_the_bits_are_those_of_no_library():
+    """glibc computes sine and the like in other ways where it is told that the processor does not fuse products and sums."""
+    def sums(*without):
+        here = {**os.environ, "GLIBC_TUNABLES": "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in without)}
+        return subprocess.run([sys.executable, ROOT / "tests" / "bits.py"], env=here, capture_output=True, text=True, check=True).stdout
+
+    usual = sums()
+    assert len(usual.splitlines()) == 20 and usual == sums("AVX2", "FMA", "FMA4", "AVX2_Usable", "FMA_Usable")
 
 
 # --- other pymeshlabs -----------------------------------------------------------------------------------------------------
