@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -125,7 +126,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
     FitSystem system(*deformer, isFree, drawn, param.smoothness);
     FitMatches matches(
         target, samples,
-        {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
+        {param.largestDistance / frame.scale, detail::Cosine(param.largestAngle * detail::pi / 180),
          std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)))});
     std::vector<FitSystem::Pull> pull(drawn.Size());
     for (int step = 0; step < param.fitSteps; ++step) {
@@ -136,7 +137,7 @@ Deformer::Pose Fitter::Solve(const FitGoal &goal, const std::vector<Landmark> &l
             pull[s].form = Eigen::Matrix3d::Identity() * (10 / double(landmark.size()));
             pull[s].gradient = pull[s].form * (drawn.At(s, graph) - place[s - matched]);
         }
-        const double stiffness = stiffest * std::pow(softest * param.stiffness / stiffest, a);
+        const double stiffness = stiffest * detail::Power(softest * param.stiffness / stiffest, a);
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
         for (Index j = 0; j < deformer->graph.Size(); ++j) {
             graph.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];

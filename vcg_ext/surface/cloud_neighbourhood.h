@@ -4,9 +4,9 @@
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/symmetric_eigen.h>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -144,17 +144,15 @@ class CloudNeighbourhood {
 
     /// The share of the directions' second moments across, in the plane that they lie in.
     double Across() const {
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-        solver.computeDirect(Moments(), Eigen::EigenvaluesOnly);
-        return around.empty() ? 1 : solver.eigenvalues()[1] / solver.eigenvalues()[2];
+        const Eigen::Vector3d values = SymmetricEigen(Moments()).values;
+        return around.empty() ? 1 : values[1] / values[2];
     }
 
     /// Takes the points that are neighbours in the plane's Delaunay triangulation, and those that come nearest to that:
     /// whose bisector cuts the point's Voronoi cell, or passes it by as the smallest share of the way.
     void Choose(std::size_t wanted) {
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-        solver.computeDirect(Moments());
-        const Eigen::Vector3d along = solver.eigenvectors().col(2), across = solver.eigenvectors().col(1);
+        const Eigen::Matrix3d axes = SymmetricEigen(Moments()).Vectors();
+        const Eigen::Vector3d along = axes.col(2), across = axes.col(1);
         std::sort(ways.begin(), ways.end());
         inPlane.clear();
         for (const Other &other : ways)
