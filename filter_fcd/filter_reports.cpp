@@ -124,7 +124,7 @@ std::string describeDiscretisation(double error) {
 
 double valueOfDiscretisation(double error) { return std::isfinite(error) ? error : -1; }
 
-std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface) {
     std::vector<std::string> warnings;
     const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
         return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -132,9 +132,14 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
     if (check.rigid)
         warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
                               "Mark what stays as fixed (tag 0), beside what is free.");
-    if (gaps > 3)
+    if (IsInLines(surface))
+        warnings.push_back(std::to_string(surface.oneSided) +
+                           " points see others along their own line alone, so that lines hang together only here and "
+                           "there. If this is a surface, thin out the points along the lines first, as with 'Point "
+                           "Cloud Simplification'.");
+    if (surface.gaps > 3)
         warnings.push_back(
-            std::to_string(gaps) +
+            std::to_string(surface.gaps) +
             " vertices on open borders lie closer to another border than a tenth of their edges, and "
             "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
             (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
