@@ -41,7 +41,7 @@ void FitTool::move(QMouseEvent *event) {
     } else if (dragged) {
         isStepWanted = true; // one a painted frame: the mouse moves more often
         if (isPainted)
-            dragTo();
+            step();
     }
 }
 
@@ -55,13 +55,15 @@ void FitTool::release(QMouseEvent *event) {
         isClick = false;
     } else if (dragged) {
         isStepWanted = true;
-        dragTo();
+        guarded([&] { dragTo(); });
+        const bool isWhole = session->state().pairs[dragged->pair].isWhole();
         dragged.reset();
         isStepWanted = false;
         display->rest();
-        if (session->state().shape == FitShape::Rest)
+        if (isWhole && session->state().shape == FitShape::Rest)
             session->setShape(FitShape::Landmarks);
-        reshape(true);
+        if (isWhole)
+            reshape(true);
     }
     refresh();
 }
@@ -104,6 +106,16 @@ void FitTool::click() {
     showLayers();
 }
 
+/// A step of a drag. Where it cannot go, that is told once the drag ends.
+void FitTool::step() {
+    try {
+        dragTo();
+    } catch (const Error &e) {
+        hint = e.what();
+        refresh();
+    }
+}
+
 /// The end that is dragged is where the mouse is; beside its layer, it stays where it was.
 void FitTool::dragTo() {
     if (!isStepWanted || !dragged || !layer())
@@ -112,7 +124,8 @@ void FitTool::dragTo() {
     const FitPair before = session->state().pairs[dragged->pair];
     if (!place(dragged->isTarget, mouse) || session->state().pairs[dragged->pair] == before)
         return;
-    reshape(false);
+    if (session->state().pairs[dragged->pair].isWhole())
+        reshape(false);
     view->update();
 }
 
@@ -262,7 +275,9 @@ void FitTool::chooseFiles(bool load) {
     const QString kinds = "Lists and picked points (*.csv *.pp)";
     if (load) {
         const QStringList files = QFileDialog::getOpenFileNames(view->window(), "Load pairs", QString(), kinds);
-        if (files.empty() || !isReady())
+        if (files.size() > 2)
+            hint = "Choose one file with pairs, or the picked points (.pp) of both layers.";
+        if (files.empty() || files.size() > 2 || !isReady())
             return;
         session->change();
         session->load(files);

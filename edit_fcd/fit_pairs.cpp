@@ -63,8 +63,6 @@ std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
 } // namespace
 
 std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, const QStringList &files) {
-    if (files.empty() || files.size() > 2)
-        throw Error("Choose one file with pairs, or the picked points (.pp) of both layers.");
     QString own = files[0], other = files.size() == 2 ? files[1] : QString();
     if (isPicked(own) && isPicked(other) && farFrom(layer, rest, other) < farFrom(layer, rest, own))
         std::swap(own, other);

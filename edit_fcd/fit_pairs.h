@@ -24,7 +24,7 @@ struct FitPair {
 
 /// Pairs as 'landmarks_file' reads them: a .csv, or a .pp with both ends of each; or two .pp files with the same names,
 /// of which the one whose points are nearer to the layer is that of the layer.
-/// \param rest of each vertex slot \throw vcg::fcd::Error each message says what to do
+/// \param rest of each vertex slot \param files one or two \throw vcg::fcd::Error each message says what to do
 std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, const QStringList &files);
 
 /// Writes what loadPairs reads, a .pp file or else a list. \param rest of each vertex slot

@@ -94,7 +94,7 @@ void FitTool::draw() {
     }
     seen = viewNow();
     if (isStepWanted)
-        QTimer::singleShot(0, this, [this] { guarded([&] { dragTo(); }); });
+        QTimer::singleShot(0, this, [this] { guarded([&] { step(); }); });
     if (!layer())
         return;
     if (marks().showsSource)

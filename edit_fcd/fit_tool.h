@@ -62,6 +62,7 @@ class FitTool : public HostEditTool {
 
     void chooseFiles(bool load);
     void click();
+    void step();
     void dragTo();
     bool place(bool isTarget, const QPointF &at);
     bool isTurnOfTarget() const;

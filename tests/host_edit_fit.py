@@ -204,8 +204,6 @@ def test_bad_pairs_change_nothing(window, tmp_path):
     (tmp_path / "bad.csv").write_text("0, 1, 2\n")
     answer(w, "load", "Load pairs", str(tmp_path / "bad.csv"))
     w.wait("bad.csv', line 1: found 3 numbers; expected 4")
-    answer(w, "load", "Load pairs", " ".join(f'"{tmp_path / name}"' for name in ("bad.csv", "scan.ply", "template.ply")))
-    w.wait("Choose one file with pairs, or the picked points (.pp) of both layers.")
     assert len(pairs_of(save_pairs(w, "pairs.csv"))[0]) == 1 # that of before
     w.do("key", "p", "key", "ctrl+Return")
     w.wait("The pull is not done yet: wait until it is, or cancel it.")
