@@ -5,16 +5,11 @@
 
 #include <cmath>
 
-#include <QCoreApplication>
-
 using vcg::fcd::Error;
 
 // --- the mouse ---
 
-Eigen::Vector3d BendTool::windowOf(const QPointF &place) const {
-    const double ratio = view->devicePixelRatioF();
-    return {(place.x() + 0.5) * ratio, seen.height - (place.y() + 0.5) * ratio, 0};
-}
+Eigen::Vector3d BendTool::windowOf(const QPointF &place) const { return ::windowOf(*view, seen, place); }
 
 std::optional<Eigen::Vector3d> BendTool::pick() const {
     Eigen::Vector3d window = mouseInWindow();
@@ -27,23 +22,10 @@ std::optional<Eigen::Vector3d> BendTool::pick() const {
     return seen.toWorld(window);
 }
 
-/// Hands an event on to the view, past this tool.
-void BendTool::toHost(QEvent *event) {
-    view->suspendedEditor = true;
-    QCoreApplication::sendEvent(view, event);
-    view->suspendedEditor = false;
-}
-
-/// Hands an event on to the camera, as one of the left button where it is of the right one.
+/// Hands an event on to the camera.
 void BendTool::toCamera(QMouseEvent *event) {
     isCamera = event->type() != QEvent::MouseButtonRelease;
-    const auto asLeft = [](Qt::MouseButtons buttons) {
-        return (buttons & Qt::RightButton) != 0 ? (buttons & ~Qt::RightButton) | Qt::LeftButton : buttons;
-    };
-    QMouseEvent copy(event->type(), event->localPos(), event->windowPos(), event->screenPos(),
-                     event->button() == Qt::RightButton ? Qt::LeftButton : event->button(), asLeft(event->buttons()),
-                     event->modifiers() & ~Qt::AltModifier);
-    toHost(&copy);
+    ::toCamera(*view, event);
 }
 
 void BendTool::press(QMouseEvent *event) {
@@ -151,7 +133,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
         panel->setBrush(int(std::lround(panel->brush() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
         view->update();
     } else {
-        toHost(event);
+        toHost(*view, event);
     }
 }
 

@@ -12,6 +12,7 @@
 #include "bend_panel.h"
 #include "bend_work.h"
 #include "layer_overlay.h"
+#include "tool_window.h"
 
 #include <layer_fcd/edit_host.h>
 
@@ -58,7 +59,6 @@ class BendTool : public HostEditTool {
     void forgetLayers();
     bool isReady();
     void makePanel();
-    void followDocument();
     void takeOptions();
     void showOptions();
     void onOptions();
@@ -76,7 +76,6 @@ class BendTool : public HostEditTool {
     /// What the mouse points at in the world, none where there is nothing.
     std::optional<Eigen::Vector3d> pick() const;
     void toCamera(QMouseEvent *event);
-    void toHost(QEvent *event);
     bool isForLayer(QMouseEvent *event);
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);

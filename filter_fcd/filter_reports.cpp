@@ -167,8 +167,10 @@ std::string describe(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::ostringstream line;
     line << describe(made.result.tags) << "; " << made.result.rest.position.cols() << " nodes, " << report.steps
-         << " steps. " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
-         << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+         << " steps.";
+    if (!made.landmarksOnly)
+        line << " " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
+             << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
     if (report.insideOut)
         line << " Its normals point to the other side than those of the target, which were taken turned over.";
     if (made.landmarks > 0)
@@ -201,7 +203,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
 std::vector<std::string> warningsOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::vector<std::string> warnings;
-    if (report.matched < 0.3) { // then most of the shape is a guess
+    if (report.matched < 0.3 && !made.landmarksOnly) { // then most of the shape is a guess
         std::ostringstream line;
         line << "Only " << 100 * report.matched
              << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "

@@ -43,6 +43,9 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose "
         "names "
         "are the same. <b>Empty</b> (the default): that file holds both ends of each pair.");
+    addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
+                           "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
+                           "counts: to see where they alone take it, or to morph it by them.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -95,6 +98,7 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.target = host::layerParameter(list, "target_layer", document);
     param.landmarkFile = list.getOpenFileName("landmarks_file");
     param.targetFile = list.getOpenFileName("target_landmarks_file");
+    param.landmarksOnly = list.getBool("landmarks_only");
     param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;

@@ -236,6 +236,14 @@ inline void setVisible(MeshModel &layer, bool visible) {
 #endif
 }
 
+inline bool isVisible(const MeshModel &layer) {
+#ifdef FCD_MESHLAB_2020
+    return layer.visible;
+#else
+    return layer.isVisible();
+#endif
+}
+
 /// Lets the window know which layers are visible: it asks when layers come and go.
 inline void showChanges(MeshDocument &document) { emit document.meshSetChanged(); }
 

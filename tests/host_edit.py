@@ -96,9 +96,9 @@ def colors_of(path):
 
 
 class Window:
-    """MeshLab with a mesh, on a display of its own."""
+    """MeshLab with meshes, of which the last one is the current layer, on a display of its own."""
 
-    def __init__(self, folder, mesh):
+    def __init__(self, folder, *meshes):
         self.folder, self.log, self.shots = folder, folder / "log.txt", 0
         self.processes = []
         self.pressed = None, 0.0 # where, and when
@@ -112,8 +112,8 @@ class Window:
         self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
         self.manager = self.start(["openbox"], self.environment)
         self.settle()
-        self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
-        self.wait("All files opened")
+        self.meshlab = self.start([str(MESHLAB), *map(str, meshes)], self.environment)
+        self.wait("All files opened", len(meshes))
         self.wait_for_title("MeshLab")
         self.settle()
 
@@ -203,15 +203,15 @@ class Window:
         for place in places:
             self.do("mousemove", *place, "click", "--repeat", count, "--delay", 50, 1)
 
-    def toggle_tool(self):
-        """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
+    def toggle_tool(self, name="FCD: Bend", is_on=False):
+        """Edit menu: the second of the entries that can be chosen, or the third; while a tool is on, no other can be."""
         self.do("mousemove", *MIDDLE)
-        self.key("alt+e", "Down", "Return")
+        self.key("alt+e", *["Down"] * (2 if name == "FCD: Fit" and not is_on else 1), "Return")
 
-    def start_tool(self):
-        before = self.text().count("Started Mode FCD: Bend")
-        self.toggle_tool()
-        self.wait("Started Mode FCD: Bend", before + 1)
+    def start_tool(self, name="FCD: Bend"):
+        before = self.text().count(f"Started Mode {name}")
+        self.toggle_tool(name)
+        self.wait(f"Started Mode {name}", before + 1)
         self.do("mousemove", *MIDDLE)
 
     def save(self, name):
@@ -284,8 +284,8 @@ class Filters(host_window.Window):
 def window(tmp_path):
     opened = []
 
-    def open_window(mesh):
-        opened.append(Window(tmp_path, mesh))
+    def open_window(*meshes):
+        opened.append(Window(tmp_path, *meshes))
         return opened[-1]
 
     yield open_window
