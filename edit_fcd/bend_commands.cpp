@@ -6,16 +6,11 @@
 
 #include <algorithm>
 
-#include <QMainWindow>
-#include <QMdiArea>
-#include <QMdiSubWindow>
-
 using vcg::fcd::Error;
 
 void BendTool::makePanel() {
     if (panel)
         return;
-    auto *window = qobject_cast<QMainWindow *>(view->window());
     panel = new BendPanel(view->window());
     connect(panel, &BendPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
     connect(panel, &BendPanel::poseBegins, this, [this] {
@@ -25,27 +20,11 @@ void BendTool::makePanel() {
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
     connectHandles();
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
-    if (window)
-        window->addDockWidget(Qt::LeftDockWidgetArea, panel);
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
-    panel->show();
-    followDocument();
+    dockPanel(*view, *panel);
     if (session->isMarked())
         panel->setRole(BendPanel::Handle, session->unusedTag());
-}
-
-/// The panel is seen as long as its document is: its buttons act on that.
-void BendTool::followDocument() {
-    QMdiArea *area = nullptr;
-    QMdiSubWindow *own = nullptr;
-    for (QWidget *each = view; each && !area; each = each->parentWidget()) {
-        own = own ? own : qobject_cast<QMdiSubWindow *>(each);
-        area = qobject_cast<QMdiArea *>(each);
-    }
-    if (area && own)
-        connect(area, &QMdiArea::subWindowActivated, panel,
-                [area, own, panel = panel.data()] { panel->setVisible(area->currentSubWindow() == own); });
 }
 
 void BendTool::takeOptions() {
@@ -153,6 +132,7 @@ void BendTool::onCommand(int which) {
         }
         active = 0;
         showVertices(true);
+        showChanged();
         showOverlay();
         break;
     case BendPanel::ApplyToNewLayer:

@@ -89,7 +89,11 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     case Move: {
         const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
         Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
-        if (isTyped) {
+        if (onto && !isTyped) {
+            way = *onto - pivot;
+            if (axis >= 0)
+                way = way.dot(axes.col(axis)) * axes.col(axis);
+        } else if (isTyped) {
             way = number * axes.col(axis < 0 ? 0 : axis);
         } else if (axis >= 0) {
             const double unit = 100 * pixel;
@@ -150,7 +154,7 @@ std::string BendDrag::text(const BendView &view) const {
         return std::string(number, std::to_chars(number, number + sizeof number, x, std::chars_format::general, 4).ptr);
     };
     if (kind == Move)
-        return text + " by " + digits(added ? added->vector.norm() : 0);
+        return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
     if (kind == Turn)
         return text + " by " + digits(added ? added->degrees : 0) + " degrees";
     return text;

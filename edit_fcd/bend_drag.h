@@ -19,7 +19,8 @@ struct BendDrag {
     int axis = -1;      ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: of the axes
     bool modal = false; ///< begun by a key: the mouse moves it without a button
     bool snap = false;  ///< in steps
-    std::string typed;  ///< a number
+    std::optional<Eigen::Vector3d> onto; ///< where a move leads the pivot, world; none: where the mouse is
+    std::string typed;                   ///< a number
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< of length 1, as columns, world
     Eigen::Vector3d pivot, from; ///< where the handle is turned as it begins, world, and where the mouse was, window
     bool isAbout = false;        ///< the pivot is not the handle's middle

@@ -193,6 +193,8 @@ void BendTool::solve(bool full) {
         throw;
     }
     isLive = !full;
+    if (full && session->moves())
+        showChanged();
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
     const double took = double(watch.nsecsElapsed()) / 1e6;

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
-#include <cmath>
+#include "bend_sight.h"
 
-#include <QCoreApplication>
+#include <cmath>
 
 using vcg::fcd::Error;
 
 // --- the mouse ---
 
-Eigen::Vector3d BendTool::windowOf(const QPointF &place) const {
-    const double ratio = view->devicePixelRatioF();
-    return {(place.x() + 0.5) * ratio, seen.height - (place.y() + 0.5) * ratio, 0};
-}
+Eigen::Vector3d BendTool::windowOf(const QPointF &place) const { return ::windowOf(*view, seen, place); }
 
 std::optional<Eigen::Vector3d> BendTool::pick() const {
     Eigen::Vector3d window = mouseInWindow();
@@ -25,23 +22,10 @@ std::optional<Eigen::Vector3d> BendTool::pick() const {
     return seen.toWorld(window);
 }
 
-/// Hands an event on to the view, past this tool.
-void BendTool::toHost(QEvent *event) {
-    view->suspendedEditor = true;
-    QCoreApplication::sendEvent(view, event);
-    view->suspendedEditor = false;
-}
-
-/// Hands an event on to the camera, as one of the left button where it is of the right one.
+/// Hands an event on to the camera.
 void BendTool::toCamera(QMouseEvent *event) {
     isCamera = event->type() != QEvent::MouseButtonRelease;
-    const auto asLeft = [](Qt::MouseButtons buttons) {
-        return (buttons & Qt::RightButton) != 0 ? (buttons & ~Qt::RightButton) | Qt::LeftButton : buttons;
-    };
-    QMouseEvent copy(event->type(), event->localPos(), event->windowPos(), event->screenPos(),
-                     event->button() == Qt::RightButton ? Qt::LeftButton : event->button(), asLeft(event->buttons()),
-                     event->modifiers() & ~Qt::AltModifier);
-    toHost(&copy);
+    ::toCamera(*view, event);
 }
 
 void BendTool::press(QMouseEvent *event) {
@@ -111,6 +95,12 @@ void BendTool::move(QMouseEvent *event) {
         return;
     if (drag) {
         drag->snap = event->modifiers() & Qt::ControlModifier;
+        drag->onto.reset();
+        if (event->modifiers() & Qt::ShiftModifier) {
+            const Eigen::Vector3d window = mouseInWindow();
+            drag->onto = firstOnOthers(*view->md(), *model, seen.toWorld({window[0], window[1], 0}),
+                                       seen.toWorld({window[0], window[1], 1}));
+        }
         drag->moveTo(seen, mouseInWindow());
         requestStep();
     } else if (marking && marking->kind == BendMarking::Brush) {
@@ -143,7 +133,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
         panel->setBrush(int(std::lround(panel->brush() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
         view->update();
     } else {
-        toHost(event);
+        toHost(*view, event);
     }
 }
 

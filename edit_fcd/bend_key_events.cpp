@@ -12,12 +12,15 @@ bool BendTool::eventFilter(QObject *object, QEvent *event) {
         if (event->type() == QEvent::Enter)
             view->setFocus();                            // keys belong to what is under the mouse
         if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
-            const BendKey *key = bendKeyOf(*static_cast<QKeyEvent *>(event));
+            const auto &pressed = *static_cast<QKeyEvent *>(event);
+            const BendKey *key = bendKeyOf(pressed);
             // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
             if (drag || preparing || (key && (key->action != BendAction::Cancel || marking))) {
                 event->accept();
                 return true;
             }
+            if (key)
+                escaped = pressed.timestamp();
         }
         if (event->type() == QEvent::MouseButtonDblClick && panel && panel->mode() != BendPanel::Bend) {
             guarded([&] {
@@ -26,6 +29,15 @@ bool BendTool::eventFilter(QObject *object, QEvent *event) {
                 else
                     press(static_cast<QMouseEvent *>(event));
             });
+            return true;
+        }
+    }
+    // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+    if (object == view && view && session && view->suspendedEditor && event->type() == QEvent::MouseButtonPress) {
+        const unsigned long time = static_cast<QMouseEvent *>(event)->timestamp(); // 0: one that this tool hands on
+        if (time > 0 && time <= escaped) {
+            escaped = 0;
+            host::suspendEditing(*view);
             return true;
         }
     }

@@ -80,7 +80,7 @@ void BendTool::open(MeshModel &newModel) {
     overlay = std::make_unique<LayerOverlay>();
     active = hovered = 0;
     lit.reset();
-    isLive = false;
+    isLive = isShownChanged = false;
 }
 
 /// What the layer shows is what it is, whatever comes next.

@@ -4,11 +4,11 @@
 #include "bend_keys.h"
 #include "bend_state.h"
 #include "stretch_colors.h"
+#include "tool_window.h"
 
 #include <layer_fcd/parameters.h>
 
-#include <cstdio>
-#include <cstdlib>
+#include <cmath>
 #include <initializer_list>
 
 #include <QFormLayout>
@@ -49,7 +49,7 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     moreOptions->hide(); // the width is that of all
     scroll->setFocusPolicy(Qt::NoFocus);
     connectOptions();
-    tracePlaces();
+    tracePlaces(*this);
 }
 
 void BendPanel::addModes(QBoxLayout &column) {
@@ -192,7 +192,7 @@ void BendPanel::addCommands(QBoxLayout &column) {
             QTimer::singleShot(50, this, [this] { // once it has a place
                 static_cast<QScrollArea *>(widget())->ensureWidgetVisible(moreOptions);
             });
-        tracePlaces();
+        tracePlaces(*this);
     });
     grid->addWidget(more, 3, 1);
     column.addLayout(grid);
@@ -261,19 +261,6 @@ void BendPanel::connectOptions() {
     });
 }
 
-/// Tells where things are in the window, for whoever drives it by a script.
-void BendPanel::tracePlaces() {
-    if (std::getenv("FCD_TRACE"))
-        QTimer::singleShot(200, this, [this] {
-            for (const QWidget *each : findChildren<QWidget *>())
-                if (!each->objectName().isEmpty() && !each->objectName().startsWith("qt_") && each->isVisible()) {
-                    const QPoint place = each->mapToGlobal(QPoint(0, 0));
-                    std::fprintf(stderr, "FCD trace: place: %s %d %d %d %d\n", qPrintable(each->objectName()),
-                                 place.x(), place.y(), each->width(), each->height());
-                }
-        });
-}
-
 void BendPanel::showKeys() {
     if (page) {
         page->close();
@@ -289,7 +276,7 @@ void BendPanel::showKeys() {
     page->resize(560, page->heightForWidth(560));
     page->setObjectName("page");
     page->show();
-    tracePlaces();
+    tracePlaces(*this);
 }
 
 int BendPanel::tag() const {

@@ -77,7 +77,6 @@ class BendPanel : public QDockWidget {
     void addCommands(QBoxLayout &column);
     void addMore(QBoxLayout &column);
     void connectOptions();
-    void tracePlaces();
 
     QButtonGroup *modes;
     QComboBox *role, *mirrorAxis, *weightsChoice, *axesChoice;

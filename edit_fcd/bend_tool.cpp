@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <QCursor>
@@ -9,10 +8,7 @@
 void BendTool::say(const std::string &text, bool warning) {
     if (!view)
         return;
-    std::string line = "FCD: Bend: " + text;
-    std::replace(line.begin(), line.end(), '<', '[');
-    std::replace(line.begin(), line.end(), '>', ']');
-    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, line.c_str());
+    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, ("FCD: Bend: " + plainForLog(text)).c_str());
     if (panel && warning) {
         hint = QString::fromStdString(text); // until the next press or key
         panel->showState(hint);
@@ -77,6 +73,16 @@ void BendTool::showVertices(bool full) {
     isPainted = false;
 }
 
+/// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
+/// it writes that list anew.)
+void BendTool::showChanged() {
+    if (isShownChanged && model->meshModified())
+        return;
+    model->setMeshModified();
+    host::showLayers(*view);
+    isShownChanged = true;
+}
+
 /// Shows the marks, or the stretch.
 void BendTool::showOverlay() {
     if (!layer())
@@ -109,15 +115,7 @@ void BendTool::draw() {
         isSuspended = view->suspendedEditor;
         QTimer::singleShot(0, this, [this] { refresh(); });
     }
-    double place[16], projection[16];
-    int port[4];
-    glGetDoublev(GL_MODELVIEW_MATRIX, place);
-    glGetDoublev(GL_PROJECTION_MATRIX, projection);
-    glGetIntegerv(GL_VIEWPORT, port);
-    seen.toClip = Eigen::Map<Eigen::Matrix4d>(projection) * Eigen::Map<Eigen::Matrix4d>(place);
-    seen.fromClip = seen.toClip.inverse();
-    seen.width = std::max(1, port[2]);
-    seen.height = std::max(1, port[3]);
+    seen = viewNow();
     if (isStepWanted)
         QTimer::singleShot(0, this, [this] {
             guarded([&] {

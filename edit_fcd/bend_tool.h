@@ -12,6 +12,7 @@
 #include "bend_panel.h"
 #include "bend_work.h"
 #include "layer_overlay.h"
+#include "tool_window.h"
 
 #include <layer_fcd/edit_host.h>
 
@@ -58,7 +59,6 @@ class BendTool : public HostEditTool {
     void forgetLayers();
     bool isReady();
     void makePanel();
-    void followDocument();
     void takeOptions();
     void showOptions();
     void onOptions();
@@ -76,7 +76,6 @@ class BendTool : public HostEditTool {
     /// What the mouse points at in the world, none where there is nothing.
     std::optional<Eigen::Vector3d> pick() const;
     void toCamera(QMouseEvent *event);
-    void toHost(QEvent *event);
     bool isForLayer(QMouseEvent *event);
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);
@@ -113,6 +112,7 @@ class BendTool : public HostEditTool {
     void endMarking();
 
     void showVertices(bool full);
+    void showChanged();
     void showOverlay();
     void showStretch();
     void drawOverlay() const;
@@ -145,8 +145,10 @@ class BendTool : public HostEditTool {
     QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
-    bool isEnding = false; ///< done, and about to be told so
-    bool isLive = false;   ///< the layer has a shape between two full solves
+    unsigned long escaped = 0;   ///< when Esc has given the mouse to the camera last, by the clock of the window system
+    bool isEnding = false;       ///< done, and about to be told so
+    bool isLive = false;         ///< the layer has a shape between two full solves
+    bool isShownChanged = false; ///< the list of layers shows that the layer was changed
     bool isPainted = true, isStepWanted = false;
     QElapsedTimer sinceEvent;
     double milliseconds = 0; ///< of the last step

@@ -33,4 +33,6 @@ void BendWork::finish() {
     thread.join();
     if (thrown)
         std::rethrow_exception(thrown);
+    if (isCancelled) // after it had looked for the last time
+        throw vcg::fcd::Cancelled();
 }

@@ -24,7 +24,7 @@ class BendWork {
     int percent() const { return told; }
     void cancel() { isCancelled = true; }
     bool cancelled() const { return isCancelled; }
-    /// Waits until it has ended. \throw what it has thrown, vcg::fcd::Cancelled among these
+    /// Waits until it has ended. \throw what it has thrown \throw vcg::fcd::Cancelled it was cancelled, however late
     void finish();
 
   private:

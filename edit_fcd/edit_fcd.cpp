@@ -2,6 +2,7 @@
 #include "edit_fcd.h"
 
 #include "bend_tool.h"
+#include "fit_tool.h"
 
 #include <cmath>
 
@@ -11,7 +12,7 @@
 namespace {
 
 /// A bent bar, with its handle red and what is fixed blue.
-QIcon icon() {
+QIcon bendIcon() {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
     QPainter painter(&pixmap);
@@ -26,13 +27,49 @@ QIcon icon() {
     return QIcon(pixmap);
 }
 
+/// A curve, another one that comes near to it, and pairs of points.
+QIcon fitIcon() {
+    QPixmap pixmap(64, 64);
+    pixmap.fill(Qt::transparent);
+    QPainter painter(&pixmap);
+    painter.setRenderHint(QPainter::Antialiasing);
+    const QColor blue(59, 111, 201), orange(245, 140, 25);
+    const auto draw = [&](const QColor &color, const QRectF &box, const std::vector<QPointF> &ends) {
+        painter.setPen(QPen(color, 7));
+        painter.setBrush(Qt::NoBrush);
+        painter.drawArc(box, 16 * 20, 16 * 140);
+        painter.setBrush(color);
+        for (const QPointF &p : ends)
+            painter.drawEllipse(p, 4, 4);
+    };
+    painter.setPen(QPen(QColor(150, 150, 150), 3));
+    painter.drawLine(QPointF(14, 24), QPointF(18, 44));
+    painter.drawLine(QPointF(50, 24), QPointF(46, 44));
+    draw(orange, QRectF(4, 10, 56, 60), {{14, 24}, {50, 24}});
+    draw(blue, QRectF(8, 32, 48, 44), {{18, 44}, {46, 44}});
+    return QIcon(pixmap);
+}
+
 } // namespace
 
-EditFcd::EditFcd() { announce(icon(), "FCD: Bend"); }
+EditFcd::EditFcd() : bend(announce(bendIcon(), "FCD: Bend")), fit(announce(fitIcon(), "FCD: Fit")) {}
 
-HostEditTool *EditFcd::makeTool(QAction *action) const { return new BendTool(action); }
+HostEditTool *EditFcd::makeTool(QAction *action) const {
+    if (action == fit)
+        return new FitTool(action);
+    return new BendTool(action);
+}
 
-QString EditFcd::help() const {
+QString EditFcd::help(const QAction *action) const {
+    if (action == fit)
+        return "Lays the current layer, a template, onto another one, a scan.<br>"
+               "<b>Pairs:</b> click a point on this layer, then the same one on the target; the layer follows, as "
+               "rigidly as possible. Drag a point to move it, <i>Del</i> removes the pair that is selected.<br>"
+               "<b>Pull onto the target</b> (P) lays the surface onto it, with the pairs kept; <i>Stiffness</i> tells "
+               "how rigidly. <i>Show distance</i> colours it by how far it is from there.<br>"
+               "<b>Camera:</b> drag, with any button; wheel.<br>"
+               "The layer is as it was when the tool ends: <i>Apply in place</i> or <i>Apply to new layer</i> keep the "
+               "shape, and the log gets the filter call that makes the same one in a script.";
     return "Bends the current layer by hand, however many vertices it has.<br>"
            "<b>At once:</b> press on the surface and drag. The point follows the mouse, what is around it bends, and "
            "all beyond the <i>point radius</i> (wheel while dragging) stays fixed.<br>"

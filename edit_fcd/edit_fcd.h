@@ -6,7 +6,7 @@
 
 #include <layer_fcd/edit_host.h>
 
-/// Fast Centroidal Deformation by hand: the plugin with the tool "FCD: Bend".
+/// Fast Centroidal Deformation by hand: the plugin with the tools "FCD: Bend" and "FCD: Fit".
 class EditFcd : public HostEditPlugin {
     Q_OBJECT
     FCD_EDIT_METADATA
@@ -14,8 +14,11 @@ class EditFcd : public HostEditPlugin {
   public:
     EditFcd();
 
-    QString help() const override;
+    QString help(const QAction *action) const override;
     HostEditTool *makeTool(QAction *action) const override;
+
+  private:
+    QAction *bend, *fit;
 };
 
 #endif

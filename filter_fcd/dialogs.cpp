@@ -13,6 +13,7 @@
 #include <QComboBox>
 #include <QDockWidget>
 #include <QGridLayout>
+#include <QLabel>
 #include <QPushButton>
 #include <QScreen>
 #include <QScrollArea>
@@ -54,29 +55,66 @@ namespace {
 
 const int highest = 630; // of a dialog: fits the smallest screen that is common, with room for a panel
 
-/// Gives a dialog that scrolls its size, and a place on the screen. \param first its size as the host
-/// made it \param rest that of what is around the area
-void fit(QDockWidget &dialog, QScrollArea &area, const QSize &first, const QSize &rest) {
+/// Gives the helps of parameters the height of their text, which the host does not reckon with.
+void showWhole(const QWidget &parameters) {
+    for (QLabel *label : parameters.findChildren<QLabel *>())
+        if (label->wordWrap() && label->isVisible())
+            label->setMinimumHeight(label->heightForWidth(label->width()));
+}
+
+QCheckBox *previewOf(const QWidget &content) {
+    const QList<QCheckBox *> boxes = content.findChildren<QCheckBox *>(QString(), Qt::FindDirectChildrenOnly);
+    const auto found =
+        std::find_if(boxes.begin(), boxes.end(), [](const QCheckBox *box) { return box->text() == "Preview"; });
+    return found == boxes.end() || (*found)->isHidden() ? nullptr : *found;
+}
+
+/// Gives a dialog a place on the screen: at its right edge, over the list of layers, where it has a preview, which is
+/// to be seen.
+void put(QDockWidget &dialog, const QRect &all) {
+    QRect place = dialog.frameGeometry();
+    if (previewOf(*dialog.widget()))
+        place.moveRight(all.right());
+    place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
+    place.moveTop(std::max(all.top(), std::min(place.top(), all.bottom() - place.height())));
+    dialog.move(place.topLeft());
+}
+
+/// Gives a dialog that scrolls its size, and its place. \param least its size in any case \param rest that of what is
+/// around the area
+void fit(QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize &rest) {
     const QScreen *screen = QApplication::screens().value(0);
     if (!screen)
         return;
     const QRect all = screen->availableGeometry();
-    const QSize wanted = (area.widget()->minimumSizeHint() + rest).expandedTo(first);
+    const QSize wanted = (area.widget()->minimumSizeHint() + rest).expandedTo(least);
     const bool isHigh = wanted.height() > highest;
     const int bar = isHigh ? area.verticalScrollBar()->sizeHint().width() : 0;
     dialog.setMinimumSize(0, 0);
     dialog.resize(std::min(wanted.width() + bar, all.width()),
                   std::min(isHigh ? highest : wanted.height(), all.height()));
-    QRect place = dialog.frameGeometry();
-    place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
-    place.moveTop(std::max(all.top(), std::min(place.top(), all.bottom() - place.height())));
-    dialog.move(place.topLeft());
-    // The text above may have more lines than it had in the host's size, which is seen when all has its place.
-    QTimer::singleShot(0, &area, [&dialog, &area] {
-        const int height = dialog.height() + area.verticalScrollBar()->maximum();
-        if (height <= highest)
-            dialog.resize(dialog.width(), height);
+    put(dialog, all);
+    // Texts may have more lines than they had in the host's size, which is seen when all has its place.
+    QTimer::singleShot(0, &area, [&dialog, &area, all] {
+        showWhole(*area.widget());
+        QTimer::singleShot(0, &area, [&dialog, &area, all] {
+            const int height = std::min(dialog.height() + area.verticalScrollBar()->maximum(), highest);
+            dialog.resize(dialog.width(), std::max(dialog.height(), height));
+            put(dialog, all);
+        });
     });
+}
+
+/// The same for the dialog of a host that lets its parameters scroll.
+void fit(QDockWidget &dialog) {
+    if (auto *area = dialog.widget()->findChild<QScrollArea *>()) {
+        const auto again = [&dialog, area] { fit(dialog, *area, QSize(), dialog.size() - area->size()); };
+        again();
+        for (QPushButton *button : dialog.widget()->findChildren<QPushButton *>())
+            if (button->text() == "Help")
+                QObject::connect(button, &QPushButton::clicked, area,
+                                 [area, again] { QTimer::singleShot(0, area, again); });
+    }
 }
 
 /// Puts the parameters of a filter's dialog into an area that scrolls.
@@ -153,9 +191,8 @@ void letDefaultBeDefaults(QWidget &content, const std::function<void()> &openWit
     for (QPushButton *button : content.findChildren<QPushButton *>())
         if (button->text() == "Default")
             QObject::connect(button, &QPushButton::clicked, &content, [&content, openWithDefaults] {
-                for (QCheckBox *preview : content.findChildren<QCheckBox *>())
-                    if (preview->text() == "Preview")
-                        preview->setChecked(false);                // gives the layer its shape back
+                if (QCheckBox *preview = previewOf(content))
+                    preview->setChecked(false);                    // gives the layer its shape back
                 QTimer::singleShot(0, &content, openWithDefaults); // which is the end of the button
             });
 }
@@ -171,7 +208,9 @@ void prepareDialog(const QString &title, MeshDocument &document, const std::func
                 if (dialog->windowTitle() != title || !content || content->property(prepared).isValid())
                     continue;
                 content->setProperty(prepared, true);
-                if (!host::dialogsFold)
+                if (host::dialogsFold)
+                    fit(*dialog);
+                else
                     letScroll(*dialog);
                 followLayers(*content, document);
                 letDefaultBeDefaults(*content, openWithDefaults);

@@ -201,7 +201,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     logLine(line.str());
     for (const std::string &remark : describe(made, param))
         logLine(remark);
-    for (const std::string &warning : describe(result.check, result.surface.gaps))
+    for (const std::string &warning : describe(result.check, result.surface))
         logLine(warning, GLLogStream::WARNING);
     warnOf(result.pose.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.surface);

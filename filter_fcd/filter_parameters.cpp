@@ -131,8 +131,8 @@ RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &d
     if (host::dialogsFold)
         return all;
     return inOrder(all,
-                   {"handles", "tag_attribute", "transforms", "translation", "rotation_axis", "rotation_angle",
-                    "rotation_center", "rotation_point", handleLayer, "initial_patches", "smoothness", "pose"},
+                   {"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
+                    handleLayer, "smoothness", "pose", "transforms", "tag_attribute", "initial_patches"},
                    false);
 }
 

@@ -124,7 +124,7 @@ std::string describeDiscretisation(double error) {
 
 double valueOfDiscretisation(double error) { return std::isfinite(error) ? error : -1; }
 
-std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps) {
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface) {
     std::vector<std::string> warnings;
     const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
         return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -132,9 +132,14 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::
     if (check.rigid)
         warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
                               "Mark what stays as fixed (tag 0), beside what is free.");
-    if (gaps > 3)
+    if (IsInLines(surface))
+        warnings.push_back(std::to_string(surface.oneSided) +
+                           " points see others along their own line alone, so that lines hang together only here and "
+                           "there. If this is a surface, thin out the points along the lines first, as with 'Point "
+                           "Cloud Simplification'.");
+    if (surface.gaps > 3)
         warnings.push_back(
-            std::to_string(gaps) +
+            std::to_string(surface.gaps) +
             " vertices on open borders lie closer to another border than a tenth of their edges, and "
             "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
             (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
@@ -162,8 +167,10 @@ std::string describe(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::ostringstream line;
     line << describe(made.result.tags) << "; " << made.result.rest.position.cols() << " nodes, " << report.steps
-         << " steps. " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
-         << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+         << " steps.";
+    if (!made.landmarksOnly)
+        line << " " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
+             << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
     if (report.insideOut)
         line << " Its normals point to the other side than those of the target, which were taken turned over.";
     if (made.landmarks > 0)
@@ -196,7 +203,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
 std::vector<std::string> warningsOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::vector<std::string> warnings;
-    if (report.matched < 0.3) { // then most of the shape is a guess
+    if (report.matched < 0.3 && !made.landmarksOnly) { // then most of the shape is a guess
         std::ostringstream line;
         line << "Only " << 100 * report.matched
              << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "

@@ -68,6 +68,6 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field);
 std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded);
 
 /// A sentence for each thing that is probably not meant.
-std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, vcg::fcd::Index gaps);
+std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface);
 
 #endif

@@ -47,6 +47,9 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Tolerance of the landmarks",
         "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
         "<b>Raise it</b> to the error of the points where they were measured or picked by hand.");
+    addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
+                           "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
+                           "counts: to see where they alone take it, or to morph it by them.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -106,6 +109,7 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.targetFile = list.getOpenFileName("target_landmarks_file");
     param.fit.landmarkTolerance = list.getFloat("landmark_tolerance");
     param.fit.bothWays = list.getBool("both_ways");
+    param.landmarksOnly = list.getBool("landmarks_only");
     param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;

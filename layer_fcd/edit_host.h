@@ -42,6 +42,16 @@ inline void showTextures(GLArea &view, const MeshModel &layer) {
         QMetaObject::invokeMethod(view.window(), "updateTexture", Qt::DirectConnection, Q_ARG(int, layer.id()));
 }
 
+/// Gives the mouse to the camera, or takes it back, as the host's Esc.
+inline void suspendEditing(GLArea &view) {
+    QMetaObject::invokeMethod(view.window(), "suspendEditMode", Qt::DirectConnection);
+}
+
+/// The list of layers shows which ones have changed since they were saved.
+inline void showLayers(GLArea &view) {
+    QMetaObject::invokeMethod(view.window(), "updateLayerDialog", Qt::QueuedConnection);
+}
+
 } // namespace host
 
 /// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.
@@ -124,41 +134,47 @@ class HostEditTool : public QObject, public FCD_EDIT_INTERFACE {
     }
 };
 
-/// Base class of a plugin with one editing tool, for any host.
+/// Base class of a plugin with editing tools, each with an action, for any host.
 class HostEditPlugin : public QObject, public FCD_EDIT_PLUGIN_INTERFACE {
     Q_OBJECT
     Q_INTERFACES(FCD_EDIT_PLUGIN_INTERFACE)
 
   public:
-    virtual QString help() const = 0;
+    virtual QString help(const QAction *action) const = 0;
     virtual HostEditTool *makeTool(QAction *action) const = 0;
 
 #ifdef FCD_MESHLAB_2020
-    QList<QAction *> actions() const override { return {action}; }
-    MeshEditInterface *getMeshEditInterface(QAction *) override { return makeTool(action); }
-    QString getEditToolDescription(QAction *) override { return help(); }
+    QList<QAction *> actions() const override { return announced; }
+    MeshEditInterface *getMeshEditInterface(QAction *action) override { return makeTool(action); }
+    QString getEditToolDescription(QAction *action) override { return help(action); }
 #else
     QString pluginName() const override { return "EditFCD"; }
     QString vendor() const override { return "FCD"; }
     std::pair<std::string, bool> getMLVersion() const override {
         return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
     }
-    EditTool *getEditTool(const QAction *) override { return makeTool(action); }
-    QString getEditToolDescription(const QAction *) override { return help(); }
+    EditTool *getEditTool(const QAction *action) override { return makeTool(const_cast<QAction *>(action)); } // our own
+    QString getEditToolDescription(const QAction *action) override { return help(action); }
 #endif
 
   protected:
-    /// A plugin calls this once, in its constructor. An action without an icon is left out of the tool bar.
-    void announce(const QIcon &icon, const QString &text) {
-        action = new QAction(icon, text, this);
+    /// A plugin calls this in its constructor, once for each tool. An action without an icon is left out of the tool
+    /// bar.
+    QAction *announce(const QIcon &icon, const QString &text) {
+        auto *action = new QAction(icon, text, this);
         action->setCheckable(true);
-#ifndef FCD_MESHLAB_2020
+#ifdef FCD_MESHLAB_2020
+        announced.push_back(action);
+#else
         actionList.push_back(action);
 #endif
+        return action;
     }
 
+#ifdef FCD_MESHLAB_2020
   private:
-    QAction *action = nullptr;
+    QList<QAction *> announced;
+#endif
 };
 
 #endif

@@ -180,8 +180,10 @@ class HostFilterPlugin : public QObject,
         const Interruptible interruptible(callback);
         errorMessage = errorOf([&] { values = run(ID(action), list, document, interruptible.callback()); });
         if (host::inWindow()) {
-            if (!errorMessage.isEmpty())
+            if (!errorMessage.isEmpty()) {
                 errorMessage = forWindow(errorMessage, parameters(ID(action), document));
+                host::endProgress();
+            }
             return errorMessage.isEmpty();
         }
         // This host does not return values, and meshlabserver does not print error messages: tell both.

@@ -5,12 +5,16 @@
 #include "layer_contents.h"
 #include "layer_fitter.h"
 #include "layer_matrix.h"
+#include "layer_normals.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
+#include "rest_shape.h"
 #include "results.h"
 #include "tag_sources.h"
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 
 using vcg::fcd::Deformer;
@@ -38,72 +42,159 @@ const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target) 
     return *target;
 }
 
-std::vector<Landmark> readLandmarks(const MeshModel &layer, const Handles &handles, const QString &file,
-                                    const QString &targets) {
+std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
+                                    const QString &file, const QString &targets) {
     std::vector<Landmark> landmarks;
     if (!file.isEmpty() || !targets.isEmpty())
-        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, nullptr, file, targets))
+        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, rest, file, targets))
             landmarks.push_back({point.vertex, handles.world * point.target});
     return landmarks;
 }
 
+/// How a fit is asked for in which the landmarks count alone: nothing is near enough to be matched. There is nothing to
+/// be matched step by step, then, and the surface comes to rest in far fewer steps.
+vcg::fcd::FitParam landmarksAlone(vcg::fcd::FitParam fit) {
+    fit.largestDistance = std::numeric_limits<double>::min();
+    fit.samples = 100;
+    fit.fitSteps = std::min(fit.fitSteps, 20);
+    return fit;
+}
+
 } // namespace
+
+LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
+                   const Progress &progress, const Point3m *rest, const Point3m *restNormal)
+    : param([&] {
+          FitMeshParam fit = asked;
+          if (!rest)
+              fit.fit.linear = hasDirections(layer);
+          if (fit.landmarksOnly)
+              fit.fit = landmarksAlone(fit.fit);
+          return fit;
+      }()),
+      name(inQuotes(layer)) {
+    const MeshModel *target = nullptr; // landmarks alone need none
+    if (param.target || !param.landmarksOnly) {
+        target = &checkedTarget(layer, param.target);
+        targetName = inQuotes(*target);
+    }
+    handles = readHandles(layer, rest, param.handles);
+    landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile);
+    landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
+    if (param.landmarksOnly && landmarks.empty())
+        throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
+    surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })
+                   : vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5));
+    const SurfaceView view = surface.View();
+    normal =
+        restNormal ? [restNormal](std::size_t i) { return toVector(restNormal[i]); } : vcg::tri::NormalsOf(layer.cm);
+    const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return view.At(i); });
+    readMotions(document, layer, rest, param.handles, center, remark, handles);
+    if (!target)
+        return;
+    targetSurface = vcg::tri::ReadSurface(target->cm, progress.Slice(0.5, 1));
+    if (target->cm.fn == 0)
+        for (const CVertexO &vertex : target->cm.vert)
+            targetNormal.push_back(toVector(vertex.cN()));
+    goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target)};
+}
+
+std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const {
+    return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress);
+}
+
+FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
+    FittedSurface fitted;
+    vcg::fcd::DeformationResult &result = fitted.result;
+    const SurfaceView view = surface.View();
+    fitted.fitter = prepare(progress.Slice(0, 0.4));
+    const Deformer &deformer = fitted.fitter->Surface();
+    result.tags = vcg::fcd::CountTags(handles.tag, view.deleted);
+    fitted.diagonal = deformer.surface.frame.scale;
+    fitted.landmarks = landmarks.size();
+    fitted.landmarksOnly = param.landmarksOnly;
+
+    std::shared_ptr<const vcg::fcd::FitTarget> target;
+    if (param.landmarksOnly) {
+        result.pose = followLandmarks(*fitted.fitter, landmarks, fitted.report, progress.Slice(0.4, 0.8));
+    } else {
+        target = fitted.fitter->Prepare(goal, progress.Slice(0.4, 0.5));
+        result.pose = fitted.fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
+    }
+    if (!param.landmarksOnly && fitted.report.matched == 0)
+        throw Error("Nothing of " + name + " has a counterpart on " + targetName +
+                    ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
+    result.converged = fitted.report.converged;
+    result.position = view.Copy();
+    vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);
+    fitted.fitter->PutLandmarks(landmarks, result.position);
+    if (measured && !target)
+        target = fitted.fitter->Prepare(goal);
+    if (measured)
+        fitted.fitter->Compare(*target, fitted.report, result.position, fitted.distance, fitted.matched,
+                               progress.Slice(0.85, 1));
+    return fitted;
+}
+
+Deformer::Pose followLandmarks(const Fitter &fitter, const std::vector<Landmark> &landmarks,
+                               vcg::fcd::FitReport &report, const Progress &progress) {
+    std::vector<double> place;
+    for (const Landmark &each : landmarks)
+        place.insert(place.end(), each.target.data(), each.target.data() + 3);
+    FitGoal goal; // no place of the surface is near enough to these to be matched
+    goal.surface.position = place.data();
+    goal.surface.vertexSlots = landmarks.size();
+    goal.surface.isCloud = true;
+    goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
+    return fitter.Solve(*fitter.Prepare(goal), landmarks, report, progress);
+}
+
+std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
+                                   const FitMeshParam &param, const Remark &remark) {
+    NewLayers layers(document, layer, remark);
+    std::shared_ptr<Prepared> graphOf;
+    if (param.graphLayers) {
+        graphOf = std::make_shared<Prepared>();
+        graphOf->deformer =
+            std::shared_ptr<const Deformer>(fitted.fitter, &fitted.fitter->Surface()); // lives as long as the fitter
+        graphOf->tags = fitted.result.tags;
+    }
+    std::vector<float> quality;
+    if (param.quality == FitMeshParam::Distance)
+        quality = fitted.distance;
+    else if (param.quality == FitMeshParam::Matched)
+        quality.assign(fitted.matched.begin(), fitted.matched.end());
+    std::vector<MeshModel *> added = layers.addResult("fitted", fitted.result, quality, graphOf);
+    layers.keep(*added.back());
+    if (host::inWindow()) // one sees what one asked for
+        showLast(document, layer, added);
+    return added;
+}
+
+void poseFitted(MeshModel &layer, const FittedSurface &fitted) {
+    CMeshO &mesh = layer.cm;
+    if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
+        RestShape::keep(layer);
+    RestShape rest(layer);
+    forVertices(mesh, [&](std::size_t i) { rest.place(i, toPoint(fitted.result.position.col(Eigen::Index(i)))); });
+    computeBoxAndNormals(mesh);
+    if (rest.hasOwnNormals())
+        forVertices(mesh, [&](std::size_t i) {
+            const Eigen::Matrix3d map = fitted.result.linear[i].cast<double>();
+            mesh.vert[i].N() = toPoint((vcg::fcd::Cofactors(map) * toVector(rest.normals()[i])).stableNormalized());
+        });
+}
 
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
                       const Progress &progress) {
     const vcg::fcd::Stopwatch watch;
     FittedLayers made;
-    vcg::fcd::DeformationResult &result = made.result;
-    const MeshModel &target = checkedTarget(layer, param.target);
-    Handles handles = readHandles(layer, nullptr, param.handles);
-    const std::vector<Landmark> landmarks = readLandmarks(layer, handles, param.landmarkFile, param.targetFile);
-    made.landmarks = landmarks.size();
-    const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02)),
-                                  targetSurface = vcg::tri::ReadSurface(target.cm, progress.Slice(0.02, 0.04));
-    const SurfaceView view = surface.View();
-    const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return view.At(i); });
-    readMotions(document, layer, nullptr, param.handles, center, remark, handles);
-
-    const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
-    vcg::fcd::FitParam fit = param.fit;
-    fit.linear = hasDirections(layer);
-    const auto fitter = std::make_shared<const Fitter>(view, normal, handles, fit, progress.Slice(0.04, 0.4));
-    const Deformer &deformer = fitter->Surface();
-    result.tags = vcg::fcd::CountTags(handles.tag, view.deleted);
-    made.diagonal = deformer.surface.frame.scale;
-
-    const FitGoal goal = {targetSurface.View(), vcg::tri::NormalsOf(target.cm), matrixOf(target)};
-    const auto goalTarget = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
-    result.pose = fitter->Solve(*goalTarget, landmarks, made.report, progress.Slice(0.5, 0.8));
-    if (made.report.matched == 0)
-        throw Error("Nothing of " + inQuotes(layer) + " has a counterpart on " + inQuotes(target) +
-                    ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
-    result.converged = made.report.converged;
-    result.position = view.Copy();
-    vcg::fcd::CarryPose(view, normal, handles, deformer, fit, progress.Slice(0.8, 0.85), result);
-    fitter->PutLandmarks(landmarks, result.position);
-    std::vector<float> quality;
-    if (param.quality != FitMeshParam::Input) {
-        std::vector<char> liesOn;
-        fitter->Compare(*goalTarget, made.report, result.position, quality, liesOn, progress.Slice(0.85, 0.95));
-        if (param.quality == FitMeshParam::Matched)
-            quality.assign(liesOn.begin(), liesOn.end());
-    }
-
-    const Progress adding = progress.Slice(0.95, 1);
-    adding(0, "Adding layers...");
-    NewLayers layers(document, layer, remark);
-    std::shared_ptr<Prepared> graphOf;
-    if (param.graphLayers) {
-        graphOf = std::make_shared<Prepared>();
-        graphOf->deformer = std::shared_ptr<const Deformer>(fitter, &deformer); // lives as long as the fitter
-        graphOf->tags = result.tags;
-    }
-    made.layers = layers.addResult("fitted", result, quality, graphOf);
-    adding(1, "Done");
-    layers.keep(*made.layers.back());
-    if (host::inWindow()) // one sees what one asked for
-        showLast(document, layer, made.layers);
+    const bool measured = param.quality != FitMeshParam::Input;
+    static_cast<FittedSurface &>(made) =
+        LayerFit(document, layer, param, remark, progress.Slice(0, 0.05)).solve(measured, progress.Slice(0.05, 0.95));
+    progress(0.95, "Adding layers...");
+    made.layers = addFitted(document, layer, made, param, remark);
+    progress(1, "Done");
     made.seconds = watch.Seconds();
     return made;
 }

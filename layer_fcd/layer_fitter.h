@@ -5,14 +5,60 @@
 #include "parameters.h"
 
 #include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
-/// What FCD: Fit to Layer did.
-struct FittedLayers {
+/// A layer that has been fitted, before any layer shows it.
+struct FittedSurface {
     vcg::fcd::DeformationResult result;
     vcg::fcd::FitReport report;
-    double diagonal = 0;             ///< of what bends, world units
-    std::size_t landmarks = 0;       ///< how many there are
+    double diagonal = 0;         ///< of what bends, world units
+    std::size_t landmarks = 0;   ///< how many there are
+    bool landmarksOnly = false;  ///< nothing else of the target counted
+    std::vector<float> distance; ///< from the target, one per vertex slot, world units; empty unless measured
+    std::vector<char> matched;   ///< whether a vertex has a counterpart there; as well
+    std::shared_ptr<const vcg::fcd::Fitter> fitter;
+};
+
+/// A layer that is fitted to another one, by the filter or by the tool. What is needed of both is read when it is
+/// made: solve() may run beside the window.
+class LayerFit {
+  public:
+    /// \param rest, normal of each vertex slot, which must outlive this, where the layer has other ones, and
+    /// param.fit.linear says whether it has directions; or null
+    /// \param remark may be empty \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
+    LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
+             const vcg::fcd::Progress &progress, const Point3m *rest = nullptr, const Point3m *normal = nullptr);
+    LayerFit(const LayerFit &) = delete;
+    LayerFit &operator=(const LayerFit &) = delete;
+
+    /// \param measure also the distances \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    FittedSurface solve(bool measure, const vcg::fcd::Progress &progress) const;
+
+    /// The first part of that. \throw as solve
+    std::shared_ptr<const vcg::fcd::Fitter> prepare(const vcg::fcd::Progress &progress) const;
+    const vcg::fcd::Handles &regions() const { return handles; }
+
+  private:
+    const FitMeshParam param;
+    std::string name, targetName; ///< of the layers, in quotation marks
+    vcg::fcd::Handles handles;
+    std::vector<vcg::fcd::Landmark> landmarks;
+    vcg::fcd::SurfaceArrays surface, targetSurface;
+    vcg::fcd::NormalOf normal;
+    std::vector<Eigen::Vector3d> targetNormal;
+    vcg::fcd::FitGoal goal;
+};
+
+/// The pose in which a surface follows its landmarks, and nothing else: as a fit with FitMeshParam::landmarksOnly has
+/// it. \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+vcg::fcd::Deformer::Pose followLandmarks(const vcg::fcd::Fitter &fitter,
+                                         const std::vector<vcg::fcd::Landmark> &landmarks, vcg::fcd::FitReport &report,
+                                         const vcg::fcd::Progress &progress = {});
+
+/// What FCD: Fit to Layer did.
+struct FittedLayers : FittedSurface {
     std::vector<MeshModel *> layers; ///< that are new, the fitted one last
     double seconds = 0;
 };
@@ -21,5 +67,14 @@ struct FittedLayers {
 /// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
                       const vcg::fcd::Progress &progress);
+
+/// Adds the layers of a fit. \pre \p layer has the shape that was fitted \return them, the fitted one last, which is
+/// the current one then
+std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
+                                   const FitMeshParam &param, const Remark &remark);
+
+/// Gives \p layer the shape of a fit, to the bit that of the layer that addFitted adds; the one that it has becomes its
+/// rest shape. \pre it has the shape that was fitted
+void poseFitted(MeshModel &layer, const FittedSurface &fitted);
 
 #endif

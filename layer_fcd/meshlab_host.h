@@ -26,6 +26,7 @@
 #include <QApplication>
 #include <QDir>
 #include <QFileInfo>
+#include <QProgressBar>
 #include <QWidget>
 
 namespace host {
@@ -36,6 +37,15 @@ inline bool inWindow() {
     return std::any_of(windows.begin(), windows.end(),
                        [](const QWidget *window) { return window->inherits("MainWindow"); });
 }
+
+#ifdef FCD_MESHLAB_2020
+/// Takes what the window shows of progress back, which it does not do after a filter that failed.
+inline void endProgress() {
+    for (QWidget *window : QApplication::topLevelWidgets())
+        for (QProgressBar *bar : window->findChildren<QProgressBar *>())
+            bar->reset();
+}
+#endif
 
 // --- parameters ---
 
@@ -223,6 +233,14 @@ inline void setVisible(MeshModel &layer, bool visible) {
     layer.visible = visible;
 #else
     layer.setVisible(visible);
+#endif
+}
+
+inline bool isVisible(const MeshModel &layer) {
+#ifdef FCD_MESHLAB_2020
+    return layer.visible;
+#else
+    return layer.isVisible();
 #endif
 }
 

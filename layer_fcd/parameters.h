@@ -75,12 +75,14 @@ struct FitMeshParam {
     enum Quality { Input, Distance, Matched };
 
     const MeshModel *target = nullptr;
-    HandleParam handles;     ///< regions that stay, or move as they are told
-    QString landmarkFile;    ///< .csv or .pp, may be empty
-    QString targetFile;      ///< .pp, to be matched with the other by name; may be empty
-    vcg::fcd::FitParam fit;  ///< without nodes
-    bool graphLayers = true; ///< keep the rest and the deformed graph as layers
-    Quality quality = Input; ///< of the fitted layer
+    HandleParam handles;                       ///< regions that stay, or move as they are told
+    QString landmarkFile;                      ///< .csv or .pp, may be empty
+    QString targetFile;                        ///< .pp, to be matched with the other by name; may be empty
+    std::vector<vcg::fcd::Landmark> landmarks; ///< besides these
+    bool landmarksOnly = false;                ///< nothing else of the target counts
+    vcg::fcd::FitParam fit;                    ///< without nodes
+    bool graphLayers = true;                   ///< keep the rest and the deformed graph as layers
+    Quality quality = Input;                   ///< of the fitted layer
 };
 
 /// What "FCD: Straighten Mesh" is asked for. All in the world.

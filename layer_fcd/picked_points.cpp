@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/words.h> // before Qt
+
 #include "picked_points.h"
 
 #include <cmath>
 #include <map>
 
 #include <QXmlStreamReader>
+#include <QXmlStreamWriter>
 
 using vcg::fcd::Error;
 using vcg::fcd::PointPair;
@@ -103,4 +106,29 @@ std::vector<PointPair> readPickedPoints(const QByteArray &text, const std::strin
         pairs[i].target = points[2 * i + 1].point;
     }
     return pairs;
+}
+
+std::vector<std::string> namesOfPickedPoints(const QByteArray &text, const std::string &name) {
+    std::vector<std::string> names;
+    for (const Picked &each : readActive(text, name))
+        names.push_back(each.name.toStdString());
+    return names;
+}
+
+QByteArray pickedPointsText(const std::vector<std::pair<std::string, Eigen::Vector3d>> &points) {
+    QByteArray text;
+    QXmlStreamWriter xml(&text);
+    xml.setAutoFormatting(true);
+    xml.writeDTD("<!DOCTYPE PickedPoints>");
+    xml.writeStartElement("PickedPoints");
+    for (const auto &[name, point] : points) {
+        xml.writeEmptyElement("point");
+        const char *const coordinate[3] = {"x", "y", "z"};
+        for (int d = 0; d < 3; ++d)
+            xml.writeAttribute(coordinate[d], QString::fromStdString(vcg::fcd::detail::ToText(point[d])));
+        xml.writeAttribute("name", QString::fromStdString(name));
+        xml.writeAttribute("active", "1");
+    }
+    xml.writeEndDocument();
+    return text;
 }

@@ -50,7 +50,7 @@ class Field {
                             [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
                                 Eigen::Matrix3f linear;
                                 const auto p = rowOf(from, i);
-                                rowOf(moved, i) = p + field(p, &linear, &hint);
+                                rowOf(moved, i) = p + field(p, direction ? &linear : nullptr, &hint);
                                 if (direction)
                                     rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
                             });

@@ -204,6 +204,7 @@ nb::dict Prepared::report() const {
     all["welded"] = surface.welded;
     all["joined"] = surface.seams;
     all["gaps"] = surface.gaps;
+    all["one_sided"] = surface.oneSided;
     all["isolated"] = surface.isolated + deformer->loose.isolated;
     all["non_manifold_edges"] = surface.nonManifoldEdges;
     all["degenerate_faces"] = surface.degenerateFaces;

@@ -39,8 +39,14 @@ void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBo
         vcg::fcd::detail::RadixSortUpper30(items, count, sorting);
         vcg::fcd::ParallelFor(progress.Slice(from, to), stage, count, grain, [&](std::size_t first, std::size_t last) {
             vcg::fcd::NearestPlace::Hint hint;
-            for (std::size_t i = first; i < last; ++i)
-                body(begin + std::size_t(items[i] & 0xFFFFFFFF), hint);
+            const auto number = [&](std::size_t i) { return begin + std::size_t(items[i] & 0xFFFFFFFF); };
+            for (std::size_t i = first; i < last; ++i) {
+#ifdef __GNUC__
+                if (i + 8 < last) // where it lies is known to nobody but us: a tenth of the time is waiting for it
+                    __builtin_prefetch(points + 3 * number(i + 8));
+#endif
+                body(number(i), hint);
+            }
         });
     }
 }

@@ -10,7 +10,7 @@ import warnings
 import numpy as np
 
 import pymeshlab_fcd
-from pymeshlab_fcd import Deformer, Motion
+from pymeshlab_fcd import Deformer, Motion, PoseSequence, fit, straighten
 
 
 def told(name, *arrays):
@@ -38,10 +38,15 @@ def main():
         told(f"{kind}, weights", weights.indptr, weights.indices, weights.data)
         pose = deformer.pose({2: turn})
         told(f"{kind}, pose", pose.vertices)
+        told(f"{kind}, half the way", deformer.pose({2: turn}, percent=50).vertices)
         told(f"{kind}, nodes", pose.nodes, pose.node_maps)
         told(f"{kind}, map", *pose.map(anywhere[:2000], anywhere[:2000]))
         if corners is not None:
             told(f"{kind}, normals, stretch", pose.normals, pose.stretch())
+            poses = PoseSequence({"turned": {2: turn}, "large": {2: Motion.scale(1.5)}})
+            told(f"{kind}, blended", poses.blend(deformer, {"turned": 40, "large": 30}).vertices)
+            told(f"{kind}, fitted", fit(points, corners, pose.vertices, corners, start="axes").vertices)
+            told(f"{kind}, straightened", straighten(points, corners, points[16::33 * 8], degrees=30).vertices)
         bend = pose.deformation()
         told(f"{kind}, saved", np.frombuffer(bend.__reduce__()[1][0], np.uint8))
         told(f"{kind}, carried", *bend(anywhere, anywhere))

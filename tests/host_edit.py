@@ -8,6 +8,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -95,9 +96,9 @@ def colors_of(path):
 
 
 class Window:
-    """MeshLab with a mesh, on a display of its own."""
+    """MeshLab with meshes, of which the last one is the current layer, on a display of its own."""
 
-    def __init__(self, folder, mesh):
+    def __init__(self, folder, *meshes):
         self.folder, self.log, self.shots = folder, folder / "log.txt", 0
         self.processes = []
         self.pressed = None, 0.0 # where, and when
@@ -109,10 +110,10 @@ class Window:
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
         self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
-        self.start(["openbox"], self.environment)
+        self.manager = self.start(["openbox"], self.environment)
         self.settle()
-        self.meshlab = self.start([str(MESHLAB), str(mesh)], self.environment)
-        self.wait("All files opened")
+        self.meshlab = self.start([str(MESHLAB), *map(str, meshes)], self.environment)
+        self.wait("All files opened", len(meshes))
         self.wait_for_title("MeshLab")
         self.settle()
 
@@ -157,6 +158,16 @@ class Window:
         if settle:
             self.settle()
 
+    def while_the_manager_sleeps(self, *arguments):
+        """As do(), but that the window manager, which sees presses first and then lets the window have them, does so late: keys that
+        came after them are there first."""
+        os.kill(self.manager.pid, signal.SIGSTOP)
+        try:
+            self.do(*arguments)
+        finally:
+            os.kill(self.manager.pid, signal.SIGCONT)
+        self.settle()
+
     def title(self):
         return subprocess.run(["xdotool", "getactivewindow", "getwindowname"], env={**os.environ, **self.environment}, capture_output=True,
                               text=True, timeout=60).stdout.strip()
@@ -192,15 +203,15 @@ class Window:
         for place in places:
             self.do("mousemove", *place, "click", "--repeat", count, "--delay", 50, 1)
 
-    def toggle_tool(self):
-        """Edit menu: the second of the entries that can be chosen, whether the tool is on or off."""
+    def toggle_tool(self, name="FCD: Bend", is_on=False):
+        """Edit menu: the second of the entries that can be chosen, or the third; while a tool is on, no other can be."""
         self.do("mousemove", *MIDDLE)
-        self.key("alt+e", "Down", "Return")
+        self.key("alt+e", *["Down"] * (2 if name == "FCD: Fit" and not is_on else 1), "Return")
 
-    def start_tool(self):
-        before = self.text().count("Started Mode FCD: Bend")
-        self.toggle_tool()
-        self.wait("Started Mode FCD: Bend", before + 1)
+    def start_tool(self, name="FCD: Bend"):
+        before = self.text().count(f"Started Mode {name}")
+        self.toggle_tool(name)
+        self.wait(f"Started Mode {name}", before + 1)
         self.do("mousemove", *MIDDLE)
 
     def save(self, name):
@@ -273,8 +284,8 @@ class Filters(host_window.Window):
 def window(tmp_path):
     opened = []
 
-    def open_window(mesh):
-        opened.append(Window(tmp_path, mesh))
+    def open_window(*meshes):
+        opened.append(Window(tmp_path, *meshes))
         return opened[-1]
 
     yield open_window
@@ -282,14 +293,15 @@ def window(tmp_path):
         each.close()
 
 
-def mark_two_regions(w):
-    """The left end of the tube fixed, the right end the handle, through the tube."""
+def mark_two_regions(w, far=280):
+    """The left end of the tube fixed, the right end the handle, through the tube. A drag may end beside the view."""
     x, y = MIDDLE
     w.key("v", "t", "f")
-    w.drag((x - 280, y - 200), (x - 110, y + 200))
+    w.drag((x - 110, y + 200), (x - far, y - 200))
     w.key("h")
-    w.drag((x + 280, y + 200), (x + 110, y - 200))
+    w.drag((x + 110, y - 200), (x + far, y + 200))
     w.shot("marked")
+    w.do("mousemove", x, y - 250)
     w.key("m")
 
 
@@ -298,7 +310,7 @@ def bend_a_marked_tube(window, tmp_path, to, colors=None):
     points, faces, tags = tube_with_ends()
     w = window(write_ply(tmp_path / "tube.ply", points, faces, colors=colors))
     w.start_tool()
-    mark_two_regions(w)
+    mark_two_regions(w, 310) # in newer windows it is shown larger
     w.drag((MIDDLE[0] + 225, MIDDLE[1]), to)
     return w, points, faces, tags
 
@@ -573,9 +585,13 @@ def test_drag_on_the_surface_bends_and_leaving_keeps(window, tmp_path):
     before = w.save("before.ply").read_bytes()
     w.start_tool()
     x, y = MIDDLE
+    name = lambda: np.asarray(w.picture().convert("L"))[118:146, 990:1100] # in the list of layers
+    saved = name()
     w.press_and_move((x + 40, y), (x + 60, y - 120))
     w.shot("dragging")
     w.do("mouseup", 1)
+    w.shot("released")
+    assert not np.array_equal(name(), saved) # it has a star
     assert len(w.traces("drag")) > 3 and w.traces("full")
     bent = load(w.save("bent.ply"))[0] # the tool is on
     moved = np.linalg.norm(bent - points, axis=1)

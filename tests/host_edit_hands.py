@@ -8,7 +8,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, load, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_state import open_tube
+from host_edit_state import choose_layer, import_another, open_tube
 
 pytestmark = host_edit.pytestmark
 
@@ -153,11 +153,12 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     w.key("ctrl+z") # one step
     assert np.array_equal(load(w.save("all.ply"))[0], bent)
 
-    gizmo = colored(w, (X + 205 + 80, Y - 60), (230, 40, 40))
+    arrow = lambda: colored(w, (X + 205, Y - 60 - 80), (40, 190, 40)) # the end of it
+    gizmo = arrow()
     said = state_text(w)
     w.key("Escape")
     w.shot("camera")
-    assert gizmo > 20 and colored(w, (X + 205 + 80, Y - 60), (230, 40, 40)) == 0 and state_text(w) != said
+    assert gizmo > 20 and arrow() == 0 and state_text(w) != said
     w.key("Escape", "ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
 
@@ -189,6 +190,43 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
     w.key("ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_esc_stops_what_was_begun_before_it(window, tmp_path):
+    """However late Esc is for the preparing of a large layer, and also where the window gets the press only after it."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    for i in range(8): # until after the last step of preparing
+        w.do("mousemove", X + 40 + i, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "sleep", 0.1 + 0.03 * i, "key", "Escape", "mouseup", 1)
+    assert w.text().count("trace: answer") == 8
+    assert not any(solve for *_, solve, _, _, _ in w.traces("full"))
+    w.do("mousemove", X + 40, Y)
+    w.while_the_manager_sleeps("mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1)
+    w.shot("stopped")
+    assert w.save("stopped.ply").read_bytes() == before
+    full = w.text().count("trace: full")
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "mouseup", 1) # the mouse is not the camera's
+    w.wait("trace: full", full + 1)
+
+
+def test_a_handle_is_laid_onto_another_layer(window, tmp_path):
+    """By Shift, where the mouse points at one; elsewhere it goes with the mouse."""
+    w, points, _ = open_tube(window, tmp_path)
+    import_another(w, tmp_path) # along x through y = 0.6
+    choose_layer(w, 0)
+    w.start_tool()
+    y, other = Y + 52, Y - 94 # where the two are in the view
+    w.do("mousemove", X, y, "mousedown", 1, "keydown", "shift")
+    for i in range(1, 9):
+        w.do("mousemove", X, y + (other - y) * i // 8)
+    w.do("mouseup", 1, "keyup", "shift")
+    w.shot("laid")
+    laid = load(w.save("laid.ply"))[0]
+    moved = np.linalg.norm(laid - points, axis=1)
+    at = laid[moved.argmax()]
+    assert moved.max() > 0.3 and abs(np.hypot(at[1] - 0.6, at[2]) - 0.3 * 0.25) < 0.01
 
 
 def test_axes_and_steps(window, tmp_path):

@@ -253,7 +253,7 @@ def test_a_drag_marks_nothing(window, tmp_path, in_place):
     w.wait("ms.apply_filter")
     if not in_place:
         w.wait("Started Mode FCD: Bend", 2) # on the new layer
-        time.sleep(0.5)
+        w.settle()
     for layer in [0] if in_place else [1, 0]:
         if layer == 0 and not in_place:
             choose_layer(w, 0)

@@ -12,7 +12,7 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False,
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False,
     "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
@@ -258,6 +258,20 @@ def picked(path, **points):
     path.write_text("<PickedPoints>" + "".join(f'<point x="{p[0]:.17g}" y="{p[1]:.17g}" z="{p[2]:.17g}" active="1" name="{name}"/>'
                                                 for name, p in points.items()) + "</PickedPoints>")
     return str(path)
+
+
+def test_landmarks_alone(tmp_path):
+    """Of the target, nothing but where they belong counts."""
+    ms, truth = pair()
+    start = ms.current_mesh().vertex_matrix()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="There are no landmarks that the surface could follow"):
+        fit(ms, landmarks_only=True)
+    chosen = np.arange(30, len(start), 700)
+    file = point_file(tmp_path / "pairs.csv", "index", chosen, None, (truth + [3, 0, 0])[chosen])
+    result, points = fit(ms, landmarks_file=file, landmarks_only=True)
+    assert result["converged"] and result["landmarks"] == len(chosen)
+    assert np.abs(points - truth - [3, 0, 0])[chosen].max() < 1e-5
+    assert rms(points, truth + [3, 0, 0]) < 1  # as near as the few of them say
 
 
 @pytest.mark.parametrize("start, scale", [("Rigid, from landmarks", 1), ("Rigid and scaled, from landmarks", 1.3), ("Axes tried out", 1)])

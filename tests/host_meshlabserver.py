@@ -91,13 +91,14 @@ def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(
             parameter("Float", "pose", value=pose) + "</filter>")
 
 
-def fit_filter(target_layer, graph_layers=True, fit_quality=0):
+def fit_filter(target_layer, graph_layers=True, fit_quality=0, landmarks="", landmarks_only=False, start=0):
     handles, = re.findall(r'(<Param type="RichEnum" name="handles".*)<Param type="RichBool" name="use_graph_layer"',
                           deform_filter(handle_layer=target_layer))  # the same parameters, which move nothing here
     return ('<filter name="FCD: Fit to Layer">' + parameter("Mesh", "target_layer", value=target_layer) +
-            parameter("OpenFile", "landmarks_file", value="", exts_cardinality=2, exts_val0="*.csv", exts_val1="*.pp") +
+            parameter("OpenFile", "landmarks_file", value=landmarks, exts_cardinality=2, exts_val0="*.csv", exts_val1="*.pp") +
             parameter("OpenFile", "target_landmarks_file", value="", exts_cardinality=1, exts_val0="*.pp") +
-            parameter("Float", "landmark_tolerance", value=0) + choice("start", 0, 4) + parameter("Float", "stiffness", value=1) + parameter("Float", "largest_distance", value=0) +
+            parameter("Float", "landmark_tolerance", value=0) + boolean("landmarks_only", landmarks_only) + choice("start", start, 4) +
+            parameter("Float", "stiffness", value=1) + parameter("Float", "largest_distance", value=0) +
             parameter("Float", "largest_angle", value=70) + boolean("both_ways", False) + parameter("Int", "initial_patches", value=150) +
             parameter("Float", "smoothness", value=0.0058) + parameter("Int", "random_seed", value=1) +
             parameter("Int", "samples", value=6000) + parameter("Int", "fit_steps", value=50) + boolean("graph_layers", graph_layers) +

@@ -527,6 +527,15 @@ def test_seams_a_hair_apart_hold(capfd):
         assert ("such a slit may open" in log) == (not joined), log
 
 
+def test_lines_that_points_do_not_see_beyond_are_told(capfd):
+    for denser in (10, 200):
+        y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(7 * denser + 1) / denser, indexing="ij"))
+        ms = new_set()
+        ms.add_mesh(pymeshlab.Mesh(np.column_stack([x, y, 0 * x]), v_scalar_array=np.where(x < 1, 0.0, np.where(x > 6, 2.0, 1.0))), "lines")
+        _, log = deform_logged(ms, capfd, rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40)
+        assert ("see others along their own line alone" in log) == (denser == 200), log
+
+
 WARNINGS = {
     "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "straight from one held region to another",
     "folded": "turned over", "still": "No handle moves"}

@@ -110,6 +110,7 @@ class Window:
     def search(self, text):
         """Chooses what MeshLab's search finds first."""
         self.x("windowactivate", "--sync", self.main)
+        self.x("mousemove", 500, 700)  # away from where the search lists what it finds
         self.keys("ctrl+f")
         time.sleep(0.4)
         self.type(text)
@@ -150,7 +151,6 @@ class Window:
         """Makes the layer at a place in the list the current one."""
         self.x("mousemove", self.place(self.main)[2] - 306, 133 + 31 * place, "click", 1)
         time.sleep(0.3)
-        self.x("mousemove", 500, 700)  # away from where the search lists what it finds
 
     def finish(self, window):
         self.click(window, 100, -20)  # Close
@@ -239,7 +239,7 @@ class Window:
 
 
 # Where the fields of the dialogs are, from their left and upper, or lower, edge.
-PREVIEW_X, PREVIEW_BOX = (272, 316), -84
+PREVIEW_X, PREVIEW_BOX = (272, 254), -84
 MOVE_X, AXIS_Y, AXIS_Z, ANGLE, LIKE_LAYER = (272, 210), (318, 241), (364, 241), (400, 272), (400, 365)
 
 
@@ -294,6 +294,12 @@ def open_mesh(screen, tmp_path):
         window.close()
 
 
+def rows_of_text(left, top, right, bottom):
+    """How many lines of text are in a part of the screen."""
+    dark = (np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).convert("L"))[top:bottom, left:right] < 100).any(1)
+    return np.count_nonzero(dark[1:] & ~dark[:-1])
+
+
 def test_every_dialog_fits_the_screen(open_mesh):
     points, faces, colors = cylinder()
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
@@ -301,11 +307,15 @@ def test_every_dialog_fits_the_screen(open_mesh):
         dialog = window.dialog(title)
         left, top, width, height = window.place(dialog)
         assert height <= 640 and left >= 0 and top >= 0 and left + width <= WIDTH and top + height <= HEIGHT, title
+        if title == "FCD: Pose in Place":
+            assert left > 700 # the view is seen beside a preview
         window.picture(title)
         window.click(dialog, -100, -51)  # Help
         time.sleep(0.5)
         left, top, width, height = window.place(dialog)
         assert top + height <= HEIGHT, f"{title} with help: {height}"
+        if title == "FCD: Reset Pose": # whose helps have 14 lines, and are all seen
+            assert rows_of_text(left + width - 260, top + 110, left + width - 20, top + height - 65) == 14
         window.picture(f"{title}, help")
         window.finish(dialog)
     for word in ("warp", "ARAP"):
@@ -320,6 +330,7 @@ def test_from_an_open_scan_to_a_bend_and_another(open_mesh, tmp_path):
     dialog = window.dialog("FCD: Deform Mesh")
     window.apply(dialog)
     assert "Nothing would move" in window.message()
+    assert rows_of_text(690, 744, 1360, 762) == 0 # the bar of progress is empty
     window.enter(dialog, *MOVE_X, "2")
     window.enter(dialog, *AXIS_Y, "1")
     window.enter(dialog, *AXIS_Z, "0")

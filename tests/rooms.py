@@ -4,7 +4,8 @@
     python3 tests/rooms.py
 
 In vcg_ext each folder includes what stands before it in FLOORS, or is its own; only the doors, the headers at the top, include all
-of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other."""
+of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other. The method takes sine,
+exponential and the like from base/elementary.h, for the same bits everywhere."""
 import re
 import sys
 from pathlib import Path
@@ -15,6 +16,9 @@ FLOORS = ["shape_constants.h", "base", "line", "handles", "surface", "patches", 
 SOURCES = {"deformer.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "straightener.cpp": "straighten.h"}  # of a door, at its floor
 VCG = {"base/point_tree.cpp": "a k-d tree", "centroidal_deformation.h": "reads VCG meshes"}
 LONGEST = 350
+# What libraries compute each in their own way. (AngleAxis and the closed form for eigenvalues call them.)
+VARYING = re.compile(r"\bstd::(sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|exp2?|expm1|log|log2|log10|log1p|pow|cbrt|hypot|polar|arg)\b|AngleAxis|computeDirect"
+                     r"|\.(sin|cos|tan|exp|log|pow)\(|\.slerp\(")
 LONG = {}  # longer ones, each with its reason
 
 
@@ -36,6 +40,10 @@ def main():
         name = str(path.relative_to(ROOT / "vcg_ext"))
         if name.startswith("unity/"):
             continue
+        for line, text in enumerate(path.read_text().split("\n"), 1):
+            found = VARYING.search(text.split("//")[0])
+            if found:
+                faults.append(f"vcg_ext/{name}:{line}: error: {found[0]} has other bits elsewhere; see base/elementary.h")
         for line, included in includes(path):
             where = f"vcg_ext/{name}:{line}: error: "
             if included.startswith("vcg_ext/"):

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/deformer.h>
@@ -47,7 +48,7 @@ GraphGeometry GeometryOf(const NormalOf &normal, const SurfaceGraph &surface, co
 
 /// Angle of a rotation given as a unit quaternion (w, x, y, z).
 float DegreesOf(const Eigen::Vector4d &q) {
-    return float(2 * std::atan2(q.tail<3>().norm(), std::abs(q[0])) * 180 / EIGEN_PI);
+    return float(2 * detail::ArcTangent(q.tail<3>().norm(), std::abs(q[0])) * 180 / detail::pi);
 }
 
 /// The deformation graph before and after, in \p result.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -115,17 +116,22 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
 std::vector<double> Fitter::StiffnessOf(const FitMatches &matches, const FitSamples &samples, double soft) const {
     const Graph &graph = deformer->graph.graph;
     std::vector<double> all(std::size_t(graph.Size()), 0), share = all;
-    for (std::size_t s = 0; s < samples.Size(); ++s)
+    bool isMatched = false;
+    for (std::size_t s = 0; s < samples.Size(); ++s) {
+        isMatched = isMatched || matches.Counts(s);
         for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
             all[std::size_t(samples.term[t].node)] += samples.term[t].weight;
             share[std::size_t(samples.term[t].node)] += matches.Counts(s) ? samples.term[t].weight : 0;
         }
+    }
+    if (!isMatched) // landmarks alone
+        return std::vector<double>(all.size(), soft);
     for (std::size_t j = 0; j < all.size(); ++j)
         share[j] = all[j] > 0 ? share[j] / all[j] : 0;
     for (int i = 0; i < 2 * widestGap + margin; ++i)
         share = Beside(graph.adjacency, share, i >= widestGap);
     for (double &each : share) // from none to a half
-        each = soft * std::pow(std::max(stiffest / soft, 1.0), std::clamp(2 * (1 - each), 0.0, 1.0));
+        each = soft * detail::Power(std::max(stiffest / soft, 1.0), std::clamp(2 * (1 - each), 0.0, 1.0));
     return share;
 }
 
@@ -174,7 +180,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     samples.Shrink(matched);
     FitSystem system(*deformer, isFree, drawn, param.smoothness);
     FitMatches matches(target, samples,
-                       {param.largestDistance / frame.scale, std::cos(param.largestAngle * double(EIGEN_PI) / 180),
+                       {param.largestDistance / frame.scale, detail::Cosine(param.largestAngle * detail::pi / 180),
                         std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1))),
                         param.bothWays});
     const double tolerance = param.landmarkTolerance / frame.scale;
@@ -193,7 +199,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
                 weight * (tolerance > 0 ? Eigen::Matrix3d(way * way.transpose()) : Eigen::Matrix3d::Identity());
             pull[s].gradient = weight * off;
         }
-        const double stiffness = stiffest * std::pow(softest * param.stiffness / stiffest, a);
+        const double stiffness = stiffest * detail::Power(softest * param.stiffness / stiffest, a);
         const auto change = system.Step(graph, pull,
                                         a < 1 ? std::vector<double>(isFree.size(), stiffness)
                                               : StiffnessOf(matches, samples, stiffness),

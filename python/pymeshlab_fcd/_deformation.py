@@ -19,12 +19,14 @@ from ._progress import Progress, report
 
 
 @contextlib.contextmanager
-def _aside(path: str) -> Iterator[BinaryIO]:
-    """A file beside the one of this name, whose place it takes at the end; after an exception, it is gone."""
+def _aside(name: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A file beside the one of this name, or that the name leads to, whose place it takes at the end; after an exception, it is gone."""
+    path = os.fsdecode(name)
     if os.path.exists(path) and not os.path.isfile(path):  # a pipe, a device
         with open(path, "wb") as file:
             yield file
         return
+    path = os.path.realpath(path)
     aside = f"{path}.{os.getpid()}.{uuid.uuid4().hex}.part"
     try:
         with open(aside, "xb") as file:
@@ -40,7 +42,7 @@ def _aside(path: str) -> Iterator[BinaryIO]:
         raise
 
 
-def _write(path: str, content: bytes) -> None:
+def _write(path: str | os.PathLike[str], content: bytes) -> None:
     with _aside(path) as file:
         file.write(content)
 
@@ -97,7 +99,7 @@ class Deformation:
         Raises:
             OSError: It cannot be written, as where the disk is full.
         """
-        _write(os.path.realpath(os.fsdecode(path)), self._field.content())
+        _write(path, self._field.content())
 
     @overload
     def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1, progress: Progress = None) -> Points: ...

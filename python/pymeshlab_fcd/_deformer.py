@@ -88,6 +88,8 @@ class SurfaceInfo:
     """Vertices on open borders a hair from another, which count as one."""
     gaps: int
     """Vertices on open borders that are close to another border, and are not joined with it."""
+    one_sided: int
+    """Points of a cloud that see others along their own line alone."""
     isolated: int
     """Vertices without a neighbour."""
     non_manifold_edges: int
@@ -231,6 +233,9 @@ class Deformer:
         if info.gaps > 3:
             warnings.warn(f"{info.gaps} vertices on open borders lie closer to another border than a tenth of their edges, and nothing "
                           "joins the two: such a slit may open. Weld the surface first, or raise weld_distance.", DeformationWarning, 3)
+        if 100 * info.one_sided > info.free:
+            warnings.warn(f"{info.one_sided} points see others along their own line alone, so that lines hang together only here and "
+                          "there. If this is a surface, thin out the points along the lines first.", DeformationWarning, 3)
         if info.placed_nodes < nodes:
             warnings.warn(f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out.",
                           DeformationWarning, 3)

@@ -125,7 +125,7 @@ class PoseSequence:
         Raises:
             OSError: It cannot be written; what was there is still there.
         """
-        _write(os.fspath(path), self.text(deformer).encode())
+        _write(path, self.text(deformer).encode())
 
     @property
     def poses(self) -> dict[str, str]:
@@ -211,7 +211,7 @@ class PoseSequence:
                 if path is None:
                     writers.append(None)
                     continue
-                file = stack.enter_context(_aside(os.fspath(path)))
+                file = stack.enter_context(_aside(path))
 
                 def put(at: int, data: bytes, file: BinaryIO = file) -> None:
                     file.seek(at)

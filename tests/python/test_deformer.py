@@ -276,6 +276,9 @@ def test_what_is_probably_not_meant_is_told():
         Deformer(np.concatenate([vertices, vertices[135:136]]), faces, np.append(tags, 2)).pose({2: up})
     with pytest.warns(DeformationWarning, match="1 of the 2 nodes do not lie on the free surface"):
         Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
+    y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
+    with pytest.warns(DeformationWarning, match="see others along their own line alone"):
+        Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
     with pytest.warns(DeformationWarning, match="such a slit may open"):
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
         sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)

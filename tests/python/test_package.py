@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Python package as it is installed from its wheel (tests/python_package.sh). Saved deformations, arrays, MeshSets."""
 import concurrent.futures
+import os
 import pickle
 import re
 import subprocess
@@ -196,24 +197,55 @@ def test_a_bit_that_was_changed_is_an_error(bend):
             pymeshlab_fcd.Deformation(bytes(changed))
 
 
-def test_a_file_is_replaced_as_a_whole_or_stays(tmp_path, bend):
+WRITES = """
+import os, resource, signal, sys, numpy as np, pymeshlab_fcd
+how, folder = sys.argv[1:]
+bend = pymeshlab_fcd.Deformation.load(folder + "/new.ply")
+x, y = [grid.ravel() for grid in np.meshgrid(np.arange(20.0), np.arange(9.0))]
+deformer = pymeshlab_fcd.Deformer(np.stack([x, y, 0 * x], 1), None, np.where(x < 3, 0, np.where(x > 16, 2, 1)))
+poses = pymeshlab_fcd.PoseSequence({"pose": {2: pymeshlab_fcd.Motion.translate([0, 0, 3])}})
+if how == "the disk is full":
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+if how == "killed in the middle":  # by Linux, where the file gets too large
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+if how == "killed at the end":
+    os.replace = lambda *names: os.kill(os.getpid(), signal.SIGKILL)
+else:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, 10))
+for name, write in {"bend.ply": bend.save, "poses.csv": poses.save, "a.glb": lambda path: poses.write(deformer, gltf=path),
+                    "a.pc2": lambda path: poses.write(deformer, pc2=path)}.items():
+    if os.fork() == 0:
+        try:
+            write(folder + "/" + name)
+            os._exit(1)
+        except OSError:
+            os._exit(2)
+    print(name, os.waitstatus_to_exitcode(os.wait()[1]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what limits and kills is Linux's")
+@pytest.mark.parametrize("how, ends, beside", [("the disk is full", 2, 0), ("killed in the middle", -25, 4), ("killed at the end", -9, 4)])
+def test_what_a_file_held_stays_whole_whatever_ends_a_write(tmp_path, bend, how, ends, beside):
+    names = ("bend.ply", "poses.csv", "a.glb", "a.pc2")
+    for name in names:
+        (tmp_path / name).write_bytes(b"old")
+    bend.save(tmp_path / "new.ply")
+    done = subprocess.run([sys.executable, "-c", WRITES, how, tmp_path], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [f"{name} {ends}" for name in names], done.stderr
+    assert all((tmp_path / name).read_bytes() == b"old" for name in names)
+    assert len([file for file in tmp_path.iterdir() if file.name.endswith(".part")]) == beside
+
+
+def test_a_file_is_replaced_where_a_link_leads_and_keeps_its_mode(tmp_path, bend):
     path, link = tmp_path / "bend.ply", tmp_path / "link.ply"
     path.write_bytes(b"old")
     path.chmod(0o640)
     link.symlink_to(path)
-    limit = """
-import resource, signal, sys, pymeshlab_fcd
-bend = pymeshlab_fcd.Deformation.load(sys.argv[1])
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-try:
-    bend.save(sys.argv[2])
-except OSError:
-    print("as a full disk")
-"""
     bend.save(tmp_path / "new.ply")
-    done = subprocess.run([sys.executable, "-c", limit, tmp_path / "new.ply", link], capture_output=True, text=True, check=True)
-    assert "as a full disk" in done.stdout and path.read_bytes() == b"old"
+    poses = pymeshlab_fcd.PoseSequence({"pose": "2: scale 2"})
+    poses.save(link)
+    assert link.is_symlink() and path.read_text() == poses.text()
     bend.save(link)
     assert link.is_symlink() and path.read_bytes() == (tmp_path / "new.ply").read_bytes() and path.stat().st_mode & 0o777 == 0o640
     assert sorted(file.name for file in tmp_path.iterdir()) == ["bend.ply", "link.ply", "new.ply"]
@@ -229,6 +261,16 @@ def test_files_that_hold_no_deformation(tmp_path, bend):
         pymeshlab_fcd.Deformation.load(tmp_path / "cut.ply")
     with pytest.raises(ValueError, match="'deformation' is no saved deformation"):
         pymeshlab_fcd.Deformation(b"ply\n")
+
+
+def test_the_bits_are_those_of_no_library():
+    """glibc computes sine and the like in other ways where it is told that the processor does not fuse products and sums."""
+    def sums(*without):
+        here = {**os.environ, "GLIBC_TUNABLES": "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in without)}
+        return subprocess.run([sys.executable, ROOT / "tests" / "bits.py"], env=here, capture_output=True, text=True, check=True).stdout
+
+    usual = sums()
+    assert len(usual.splitlines()) == 20 and usual == sums("AVX2", "FMA", "FMA4", "AVX2_Usable", "FMA_Usable")
 
 
 # --- other pymeshlabs -----------------------------------------------------------------------------------------------------

@@ -502,6 +502,36 @@ TEST(DeformCentroidal, ScanLinesTwentyTimesDenserHaveTheShapeOfTheMesh) {
     }
 }
 
+TEST(DeformCentroidal, WhatIsThereSeveralTimesCountsOnce) {
+    const Shape tube = Jittered(Tube(40, 16), 0.02);
+    const auto deformed = [](const Shape &shape) {
+        return Deformed(CaseOf(shape, [](const Vector3d &p) { return TubeTag(p); }), Param(100));
+    };
+    const Matrix3Xd mesh = deformed(tube), cloud = deformed(Points(tube));
+    for (int times : {2, 4}) {
+        Shape many = tube;
+        for (int k = 1; k < times; ++k)
+            many.face.insert(many.face.end(), tube.face.begin(), tube.face.end());
+        EXPECT_LE(PercentApart(mesh, deformed(many)), 0.2) << "faces " << times << " times";
+    }
+    for (int times : Rounds({8, 30}))
+        for (double hair : {0.0, 1e-7}) { // tags are told before points are moved
+            std::mt19937 random(1);
+            Case c{{}, {}};
+            c.handles.motion[2] = Motion(bend.matrix());
+            for (int i = 0; i < times * tube.Size(); ++i) {
+                const Vector3d &p = tube.position[i / times];
+                c.handles.tag.push_back(TubeTag(p));
+                c.shape.position.push_back(p + (i % times ? hair : 0) * RandomVector(random));
+            }
+            const Matrix3Xd all = Deformed(c, Param(100));
+            Matrix3Xd there(3, tube.Size());
+            for (int i = 0; i < tube.Size(); ++i)
+                there.col(i) = all.col(i * times);
+            EXPECT_LE(PercentApart(cloud, there), hair > 0 ? 0.5 : 0.2) << times << " times, moved by " << hair;
+        }
+}
+
 TEST(DeformCentroidal, AnUnweldedMeshWithLoosePartsHasTheShapeOfTheWeldedOne) {
     // A sleeve around a body of large triangles, of which a place is several vertices.
     Shape sleeve = Tube(61, 40, 4);

@@ -95,14 +95,16 @@ TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
             tag.push_back(x < 0.2 || (x > 0.5 && x < 0.52) ? 0 : i % 4000 == 0 ? 2 : 1);
         }
         const Region region = FreeRegion(Read(MeshD(cloud)), tag, {});
-        const PointTree<double> tree(cloud.position);
-        vcg::fcd::detail::CloudNeighbourhood<double> neighbourhood(tree, cloud.position.size());
+        const Eigen::Map<const Eigen::Matrix3Xd> position(cloud.position[0].data(), 3, cloud.Size());
+        const PointBlocks<double> blocks(position, 1);
+        vcg::fcd::detail::CloudNeighbourhood<double> neighbourhood(blocks);
         std::vector<unsigned char> expected(tag.size(), Region::candidate);
-        for (std::size_t i = 0; i < tag.size(); ++i) {
+        for (std::size_t at = 0; at < tag.size(); ++at) {
+            const auto i = std::size_t(blocks.Number(at));
             if (tag[i] != 1)
                 continue;
             expected[i] = Region::part;
-            neighbourhood.Look(i, [&](std::size_t j) { return cloud.position[j]; });
+            neighbourhood.Look(at);
             for (Index j : neighbourhood.around)
                 expected[std::size_t(j)] = Region::part;
         }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/surface/loose_parts.h>
+#include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
@@ -226,6 +227,35 @@ TEST(LooseParts, MoveAsTheSurfaceThatBendsBesideThem) {
     EXPECT_GT((x.col(first) - c.shape.position[first]).norm(), 0.1);
     for (int i = first + 1; i < x.cols(); ++i)
         EXPECT_NEAR((x.col(i) - x.col(i - 1)).norm(), (c.shape.position[i] - c.shape.position[i - 1]).norm(), 1e-9);
+}
+
+TEST(LooseParts, TurnAsTheSurfaceDoesWhereItIsNearest) {
+    constexpr int buttons = 6; // in different patches, at different places of them
+    Shape more;
+    for (int b = 0; b < buttons; ++b)
+        more = Join(std::move(more),
+                    Moved(Sphere(4, 6), Affine3d(Eigen::Translation3d(1.4, 0, 2 + 0.43 * b) * Eigen::Scaling(0.1))));
+    const Case c = TubeWith(more);
+    const int each = more.Size() / buttons, first = c.shape.Size() - more.Size();
+    DeformationParam param;
+    param.linear = true;
+    const DeformationResult result = DeformCentroidal(MeshD(c.shape), c.handles, param);
+    for (int begin = first; begin < c.shape.Size(); begin += each) {
+        double least = 1e9;
+        int nearest = -1;
+        Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
+        for (int i = begin; i < begin + each; ++i) {
+            turned += (result.position.col(i) - result.position.col(begin)) *
+                      (c.shape.position[i] - c.shape.position[begin]).transpose();
+            for (int j = 0; j < first; ++j)
+                if (const double d = (c.shape.position[i] - c.shape.position[j]).norm(); d < least) {
+                    least = d;
+                    nearest = j;
+                }
+        }
+        const Eigen::Matrix3d there = vcg::fcd::detail::RotationOf(result.linear[nearest].cast<double>());
+        EXPECT_LE((vcg::fcd::detail::RotationOf(turned) - there).norm(), 1e-4) << "vertex " << begin;
+    }
 }
 
 TEST(LooseParts, LongOnesFollowPartByPart) {

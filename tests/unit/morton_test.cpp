@@ -4,8 +4,9 @@
 #include <gtest/gtest.h>
 #include <random>
 
-using namespace vcg::fcd::detail;
 using vcg::fcd::Progress;
+using vcg::fcd::detail::MortonCode;
+using vcg::fcd::detail::RadixSortUpper30;
 
 static std::vector<std::uint64_t> RandomItems(std::size_t n, std::uint32_t codes) {
     std::mt19937 random(1);

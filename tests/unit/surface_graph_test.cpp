@@ -301,6 +301,22 @@ TEST(SurfaceGraph, PointsAreNeighboursBothWays) {
     }
 }
 
+TEST(SurfaceGraph, TellsOfLinesThatPointsDoNotSeeBeyond) {
+    const auto lines = [](int denser) {
+        Shape shape;
+        for (int line = 0; line < 3; ++line)
+            for (int i = 0; i <= 4 * denser; ++i)
+                shape.position.emplace_back(double(i) / denser, line, 0);
+        return BuildSurfaceGraph(Read(MeshD(shape))).report;
+    };
+    EXPECT_GT(lines(120).oneSided, 3 * 4 * 120 / 2);
+    EXPECT_TRUE(IsInLines(lines(120)));
+    for (int denser : {1, 20})
+        EXPECT_FALSE(IsInLines(lines(denser))) << denser;
+    for (const Shape &cloud : {PointCloud(3000), Points(Grid(50, 60))})
+        EXPECT_LE(BuildSurfaceGraph(Read(MeshD(cloud))).report.oneSided, 4) << "the corners";
+}
+
 TEST(SurfaceGraph, TakesASinglePoint) {
     const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(PointCloud(1))));
     EXPECT_EQ(s.graph.Size(), 1);

@@ -2,17 +2,46 @@
 #ifndef VCG_FCD_ROTATION_VECTOR_H
 #define VCG_FCD_ROTATION_VECTOR_H
 
+#include <vcg_ext/base/elementary.h>
+
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace vcg {
 namespace fcd {
 namespace detail {
 
+/// The rotation by an angle, in radians, about an axis of length 1.
+inline Eigen::Matrix3d RotationBy(double angle, const Eigen::Vector3d &axis) {
+    const double cosine = Cosine(angle);
+    const Eigen::Vector3d sines = Sine(angle) * axis, versine = (1 - cosine) * axis;
+    Eigen::Matrix3d m = versine * axis.transpose();
+    m.diagonal().array() += cosine;
+    for (int k = 0; k < 3; ++k) {
+        m((k + 2) % 3, (k + 1) % 3) += sines[k];
+        m((k + 1) % 3, (k + 2) % 3) -= sines[k];
+    }
+    return m;
+}
+
 /// The rotation about the axis of \p w by its length, in radians; none by a vector of no length.
 inline Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
     const double angle = w.norm();
-    return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    return angle > 0 ? RotationBy(angle, w / angle) : Eigen::Matrix3d::Identity();
 }
+
+/// The angle of a rotation, in [0, pi] radians, and its axis, of length 1; any where the angle is 0.
+struct Turn {
+    double angle;
+    Eigen::Vector3d axis;
+
+    explicit Turn(const Eigen::Matrix3d &rotation) {
+        const Eigen::Quaterniond q(rotation);
+        const double sine = q.vec().norm();
+        angle = 2 * ArcTangent(sine, std::abs(q.w()));
+        axis = sine > 0 ? Eigen::Vector3d(q.vec() / (q.w() < 0 ? -sine : sine)) : Eigen::Vector3d::UnitX();
+    }
+};
 
 /// The matrix that multiplies a vector as the cross product with \p w from the left does.
 inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d &w) {

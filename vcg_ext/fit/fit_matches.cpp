@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit/fit_matches.h>
@@ -130,13 +131,14 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
             counts[s] = 0;
     if (first < 0)
         first = std::max(2 * median, 2e-6);
-    const double width = std::max({first * std::pow(narrow, part), wide * Quantile(good, 0.9), least});
+    const double width = std::max({first * detail::Power(narrow, part), wide * Quantile(good, 0.9), least});
     // How much a match holds along the surface: little, or it takes many steps to slide to its place; but not less, or
     // a smooth shape slides along itself (the tube of tests/host_fit.py).
-    const double along = 0.5 * std::pow(0.004, part);
+    const double along = 0.5 * detail::Power(0.004, part);
     for (std::size_t s = 0; s < Size(); ++s) {
         const double w =
-            counts[s] ? angular[s] * std::exp(-0.5 * std::pow(distance[s] / width, 2)) / double(Size()) : 0;
+            counts[s] ? angular[s] * detail::Exponential(-0.5 * detail::Squared(distance[s] / width)) / double(Size())
+                      : 0;
         const Eigen::Vector3d &n = normal[s];
         pull[s].form = w * (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
         pull[s].gradient = pull[s].form * (at[s] - match[s].point);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/handles/handles.h>
 
@@ -28,26 +29,28 @@ struct Polar {
     } // det > 0, as linear's
 
     Eigen::Matrix3d Stretch(double power) const {
-        return svd.matrixV() * svd.singularValues().array().pow(power).matrix().asDiagonal() *
+        return svd.matrixV() *
+               svd.singularValues().unaryExpr([&](double s) { return detail::Power(s, power); }).asDiagonal() *
                svd.matrixV().transpose();
     }
 };
 
 /// exp(t log(rigid)) on SE(3).
 Eigen::Matrix4d Screw(const Eigen::Matrix4d &rigid, double t) {
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));
-    const Eigen::Vector3d &axis = turn.axis();
+    const detail::Turn turn(rigid.topLeftCorner<3, 3>());
+    const Eigen::Vector3d &axis = turn.axis;
     const Eigen::Vector3d d = rigid.topRightCorner<3, 1>();
-    const double angle = turn.angle();
+    const double angle = turn.angle;
     Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-    result.topLeftCorner<3, 3>() = Eigen::AngleAxisd(t * angle, axis).toRotationMatrix();
+    result.topLeftCorner<3, 3>() = detail::RotationBy(t * angle, axis);
     // d = along the axis + across it; the part across is a rotation about a parallel axis through q.
     const Eigen::Vector3d along = axis * axis.dot(d), across = d - along;
     if (angle < 1e-9) {
         result.topRightCorner<3, 1>() = t * d;
         return result;
     }
-    const Eigen::Vector3d q = 0.5 * (across + axis.cross(across) / std::tan(angle / 2));
+    const Eigen::Vector3d q =
+        0.5 * (across + axis.cross(across) * (detail::Cosine(angle / 2) / detail::Sine(angle / 2)));
     result.topRightCorner<3, 1>() = t * along + q - result.topLeftCorner<3, 3>() * q;
     return result;
 }
@@ -60,7 +63,7 @@ Motion::Motion(const Eigen::Matrix4d &m) : matrix(m) {
         throw BadInput("A transform is not affine: the last row of its 4 x 4 matrix must be 0 0 0 1.");
     // Of a matrix of size one: the determinants of large and small ones leave the range of numbers.
     const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>(), unit = linear / linear.cwiseAbs().maxCoeff();
-    if (!(unit.determinant() > 1e-12 * std::pow(unit.norm(), 3)))
+    if (!(unit.determinant() > 1e-12 * unit.norm() * unit.squaredNorm()))
         throw BadInput("A transform mirrors or flattens its handle (determinant <= 0); give a rotation, a translation, "
                        "a scaling, or a combination of them.");
 }
@@ -72,8 +75,8 @@ Motion::Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const
 Eigen::Vector3d Motion::Rotation() const {
     if (!turn.isZero(0))
         return turn;
-    const Eigen::AngleAxisd shortest(Polar(matrix.topLeftCorner<3, 3>()).rotation);
-    return shortest.angle() * shortest.axis();
+    const detail::Turn shortest(Polar(matrix.topLeftCorner<3, 3>()).rotation);
+    return shortest.angle * shortest.axis;
 }
 
 Eigen::Matrix4d Motion::At(double percent, const Eigen::Vector3d &center) const {
@@ -111,18 +114,18 @@ void Motion::SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &po
 /// The fraction t of \p rigid by way of the turn, for \p center.
 Eigen::Matrix4d Motion::Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const {
     // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
-    const double fullTurn = 2 * std::acos(-1.0);
-    const Eigen::AngleAxisd shortest(Eigen::Matrix3d(rigid.topLeftCorner<3, 3>()));
+    const double fullTurn = 2 * detail::pi;
+    const detail::Turn shortest(rigid.topLeftCorner<3, 3>());
     Eigen::Vector3d axis = turn.normalized();
-    const double side = shortest.axis().dot(axis);
-    double angle = shortest.angle() * side;
-    if (shortest.angle() > 1e-6) {
-        axis = side < 0 ? Eigen::Vector3d(-shortest.axis()) : shortest.axis();
-        angle = side < 0 ? -shortest.angle() : shortest.angle();
+    const double side = shortest.axis.dot(axis);
+    double angle = shortest.angle * side;
+    if (shortest.angle > 1e-6) {
+        axis = side < 0 ? Eigen::Vector3d(-shortest.axis) : shortest.axis;
+        angle = side < 0 ? -shortest.angle : shortest.angle;
     }
     angle += fullTurn * std::round((turn.norm() - angle) / fullTurn);
 
-    const Eigen::Matrix3d rotation = Eigen::AngleAxisd(t * angle, axis).toRotationMatrix();
+    const Eigen::Matrix3d rotation = detail::RotationBy(t * angle, axis);
     const Eigen::Vector3d arm = center - pivot;
     const Eigen::Vector3d rest = (rigid * center.homogeneous()).head<3>() - rigid.topLeftCorner<3, 3>() * arm - pivot;
     Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
@@ -146,14 +149,14 @@ Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen:
         moved += (matrix * center.homogeneous()).head<3>() - center;
         const Polar polar(motion.matrix.topLeftCorner<3, 3>());
         const Eigen::Vector3d factors = polar.svd.singularValues();
-        stretch +=
-            t * (polar.svd.matrixV() * factors.array().log().matrix().asDiagonal() * polar.svd.matrixV().transpose());
+        stretch += t * (polar.svd.matrixV() * factors.unaryExpr(&detail::Logarithm).asDiagonal() *
+                        polar.svd.matrixV().transpose());
     }
     if (count > 1) {
         Eigen::Matrix3d linear = detail::RotationBy(turn);
         ExpectFinite(Eigen::Matrix4d::Constant(stretch.sum())); // the solver below would not come to an end
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(stretch);
-        linear *= axes.eigenvectors() * axes.eigenvalues().array().exp().matrix().asDiagonal() *
+        linear *= axes.eigenvectors() * axes.eigenvalues().unaryExpr(&detail::Exponential).asDiagonal() *
                   axes.eigenvectors().transpose();
         matrix.topLeftCorner<3, 3>() = linear;
         matrix.topRightCorner<3, 1>() = center + moved - linear * center;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/handles/motion_text.h>
 
@@ -188,7 +190,7 @@ std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion
 }
 
 Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &barycenter) {
-    const double radian = std::acos(-1.0) / 180;
+    const double radian = detail::pi / 180;
     Eigen::Affine3d motion = Eigen::Affine3d::Identity();
     Eigen::Vector3d axis = Eigen::Vector3d::Zero(), pivot = Eigen::Vector3d::Zero(); // of the turn
     double degrees = 0;
@@ -211,7 +213,8 @@ Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &bar
                        : axis.dot(axisNow) < 0 ? -step.degrees
                                                : step.degrees;
             // Full turns are left out of the matrix exactly.
-            change = there * Eigen::AngleAxisd(std::remainder(step.degrees, 360) * radian, axisNow) * back;
+            change.linear() = detail::RotationBy(std::remainder(step.degrees, 360) * radian, axisNow);
+            change = there * change * back;
             break;
         }
         }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/line/framed_line.h>
 
@@ -112,7 +113,7 @@ void FramedLine::Smooth(double sigma) {
     std::vector<double> weight;
     double sum = 0;
     for (Eigen::Index k = -reach; k <= reach; ++k)
-        sum += weight.emplace_back(std::exp(-0.5 * std::pow(double(k) / sigma, 2)));
+        sum += weight.emplace_back(detail::Exponential(-0.5 * detail::Squared(double(k) / sigma)));
     const auto blurred = [&](const Eigen::Matrix3Xd &from) {
         const Eigen::Index last = from.cols() - 1;
         // Beyond an end it is the line's own image in that point.
@@ -212,10 +213,10 @@ double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) con
 
 void FramedLine::TurnTo(double s, const Eigen::Vector3d &across) {
     const Eigen::Matrix3d axes = At(s).axes;
-    const double angle = std::atan2(across.dot(axes.col(2)), across.dot(axes.col(1)));
+    const double angle = detail::ArcTangent(across.dot(axes.col(2)), across.dot(axes.col(1)));
     for (std::size_t i = 0; i < up.size(); ++i) {
         const Eigen::Vector3d t = tangent.col(Eigen::Index(i));
-        up[i] = std::cos(angle) * up[i] + std::sin(angle) * t.cross(up[i]);
+        up[i] = detail::Cosine(angle) * up[i] + detail::Sine(angle) * t.cross(up[i]);
     }
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/line/line_motion.h>
 
@@ -27,7 +29,7 @@ LineMotion::Moved LineMotion::At(double s, const Eigen::Vector3d &p) const {
     Moved moved;
     const Twist its = twist ? twist(within) : Twist();
     const Eigen::Vector3d along = after.axes.col(0);
-    moved.turn = Eigen::AngleAxisd(its.angle, along) * after.axes * before.axes.transpose();
+    moved.turn = detail::RotationBy(its.angle, along) * after.axes * before.axes.transpose();
     const Eigen::Vector3d across = moved.turn * off;
     moved.position = after.point + across;
     moved.linear = moved.turn;
@@ -45,14 +47,15 @@ LineMotion::Moved LineMotion::At(double s, const Eigen::Vector3d &p) const {
 
 Eigen::Matrix3Xd ArcPoints(const Eigen::Vector3d &middle, const Eigen::Vector3d &direction,
                            const Eigen::Vector3d &towards, double length, double degrees) {
-    const double angle = degrees * double(EIGEN_PI) / 180;
+    const double angle = degrees * detail::pi / 180;
     const Eigen::Index half = 32; // steps of less than 6 degrees
     Eigen::Matrix3Xd points(3, 2 * half + 1);
     for (Eigen::Index i = -half; i <= half; ++i) {
         const double part = 0.5 * double(i) / double(half), turned = part * angle, s = part * length;
         // sin(x) / x and (1 - cos(x)) / x, which are as good for small x
-        const double sine = std::abs(turned) > 1e-8 ? std::sin(turned) / turned : 1,
-                     rise = std::abs(turned) > 1e-8 ? std::pow(std::sin(turned / 2), 2) * 2 / turned : turned / 2;
+        const double sine = std::abs(turned) > 1e-8 ? detail::Sine(turned) / turned : 1,
+                     rise =
+                         std::abs(turned) > 1e-8 ? detail::Squared(detail::Sine(turned / 2)) * 2 / turned : turned / 2;
         points.col(half + i) = middle + s * (sine * direction + rise * towards);
     }
     return points;

@@ -81,21 +81,23 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
         const std::size_t i = moving.following.leader[part];
         if (i == LooseFollowing::none)
             continue;
-        const Eigen::Vector3d p = moving.surface.frame.ToFrame(moving.leaderRest[part]);
-        Eigen::Affine3d there;
         const Index node = moving.surface.nodeOf[i];
-        if (node >= 0 && moving.surface.tag[node] == 1) {
-            there.linear() = detail::RotationOf(pose.graph.linear[moving.patches.patchOf[node]]);
-            there.translation() =
-                moving.surface.frame.ToFrame(mapped(node, moving.leaderRest[part])) - there.linear() * p;
+        Eigen::Matrix4d given = Eigen::Matrix4d::Identity();
+        if (node >= 0 && moving.surface.tag[node] == 1) { // as the surface there turns, not the patch it is in
+            Eigen::Matrix3f linear;
+            const Eigen::Vector3d at = mapped(node, moving.leaderRest[part], &linear);
+            given.topLeftCorner<3, 3>() = linear.cast<double>();
+            given.topRightCorner<3, 1>() = at - given.topLeftCorner<3, 3>() * moving.leaderRest[part];
         } else {
-            const Eigen::Matrix4d &given = GivenAt(i);
-            if (given.isIdentity(0))
-                continue;
-            const Eigen::Affine3d moved = moving.surface.frame.ToFrame(given);
-            there.linear() = detail::RotationOf(moved.linear());
-            there.translation() = moved * p - there.linear() * p;
+            given = GivenAt(i);
         }
+        if (given.isIdentity(0))
+            continue;
+        const Eigen::Vector3d p = moving.surface.frame.ToFrame(moving.leaderRest[part]);
+        const Eigen::Affine3d moved = moving.surface.frame.ToFrame(given);
+        Eigen::Affine3d there;
+        there.linear() = detail::RotationOf(moved.linear());
+        there.translation() = moved * p - there.linear() * p;
         result[part] = moving.surface.frame.FromFrame(there);
         result[part].row(3) << 0, 0, 0, 1;
     }

@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_LLOYD_H
 #define VCG_FCD_LLOYD_H
 
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
@@ -224,7 +225,7 @@ struct Lloyd {
     }
 
     static double Done(int iterations, const PatchParam &param) {
-        return 1 - std::exp(-8.0 * iterations / param.maxIterations);
+        return 1 - detail::Exponential(-8.0 * iterations / param.maxIterations);
     }
 
   private:

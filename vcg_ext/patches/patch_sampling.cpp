@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/patches/lloyd.h>
 #include <vcg_ext/patches/patch_clusters.h>
 #include <vcg_ext/patches/patch_sampling.h>
@@ -38,7 +39,8 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
     const std::vector<Index> seed = detail::RandomSample(each, param.initialPatches, param.randomSeed);
     std::vector<SamplingStep> history;
     detail::Lloyd lloyd(graph, tag, each, progress.threads);
-    const double coarsest = std::log2(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
+    const double coarsest =
+        detail::BinaryLogarithm(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
     const int leastBits = std::max(1, int(std::ceil(coarsest))), bits = std::min(leastBits + 1, 10);
     const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7));
     bool converged = used > leastBits;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/graph/coarse_graph.h>
@@ -125,7 +126,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     // The error falls with the square of the distance of the nodes where the shape is smooth, and with that distance
     // itself beside borders and creases: half-way. Nodes lie on a surface, so that it goes with their number.
     const double order = 1.5;
-    const double coarser = std::pow(nodes / groups, order / 2); // so many times the error of the finer one
+    const double coarser = detail::Power(nodes / groups, order / 2); // so many times the error of the finer one
     return weight > 0 && coarser > 1 ? std::sqrt(sum / weight) / (coarser - 1) : unknown;
 }
 

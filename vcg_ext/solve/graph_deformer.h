@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_GRAPH_DEFORMER_H
 #define VCG_FCD_GRAPH_DEFORMER_H
 
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/solve/anderson.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_energy.h>
@@ -211,7 +212,7 @@ class GraphDeformer {
         pose.converged = false;
         for (; !pose.converged && pose.iterations < most; ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
-                progress(1 - std::exp(-4.0 * pose.iterations / most), "Deforming the graph");
+                progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");
             Step(state, given, stepped, work);
             const double moved = LargestMove(state, stepped);
             if (!param.accelerated) {
@@ -288,7 +289,7 @@ class GraphDeformer {
         double cosine = 1; // of half of it
         for (Index i : unknown.rotation)
             cosine = std::min(cosine, std::abs(x.quaternion[i].dot(y.quaternion[i])));
-        return 2 * std::acos(cosine);
+        return 2 * detail::ArcCosine(cosine);
     }
 
     /// How far a node moved at most; where its position is given, by how much it turned, times the length of an edge.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/straighten/line_places.h>
 #include <vcg_ext/straighten/line_sections.h>
 
@@ -22,7 +23,7 @@ std::vector<Value> Blurred(const std::vector<Value> &sum, const std::vector<doub
         Value all = 0;
         double total = 0;
         for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
-            const double w = std::exp(-0.5 * std::pow((k - b) / sigma, 2));
+            const double w = Exponential(-0.5 * Squared((k - b) / sigma));
             all += w * sum[std::size_t(k)];
             total += w * weight[std::size_t(k)];
         }
@@ -32,6 +33,8 @@ std::vector<Value> Blurred(const std::vector<Value> &sum, const std::vector<doub
 }
 
 using Complex = std::complex<double>; // across a line: along the two axes
+double LengthOf(const Complex &z) { return std::sqrt(std::norm(z)); }
+double AngleOf(const Complex &z) { return ArcTangent(z.imag(), z.real()); }
 
 /// Samples within the line. \param take is called with each, the frame of its place, and where it is across
 template <class Take>
@@ -67,7 +70,7 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
                        const auto bin = std::size_t(its.s / line.Length() * double(bins));
                        sum[bin] += w * across;
                        weight[bin] += w;
-                       thick += w * std::abs(across);
+                       thick += w * LengthOf(across);
                        all += w;
                    });
         // A body tells its middle no finer than it is thick; of finer wiggles its cross-sections would make more.
@@ -117,7 +120,7 @@ LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &wor
     for (const Section &its : section) {
         const Complex middle = its.weight > 0 ? its.sum / its.weight : 0;
         moment.push_back(its.square - middle * its.sum);
-        plain += std::abs(moment.back());
+        plain += LengthOf(moment.back());
         all += its.round - its.weight * std::norm(middle);
     }
     if (!(plain > 0.1 * all)) // axes of 10 : 9, which scans of something round have by chance
@@ -126,9 +129,9 @@ LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &wor
     std::vector<double> angle, weight;
     double last = 0;
     for (const Complex &each : moment) {
-        if (std::abs(each) > 0)
-            last += std::arg(each * std::polar(1.0, -last));
-        weight.push_back(std::abs(each));
+        if (LengthOf(each) > 0)
+            last += AngleOf(each * Complex(Cosine(last), -Sine(last)));
+        weight.push_back(LengthOf(each));
         angle.push_back(weight.back() * last / 2);
     }
     std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps

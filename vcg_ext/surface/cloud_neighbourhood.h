@@ -3,10 +3,11 @@
 #define VCG_FCD_CLOUD_NEIGHBOURHOOD_H
 
 #include <vcg_ext/base/graph.h>
-#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/nearest_others.h>
+#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/symmetric_eigen.h>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -26,7 +27,6 @@ constexpr int cloudNeighbours = 12;
 template <class Scalar>
 class CloudNeighbourhood {
   public:
-    using Point = typename PointTree<Scalar>::Point;
     /// Points that are so much nearer to each other than to the next one are at one place. Among points that are evenly
     /// at random that is so at one in a thousand.
     static constexpr double apart = 30;
@@ -34,27 +34,27 @@ class CloudNeighbourhood {
     /// the nearest 4 a, and there are enough of them on all sides among 6 a: lines up to 30 times as dense.
     static constexpr std::size_t most = 192;
 
-    CloudNeighbourhood(const PointTree<Scalar> &tree, std::size_t points) : tree(tree), others(points - 1) {}
+    explicit CloudNeighbourhood(const PointBlocks<Scalar> &points)
+        : points(points), others(points.Size() - 1), inBlock(points), alone(points) {}
 
-    /// \param at at(i): the i-th of the tree's points, which lie at different places
-    template <class At>
-    void Look(std::size_t i, const At &at) {
-        x = at(i);
-        self = Index(i);
+    /// \param place of a point in the order of the blocks; one after the other is fastest
+    void Look(std::size_t place) {
+        at = place;
         const std::size_t fewest = std::min<std::size_t>(cloudNeighbours, others), last = std::min(most, others);
         std::size_t wanted = fewest, first = 0; // that is enough
         double reached = 0;
         for (;; wanted = std::min(4 * wanted, last)) {
-            Find(wanted, at);
+            Find(wanted);
             reached = Across();
             if (!first && reached >= leastAcross)
                 first = wanted;
             if (first == fewest || reached >= evenAcross || wanted == last)
                 break;
         }
+        isOneSided = !first && last == most;
         if (reached < evenAcross && wanted > std::max(first, fewest)) { // a corner, or a line indeed
             wanted = std::max(first, fewest);
-            Find(wanted, at);
+            Find(wanted);
         }
         isWide = wanted > fewest;
     }
@@ -74,9 +74,8 @@ class CloudNeighbourhood {
             before = square;
         };
         if (far) {
-            Ask(most);
-            for (const auto &each : found)
-                step(double(each.square));
+            alone.Ask(at, at + 1, most);
+            std::for_each(alone.Of(at), alone.Of(at) + alone.Each(), [&](const auto &o) { step(double(o.square)); });
         } else {
             for (const Other &other : ways)
                 step(other.square);
@@ -90,8 +89,16 @@ class CloudNeighbourhood {
         return neighbour;
     }
 
+    /// Those of the points around that are no farther away than \p reach, the nearest first.
+    template <class Body>
+    void ForEachWithin(double reach, const Body &body) const {
+        for (std::size_t k = 0; k < ways.size() && std::sqrt(ways[k].square) <= reach; ++k)
+            body(ways[k].number);
+    }
+
     std::vector<Index> around; ///< all that were looked at, the nearest first
     bool isWide = false;       ///< more than neighbours were looked at
+    bool isOneSided = false;   ///< all that can be looked at lie along a line
     // Known with the neighbours:
     double area = 0; ///< that the point stands for: that of a point of an evenly random set of the density around it,
                      ///< where the k-th nearest of the others is at k / (pi density) squared on average
@@ -113,26 +120,23 @@ class CloudNeighbourhood {
         bool operator<(const Other &o) const { return square != o.square ? square < o.square : number < o.number; }
     };
 
-    /// Sets found to the nearest others, the nearest first.
-    void Ask(std::size_t wanted) {
-        tree.Nearest(x, wanted + 1, found);
-        found.erase(std::remove_if(found.begin(), found.end(), [this](const auto &each) { return each.point == self; }),
-                    found.end());
-        std::sort(found.begin(), found.end(), [](const auto &a, const auto &b) {
-            return a.square != b.square ? a.square < b.square : a.point < b.point;
-        });
-    }
-
-    template <class At>
-    void Find(std::size_t wanted, const At &at) {
-        Ask(wanted);
+    void Find(std::size_t wanted) {
+        const bool isFirst = wanted <= std::size_t(cloudNeighbours);
+        NearestOthers<Scalar> &nearest = isFirst ? inBlock : alone;
+        if (!isFirst) {
+            alone.Ask(at, at + 1, wanted);
+        } else if (!inBlock.Knows(at, wanted)) {
+            const std::size_t block = points.BlockOf(at);
+            inBlock.Ask(points.Begin(block), points.Begin(block + 1), wanted);
+        }
         around.clear();
         ways.clear();
-        for (const auto &each : found) {
-            const Eigen::Vector3d way = (at(std::size_t(each.point)) - x).template cast<double>();
-            around.push_back(each.point);
-            ways.push_back({way.squaredNorm(), each.point, way});
-        }
+        const typename PointBlocks<Scalar>::Point x = points.At(at);
+        std::for_each(nearest.Of(at), nearest.Of(at) + nearest.Each(), [&](const auto &each) {
+            const Eigen::Vector3d way = (points.At(std::size_t(each.at)) - x).template cast<double>();
+            around.push_back(each.number);
+            ways.push_back({way.squaredNorm(), each.number, way});
+        });
     }
 
     Eigen::Matrix3d Moments() const {
@@ -144,17 +148,15 @@ class CloudNeighbourhood {
 
     /// The share of the directions' second moments across, in the plane that they lie in.
     double Across() const {
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-        solver.computeDirect(Moments(), Eigen::EigenvaluesOnly);
-        return around.empty() ? 1 : solver.eigenvalues()[1] / solver.eigenvalues()[2];
+        const Eigen::Vector3d values = SymmetricEigen(Moments()).values;
+        return around.empty() ? 1 : values[1] / values[2];
     }
 
     /// Takes the points that are neighbours in the plane's Delaunay triangulation, and those that come nearest to that:
     /// whose bisector cuts the point's Voronoi cell, or passes it by as the smallest share of the way.
     void Choose(std::size_t wanted) {
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-        solver.computeDirect(Moments());
-        const Eigen::Vector3d along = solver.eigenvectors().col(2), across = solver.eigenvectors().col(1);
+        const Eigen::Matrix3d axes = SymmetricEigen(Moments()).Vectors();
+        const Eigen::Vector3d along = axes.col(2), across = axes.col(1);
         std::sort(ways.begin(), ways.end());
         inPlane.clear();
         for (const Other &other : ways)
@@ -188,12 +190,11 @@ class CloudNeighbourhood {
             neighbour.push_back(ways[rank[k].second].number);
     }
 
-    const PointTree<Scalar> &tree;
+    const PointBlocks<Scalar> &points;
     const std::size_t others;
-    Point x;
-    Index self = -1;
-    std::vector<typename PointTree<Scalar>::Found> found;
-    std::vector<Other> ways; ///< to those around
+    std::size_t at = 0;
+    NearestOthers<Scalar> inBlock, alone; ///< of all points of a block, and of one
+    std::vector<Other> ways;              ///< to those around
     std::vector<Index> neighbour;
     std::vector<Eigen::Vector2d> inPlane, cell, cut;
     std::vector<std::pair<double, std::size_t>> rank;

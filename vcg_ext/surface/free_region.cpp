@@ -3,7 +3,8 @@
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/morton.h>
-#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/surface/cloud_places.h>
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
 #include <vcg_ext/surface/surface_graph.h>
@@ -199,74 +200,49 @@ class RegionFinder {
   private:
     static constexpr char hasFree = 1, hasHeld = 2; // of a place
 
-    /// The held ones of places in Morton order, by boxes of some, and of some of these.
-    class HeldPlaces {
-      public:
-        HeldPlaces(const std::vector<Eigen::Vector3d> &point, const std::vector<char> &has) {
-            for (std::size_t place = 0; place < point.size(); ++place)
-                if (has[place] & hasHeld) {
-                    if (held.size() % some == 0)
-                        small.emplace_back();
-                    if (held.size() % (some * some) == 0)
-                        large.emplace_back();
-                    held.push_back(point[place]);
-                    small.back().extend(point[place]);
-                    large.back().extend(point[place]);
-                }
-        }
-        bool IsEmpty() const { return held.empty(); }
-
-        /// Whether one is as near to \p box as that is large.
-        bool IsNear(const Eigen::AlignedBox3d &box) const {
-            const double reach = 1.001 * box.diagonal().squaredNorm(); // and what is rounded
-            for (std::size_t l = 0; l < large.size(); ++l) {
-                if (box.squaredExteriorDistance(large[l]) > reach)
-                    continue;
-                for (std::size_t b = l * some; b < std::min(small.size(), (l + 1) * some); ++b) {
-                    if (box.squaredExteriorDistance(small[b]) > reach)
-                        continue;
-                    for (std::size_t i = b * some; i < std::min(held.size(), (b + 1) * some); ++i)
-                        if (box.squaredExteriorDistance(held[i]) <= reach)
-                            return true;
-                }
-            }
-            return false;
-        }
-
-      private:
-        static constexpr std::size_t some = 64;
-        std::vector<Eigen::Vector3d> held;
-        std::vector<Eigen::AlignedBox3d> small, large;
-    };
-
-    /// Reaches the places with free points, and those around. Runs of places are left out that are more than are ever
-    /// looked at, and have no held one as near as they are large: all around is free, and reaches itself.
+    /// Reaches the places with free points, and those around. Where no held one is near, all around is free, and
+    /// reaches itself; only what is near the others is searched.
     /// \param point of each place, in Morton order \param has flags of each place
     template <class ReachPlace>
     static void ReachAround(const std::vector<Eigen::Vector3d> &point, const std::vector<char> &has,
                             const ReachPlace &reachPlace, const Progress &progress) {
-        const std::size_t run = 256;
-        static_assert(run > detail::CloudNeighbourhood<double>::most, "more than are looked at");
-        const HeldPlaces held(point, has);
-        const auto tree = held.IsEmpty() ? nullptr : std::make_unique<PointTree<double>>(point);
-        const auto at = [&](std::size_t place) { return point[place]; };
-        ParallelFor(progress, detail::findingNeighbours, point.size(), run, [&](std::size_t first, std::size_t last) {
-            Eigen::AlignedBox3d box;
-            for (std::size_t place = first; place < last; ++place)
-                box.extend(point[place]);
-            const bool isAlone = held.IsEmpty() || (last - first == run && !held.IsNear(box));
-            std::unique_ptr<detail::CloudNeighbourhood<double>> neighbourhood;
-            if (!isAlone)
-                neighbourhood = std::make_unique<detail::CloudNeighbourhood<double>>(*tree, point.size());
-            for (std::size_t place = first; place < last; ++place) {
-                if (!(has[place] & hasFree))
+        const detail::HeldPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
+        const detail::PlaceRuns runs(point, progress.threads);
+        std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
+        ParallelFor(progress.threads, runs.box.size(), 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t r = first; r < last; ++r) {
+                bool hasAny[2] = {false, false};
+                for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
+                    if (has[place] & hasFree) {
+                        hasAny[runs.PartOf(place) % 2] = true;
+                        reachPlace(place);
+                    }
+                for (std::size_t p : {2 * r, 2 * r + 1})
+                    if (const double reach = runs.Reach(p); hasAny[p % 2] && held.IsNear(runs.part[p], reach))
+                        around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
+            }
+        });
+        const detail::BoxGroups searched(around);
+        std::vector<std::size_t> there; // places
+        for (std::size_t r = 0; r < runs.box.size(); ++r)
+            if (searched.Touch(runs.box[r]))
+                for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
+                    there.push_back(place);
+        if (there.empty())
+            return;
+        Eigen::Matrix3Xd position(3, there.size());
+        for (std::size_t k = 0; k < there.size(); ++k)
+            position.col(Eigen::Index(k)) = point[there[k]];
+        const PointBlocks<double> blocks(position, progress.threads);
+        ParallelFor(progress, detail::findingNeighbours, blocks.Blocks(), 64, [&](std::size_t first, std::size_t last) {
+            detail::CloudNeighbourhood<double> neighbourhood(blocks);
+            for (std::size_t at = blocks.Begin(first); at < blocks.Begin(last); ++at) {
+                const std::size_t place = there[std::size_t(blocks.Number(at))];
+                if (!(has[place] & hasFree) || around[runs.PartOf(place)].isEmpty())
                     continue;
-                reachPlace(place);
-                if (isAlone)
-                    continue;
-                neighbourhood->Look(place, at);
-                for (Index other : neighbourhood->around)
-                    reachPlace(std::size_t(other));
+                neighbourhood.Look(at);
+                for (Index other : neighbourhood.around)
+                    reachPlace(there[std::size_t(other)]);
             }
         });
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/free_region.h>
@@ -68,7 +69,7 @@ class Places {
         for (int i = 0; i < several; ++i) {
             const bool is = i < int(found.size());
             slots[i] = is ? found[i].second : -1;
-            weight[i] = is && last > 0 ? std::pow(1 - found[i].first / last, 2) : 0;
+            weight[i] = is && last > 0 ? detail::Squared(1 - found[i].first / last) : 0;
             sum += weight[i];
         }
         if (!(sum > 0) && !found.empty())

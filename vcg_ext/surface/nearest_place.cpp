@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/triangle_tree.h>
@@ -73,7 +74,8 @@ class NearestPlace::Search {
         const double last = found[0].first > 0 ? found.back().first : 0; // at a vertex there is no other
         double sum = 0;
         for (const auto &each : found) {
-            const double near = std::max(each.first / last, 1e-6), weight = last > 0 ? std::pow(1 / near - 1, 2) : 0;
+            const double near = std::max(each.first / last, 1e-6),
+                         weight = last > 0 ? detail::Squared(1 / near - 1) : 0;
             if (!(weight > 0))
                 break;
             place.slot[place.count] = each.second;

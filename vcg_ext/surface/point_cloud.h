@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/point_blocks.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/sort_short.h>
@@ -31,46 +32,61 @@ constexpr const char *findingNeighbours = "Finding neighbours";
 
 /// The neighbours of a cloud's points.
 struct CloudPairs {
-    std::unique_ptr<Index[]> neighbour;        ///< of each point, ascending; the point itself fills up
-    int each = 0;                              ///< neighbours a point, those that fill up included
+    std::unique_ptr<Index[]> neighbour;        ///< of each point, ascending
+    std::size_t each = 0;                      ///< neighbours a point
     std::vector<float> area;                   ///< that each point stands for
     std::vector<std::pair<Index, Index>> same; ///< at one place, the smaller first
     std::size_t inClumps = 0;                  ///< points that are much nearer to others than these to the next ones
+    std::size_t oneSided = 0;                  ///< points that see only others along a line
+
+    const Index *Row(Index u) const { return neighbour.get() + std::size_t(u) * each; }
+    bool Has(Index u, Index v) const {
+        const Index *row = Row(u);
+        bool has = false;
+        if (each == cloudNeighbours) // compared all at once
+            for (int k = 0; k < cloudNeighbours; ++k)
+                has |= row[k] == v;
+        else
+            has = std::find(row, row + each, v) != row + each;
+        return has;
+    }
 };
 
 /// \pre points that are near have numbers that are close (Morton order), for speed \param hair units of positions
 /// \param clumps as CloudNeighbourhood finds them are at one place, of any number of points
 inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, bool clumps, const Progress &progress) {
-    const auto n = std::size_t(position.cols());
-    const auto at = [&](std::size_t i) { return Eigen::Vector3f(position.col(Eigen::Index(i))); };
-    const std::unique_ptr<PointTree<float>> tree = TreeOf(position);
-    const std::size_t wanted = std::min<std::size_t>(cloudNeighbours, n - 1), grain = 1 << 12;
+    const PointBlocks<float> points(position, progress.threads);
+    const std::size_t n = points.Size(), grain = 1 << 8;
     CloudPairs pairs;
-    pairs.each = int(wanted);
-    pairs.neighbour = LargeArray<Index>(n * wanted);
+    pairs.each = std::min<std::size_t>(cloudNeighbours, n - 1);
+    pairs.neighbour = LargeArray<Index>(n * pairs.each);
     AssignLarge(pairs.area, n, 0.f);
-    std::vector<std::vector<std::pair<Index, Index>>> same((n + grain - 1) / grain);
-    std::vector<std::size_t> inClumps(same.size(), 0);
-    ParallelFor(progress, findingNeighbours, n, grain, [&](std::size_t first, std::size_t last) {
-        CloudNeighbourhood<float> found(*tree, n);
-        for (std::size_t i = first; i < last; ++i) {
-            found.Look(i, at);
+    struct Part {
+        std::vector<std::pair<Index, Index>> same;
+        std::size_t inClumps = 0, oneSided = 0;
+    };
+    std::vector<Part> parts((points.Blocks() + grain - 1) / grain);
+    ParallelFor(progress, findingNeighbours, points.Blocks(), grain, [&](std::size_t first, std::size_t last) {
+        CloudNeighbourhood<float> found(points);
+        Part part;
+        for (std::size_t at = points.Begin(first); at < points.Begin(last); ++at) {
+            const Index i = points.Number(at);
+            found.Look(at);
             const std::vector<Index> &neighbours = found.Neighbours(clumps);
-            Index *to = pairs.neighbour.get() + i * wanted;
-            std::fill(std::copy(neighbours.begin(), neighbours.end(), to), to + wanted, Index(i));
+            std::copy(neighbours.begin(), neighbours.end(), pairs.neighbour.get() + std::size_t(i) * pairs.each);
             pairs.area[i] = float(found.area);
-            inClumps[first / grain] += found.here > 0;
-            const double reach = std::max(double(hair), clumps ? found.here : 0);
-            for (Index j : found.around) { // the nearest first
-                if (!((at(std::size_t(j)) - at(i)).cast<double>().norm() <= reach))
-                    break;
-                same[first / grain].emplace_back(std::minmax(Index(i), j));
-            }
+            part.inClumps += found.here > 0;
+            part.oneSided += found.isOneSided;
+            found.ForEachWithin(std::max(double(hair), clumps ? found.here : 0),
+                                [&](Index j) { part.same.emplace_back(std::minmax(i, j)); });
         }
+        parts[first / grain] = std::move(part);
     });
-    pairs.inClumps = std::accumulate(inClumps.begin(), inClumps.end(), std::size_t(0));
-    for (const auto &each : same)
-        pairs.same.insert(pairs.same.end(), each.begin(), each.end());
+    for (const Part &part : parts) {
+        pairs.inClumps += part.inClumps;
+        pairs.oneSided += part.oneSided;
+        pairs.same.insert(pairs.same.end(), part.same.begin(), part.same.end());
+    }
     return pairs;
 }
 
@@ -79,53 +95,40 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
                          const Progress &progress) {
     const Index n = Index(position.cols());
     const std::size_t grain = 1 << 14, chunks = (std::size_t(n) + grain - 1) / grain;
-    const auto row = [&](Index u) {
-        const Index *first = pairs.neighbour.get() + std::size_t(u) * std::size_t(pairs.each);
-        return Csr::Row{first, first + pairs.each};
-    };
     // Those that a point is a neighbour of, where it is not the same the other way round.
     std::vector<std::vector<std::pair<Index, Index>>> oneWay(chunks);
-    const std::unique_ptr<std::atomic<std::uint32_t>[]> count(new std::atomic<std::uint32_t>[std::size_t(n)]);
+    const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[std::size_t(n)]);
     ParallelFor(progress.threads, std::size_t(n), grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t u = first; u < last; ++u)
-            count[u].store(0, std::memory_order_relaxed);
+            more[u].store(0, std::memory_order_relaxed);
     });
     ParallelFor(progress.Slice(0, 0.4), findingNeighbours, std::size_t(n), grain,
                 [&](std::size_t first, std::size_t last) {
                     auto &list = oneWay[first / grain];
                     list.reserve(2 * (last - first));
                     for (Index u = Index(first); u < Index(last); ++u)
-                        for (Index v : row(u)) {
-                            if (v == u)
-                                continue;
-                            count[u].fetch_add(1, std::memory_order_relaxed);
-                            const Csr::Row others = row(v);
-                            if (std::find(others.begin(), others.end(), u) == others.end()) {
-                                count[v].fetch_add(1, std::memory_order_relaxed);
-                                list.emplace_back(v, u);
+                        for (const Index *v = pairs.Row(u); v < pairs.Row(u) + pairs.each; ++v)
+                            if (!pairs.Has(*v, u)) {
+                                more[*v].fetch_add(1, std::memory_order_relaxed);
+                                list.emplace_back(*v, u);
                             }
-                        }
                 });
     Csr graph;
     AssignLarge(graph.begin, std::size_t(n) + 1, 0u);
     std::size_t items = 0;
     for (Index u = 0; u < n; ++u) {
-        items += count[u].load(std::memory_order_relaxed);
+        items += pairs.each + more[u].load(std::memory_order_relaxed);
         graph.begin[u + 1] = std::uint32_t(items);
     }
     CheckEdges(items);
     AssignLarge(graph.item, items, 0);
-    const auto put = [&](Index u, Index v) { // in any order, which is mended below
-        graph.item[graph.begin[u] + count[u].fetch_sub(1, std::memory_order_relaxed) - 1] = v;
-    };
     ParallelFor(progress.Slice(0.4, 0.7), findingNeighbours, std::size_t(n), grain,
                 [&](std::size_t first, std::size_t last) {
                     for (Index u = Index(first); u < Index(last); ++u)
-                        for (Index v : row(u))
-                            if (v != u)
-                                put(u, v);
-                    for (const auto &each : oneWay[first / grain])
-                        put(each.first, each.second);
+                        std::copy(pairs.Row(u), pairs.Row(u) + pairs.each, graph.item.data() + graph.begin[u]);
+                    for (const auto &each : oneWay[first / grain]) // in any order, which is mended below
+                        graph.item[graph.begin[each.first] + pairs.each +
+                                   more[each.first].fetch_sub(1, std::memory_order_relaxed) - 1] = each.second;
                 });
     std::vector<double> lengths(chunks, 0);
     ParallelFor(

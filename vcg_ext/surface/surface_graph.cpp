@@ -244,6 +244,7 @@ class SurfaceReader {
                 s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
                 pairs.same = ClumpsOf(x, s.graph.adjacency, progress.Slice(0.95, 1));
                 if (pairs.same.empty()) {
+                    s.report.oneSided = Index(pairs.oneSided);
                     s.nodeArea = std::move(pairs.area);
                     for (Index u = 0; u < s.graph.Size(); ++u)
                         s.nodeArea[u] = s.IsHeld(u) ? 0 : s.nodeArea[u];

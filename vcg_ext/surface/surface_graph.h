@@ -30,8 +30,14 @@ struct SurfaceReport {
     Index degenerateFaces = 0;  ///< faces with a repeated position
     Index seams = 0;            ///< nodes on open borders that are joined with one of another, a hair apart
     Index gaps = 0;             ///< nodes on open borders nearer to another than a tenth of their edges, not joined
+    Index oneSided = 0;         ///< points of a cloud that see others along a line alone, as in lines far apart
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points on all sides
 };
+
+/// Whether what was read is a cloud of lines so dense that many points do not see the next one.
+inline bool IsInLines(const SurfaceReport &surface) {
+    return 100 * std::int64_t(surface.oneSided) > surface.vertices; // by chance, far fewer
+}
 
 /// The connectivity of a mesh, or of its free part and the held vertices beside that: a node per position, in Morton
 /// order, so that what is near on the surface is near in memory.

@@ -2,6 +2,8 @@
 #ifndef VCG_FCD_TRIANGLE_STRETCH_H
 #define VCG_FCD_TRIANGLE_STRETCH_H
 
+#include <vcg_ext/base/elementary.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -19,7 +21,7 @@ struct TriangleStretch {
     /// [-16, 16]
     float Exponent() const {
         const double farther = largest * smallest >= 1 ? largest : smallest;
-        return std::log2(float(std::min(65536.0, std::max(1 / 65536.0, farther))));
+        return float(detail::BinaryLogarithm(std::min(65536.0, std::max(1 / 65536.0, farther))));
     }
 };
 

@@ -222,13 +222,17 @@ class TriangleTree {
                 square += beyond.max(Real(0)).square();
             }
             const int first = count;
-            for (int k = 0; k < int(wide); ++k) {
-                if (!(square[k] <= bound) || node.child[std::size_t(k)] == none)
-                    continue;
-                int place = count++;
-                for (; place > first && next[std::size_t(place - 1)].square < square[k]; --place)
+            // Without a branch: which ones are near enough, a processor cannot foresee.
+            for (std::size_t k = 0; k < wide; ++k) {
+                next[std::size_t(count)] = {square[Eigen::Index(k)], node.child[k]};
+                count += int(square[Eigen::Index(k)] <= bound) & int(node.child[k] != none);
+            }
+            for (int i = first + 1; i < count; ++i) { // the nearest comes last
+                const Step each = next[std::size_t(i)];
+                int place = i;
+                for (; place > first && next[std::size_t(place - 1)].square < each.square; --place)
                     next[std::size_t(place)] = next[std::size_t(place - 1)];
-                next[std::size_t(place)] = {square[k], node.child[std::size_t(k)]};
+                next[std::size_t(place)] = each;
             }
         }
     }

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit_tool.h"
+
+// Which layer the tool works on, from when to when, and what its panel does.
+
+using vcg::fcd::Error;
+
+MeshModel *FitTool::layer() const {
+    if (!view || !view->md() || !session)
+        return nullptr;
+    MeshModel *found = view->md()->getMesh(layerId);
+    return found == model && found->cm.vn > 0 ? found : nullptr;
+}
+
+MeshModel *FitTool::target() const {
+    MeshModel *found = view && view->md() ? view->md()->getMesh(targetId) : nullptr;
+    return found && found != model && found->cm.vn > 0 ? found : nullptr;
+}
+
+MeshModel &FitTool::expectedTarget() const {
+    if (MeshModel *found = target())
+        return *found;
+    throw Error("There is no other layer to fit onto. Open the scan as another layer, or choose a target.");
+}
+
+bool FitTool::start(MeshDocument &document, GLArea *area) {
+    close();
+    isEnding = false;
+    view = area;
+    if (!document.mm() || document.mm()->cm.vn == 0)
+        return false;
+    try {
+        open(*document.mm());
+    } catch (...) {
+        close();
+        throw;
+    }
+    makePanel();
+    view->installEventFilter(this);
+    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
+    view->setFocus();
+    showLayers();
+    refresh();
+    return true;
+}
+
+void FitTool::open(MeshModel &newModel) {
+    session = std::make_unique<FitSession>(*view->md(), newModel);
+    if (const auto found = left.find(newModel.id()); found != left.end()) {
+        if (found->second.first == session->restShape())
+            session->resume(found->second.second);
+        else
+            say("The layer '" + newModel.label().toStdString() +
+                "' was changed since it was left: its pairs are gone. 'Load pairs' brings those back that were saved.");
+        left.erase(found);
+    }
+    model = &newModel;
+    layerId = newModel.id();
+    display = std::make_unique<BendDisplay>(*view, newModel);
+    overlay = std::make_unique<LayerOverlay>();
+    selected = -1;
+}
+
+void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
+    if (isEnding || (document.mm() && document.mm()->id() == layerId && layer())) {
+        showTargets(); // another one may have come or gone
+        return;
+    }
+    close();
+    view = area;
+    if (document.mm() && document.mm()->cm.vn > 0)
+        start(document, area);
+}
+
+/// The layer is as it was; its pairs wait for the tool to come back.
+void FitTool::close() {
+    stopWork();
+    optionsTimer.stop();
+    dragged.reset();
+    isStepWanted = isFollowWanted = false;
+    if (layer()) {
+        if (session->state().shape != FitShape::Rest) {
+            session->restore();
+            say("The layer '" + model->label().toStdString() +
+                "' is as it was: only what is applied stays. Its pairs are there when the tool comes back.");
+        }
+        display->updateShape(true);
+        if (!session->state().pairs.empty())
+            left[layerId] = {session->restShape(), session->state()};
+    }
+    if (view && view->md() && !wasVisible.empty()) {
+        for (const auto &[number, visible] : wasVisible)
+            if (MeshModel *each = view->md()->getMesh(number))
+                host::setVisible(*each, visible);
+        host::showChanges(*view->md());
+    }
+    wasVisible.clear();
+    session.reset();
+    display.reset();
+    overlay.reset();
+    model = nullptr;
+    layerId = -1;
+    if (panel)
+        panel->deleteLater();
+    panel = nullptr;
+    if (view) {
+        view->removeEventFilter(this);
+        disconnect(view, &QObject::destroyed, this, nullptr);
+        view->unsetCursor();
+    }
+}
+
+/// Whether there is a layer to work on; begins anew with one that something else has changed.
+bool FitTool::isReady() {
+    if (!layer())
+        return false;
+    if (session->isUpToDate())
+        return true;
+    stopWork();
+    say("Something else has changed the layer '" + model->label().toStdString() +
+            "': it is fitted from what it is now.",
+        true);
+    const std::vector<FitPair> pairs = session->state().pairs;
+    MeshModel &same = *model;
+    session.reset();
+    open(same);
+    std::vector<FitPair> stay;
+    for (const FitPair &each : pairs)
+        if (!each.slot || (*each.slot < same.cm.vert.size() && !same.cm.vert[*each.slot].IsD()))
+            stay.push_back(each);
+    session->setPairs(stay);
+    refresh();
+    return true;
+}
+
+void FitTool::makePanel() {
+    panel = new FitPanel(view->window());
+    connect(panel, &FitPanel::targetChosen, this, [this] { guarded([&] { onTarget(); }); });
+    connect(panel, &FitPanel::seenChosen, this, [this] {
+        guarded([&] { showLayers(); });
+        view->setFocus();
+    });
+    connect(panel, &FitPanel::shapeChosen, this, [this] {
+        guarded([&] {
+            if (!isReady())
+                return;
+            session->change();
+            session->setShape(panel->shape());
+            if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
+                setSeen(FitPanel::Both);
+            reshape(true);
+        });
+        refresh();
+    });
+    connect(panel, &FitPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
+    connect(panel, &FitPanel::distanceToggled, this, [this] {
+        guarded([&] {
+            if (panel->showsDistance() && panel->seen() != FitPanel::Source)
+                setSeen(FitPanel::Source); // the target lies in it
+            showDistances();
+        });
+    });
+    connect(panel, &FitPanel::command, this, [this](int which) {
+        guarded([&] { onCommand(which); });
+        refresh();
+    });
+    const FitPairList *list = &panel->pairs();
+    connect(list, &FitPairList::selected, this, [this](int row) {
+        selected = row;
+        view->update();
+    });
+    connect(list, &FitPairList::renamed, this, [this](int row, const QString &name) {
+        session->change();
+        session->rename(std::size_t(row), name.trimmed().toStdString());
+        QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
+    });
+    connect(list, &FitPairList::removed, this, [this](int row) {
+        selected = row;
+        QTimer::singleShot(0, this, [this] {
+            guarded([&] { act(Key::Remove); });
+            refresh();
+        });
+    });
+    showTargets();
+    panel->showOptions(session->state().options);
+    dockPanel(*view, *panel);
+}
+
+/// The layers that there are, with the one of before, or else the first.
+void FitTool::showTargets() {
+    if (!panel || !view || !view->md())
+        return;
+    std::vector<std::pair<int, QString>> layers;
+    for (const MeshModel *each : host::layers(*view->md()))
+        if (each != model && each->cm.vn > 0)
+            layers.emplace_back(each->id(), each->label());
+    if (!target() && !layers.empty())
+        targetId = layers.front().first;
+    panel->showTargets(layers, targetId);
+}
+
+void FitTool::onTarget() {
+    targetId = panel->target();
+    showLayers();
+    if (isReady())
+        reshape(true);
+    refresh();
+}

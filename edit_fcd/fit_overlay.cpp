@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit_overlay.h"
+
+#include <layer_fcd/edit_host.h>
+
+namespace {
+
+const GLubyte sourceColor[] = {45, 110, 235}, targetColor[] = {245, 140, 25}, ringColor[] = {255, 255, 255};
+
+void drawEnd(const Eigen::Vector3d &p, const GLubyte *color, bool isSelected) {
+    for (const bool isRing : {true, false}) {
+        glPointSize((isSelected ? 14.f : 10.f) - (isRing ? 0.f : 4.f));
+        glColor3ubv(isRing ? ringColor : color);
+        glBegin(GL_POINTS);
+        glVertex3d(p[0], p[1], p[2]);
+        glEnd();
+    }
+}
+
+} // namespace
+
+std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const BendView &view,
+                            const Eigen::Vector2d &window) {
+    double least = 10; // pixels
+    std::optional<FitEnd> found;
+    const std::vector<FitPair> &pairs = session.state().pairs;
+    for (const bool isTarget : {true, false})
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (isTarget ? !marks.showsTarget || !pairs[i].place : !marks.showsSource || !pairs[i].slot)
+                continue;
+            const Eigen::Vector3d p = isTarget ? *pairs[i].place : session.positionOf(*pairs[i].slot);
+            const double distance = (view.toWindow(p).head<2>() - window).norm();
+            if (distance < least) {
+                least = distance;
+                found = FitEnd{i, isTarget};
+            }
+        }
+    return found;
+}
+
+void drawPairs(const FitSession &session, const FitMarks &marks) {
+    glPushAttrib(GL_ALL_ATTRIB_BITS);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_POINT_SMOOTH);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    const std::vector<FitPair> &pairs = session.state().pairs;
+    if (marks.showsSource && marks.showsTarget) {
+        glLineWidth(2);
+        glColor3ub(240, 240, 240);
+        glBegin(GL_LINES);
+        for (const FitPair &each : pairs)
+            if (each.isWhole())
+                for (const Eigen::Vector3d &p : {session.positionOf(*each.slot), *each.place})
+                    glVertex3d(p[0], p[1], p[2]);
+        glEnd();
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (marks.showsSource && pairs[i].slot)
+            drawEnd(session.positionOf(*pairs[i].slot), sourceColor, int(i) == marks.selected);
+        if (marks.showsTarget && pairs[i].place)
+            drawEnd(*pairs[i].place, targetColor, int(i) == marks.selected);
+    }
+    glPopAttrib();
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit_pair_list.h"
+
+#include <QHeaderView>
+#include <QSignalBlocker>
+
+FitPairList::FitPairList(QWidget *parent) : QTableWidget(0, 4, parent) {
+    setHorizontalHeaderLabels({"Pair", "this", "target", ""});
+    const char *const tips[] = {"Click selects, double click: its name", "Whether its place on this layer is given",
+                                "Whether its place on the target is given", "Removes the pair"};
+    for (int i = 0; i < 4; ++i)
+        horizontalHeaderItem(i)->setToolTip(tips[i]);
+    verticalHeader()->hide();
+    verticalHeader()->setDefaultSectionSize(22);
+    setSelectionBehavior(SelectRows);
+    setSelectionMode(SingleSelection);
+    setEditTriggers(DoubleClicked);
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    horizontalHeader()->setMinimumSectionSize(16);
+    horizontalHeader()->setSectionResizeMode(Name, QHeaderView::Stretch);
+    const std::pair<int, int> widths[] = {{Source, 44}, {Target, 52}, {Remove, 22}};
+    for (const auto &[column, width] : widths) {
+        horizontalHeader()->setSectionResizeMode(column, QHeaderView::Fixed);
+        setColumnWidth(column, width);
+    }
+    setFixedHeight(160);
+    connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
+        if (column == Name)
+            emit renamed(row, item(row, Name)->text());
+    });
+    connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
+        if (column == Remove)
+            emit removed(row);
+        else
+            emit selected(row);
+    });
+}
+
+void FitPairList::showRows(const std::vector<FitPairRow> &rows) {
+    if (rows == shown || state() == EditingState)
+        return;
+    shown = rows;
+    const QSignalBlocker blocked(this);
+    setRowCount(int(rows.size()));
+    clearSelection();
+    for (int i = 0; i < int(rows.size()); ++i) {
+        const FitPairRow &row = rows[std::size_t(i)];
+        const QString texts[] = {row.name, row.hasSource ? "\u2713" : "", row.hasTarget ? "\u2713" : "", "\u2715"};
+        for (int column = Name; column <= Remove; ++column) {
+            auto *cell = new QTableWidgetItem(texts[column]);
+            if (column != Name) {
+                cell->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable);
+                cell->setTextAlignment(Qt::AlignCenter);
+            }
+            setItem(i, column, cell);
+        }
+        if (row.isSelected)
+            selectRow(i);
+    }
+}
+
+#include "moc_fit_pair_list.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "layer_ray.h"
+
+#include <vcg_ext/base/parallel.h>
+
+#include <layer_fcd/layer_matrix.h>
+#include <layer_fcd/parameters.h>
+
+#include <limits>
+#include <mutex>
+
+namespace {
+
+/// What is nearest to the eye so far; of what is equally near, the first.
+struct Nearest {
+    double depth = std::numeric_limits<double>::infinity();
+    std::size_t element = 0;
+
+    void take(double otherDepth, std::size_t other) {
+        if (otherDepth < depth || (otherDepth == depth && other < element)) {
+            depth = otherDepth;
+            element = other;
+        }
+    }
+    bool isFound() const { return depth < std::numeric_limits<double>::infinity(); }
+};
+
+/// depthOf(i) for n elements, by all threads; infinity where one is not hit.
+template <class Depth>
+Nearest nearestOf(std::size_t n, const Depth &depthOf) {
+    Nearest all;
+    std::mutex lock;
+    vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
+        Nearest here;
+        for (std::size_t i = first; i < last; ++i)
+            here.take(depthOf(i), i);
+        const std::lock_guard<std::mutex> guard(lock);
+        if (here.isFound())
+            all.take(here.depth, here.element);
+    });
+    return all;
+}
+
+/// Where a ray meets a triangle, in lengths of the way, as T. Moeller and B. Trumbore (1997) find it; infinity where it
+/// does not.
+double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3]) {
+    const double none = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = way.cross(b);
+    const double volume = a.dot(across);
+    if (volume == 0)
+        return none;
+    const Eigen::Vector3d off = from - corner[0], other = off.cross(a);
+    const double u = off.dot(across) / volume, v = way.dot(other) / volume, t = b.dot(other) / volume;
+    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t <= 1 ? t : none;
+}
+
+} // namespace
+
+std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, const Eigen::Vector2d &window) {
+    const double none = std::numeric_limits<double>::infinity();
+    const CMeshO &mesh = layer.cm;
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    if (mesh.fn == 0) {
+        const double reach = 6; // pixels around the mouse, since points have no size
+        const Nearest hit = nearestOf(mesh.vert.size(), [&](std::size_t i) {
+            if (mesh.vert[i].IsD())
+                return none;
+            const Eigen::Vector3d at = seen.toWindow(world * toVector(mesh.vert[i].cP()));
+            return (at.head<2>() - window).norm() <= reach && at[2] >= 0 && at[2] <= 1 ? at[2] : none;
+        });
+        if (!hit.isFound())
+            return {};
+        return LayerHit{world * toVector(mesh.vert[hit.element].cP()), hit.element};
+    }
+    const Eigen::Affine3d toLayer = world.inverse();
+    const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
+                          way = toLayer * seen.toWorld({window[0], window[1], 1}) - from;
+    const Nearest hit = nearestOf(mesh.face.size(), [&](std::size_t f) {
+        const CFaceO &face = mesh.face[f];
+        if (face.IsD())
+            return none;
+        const Eigen::Vector3d corner[3] = {toVector(face.cP(0)), toVector(face.cP(1)), toVector(face.cP(2))};
+        return meets(from, way, corner);
+    });
+    if (!hit.isFound())
+        return {};
+    const CFaceO &face = mesh.face[hit.element];
+    const Eigen::Vector3d place = from + hit.depth * way;
+    int nearest = 0;
+    for (int k = 1; k < 3; ++k)
+        if ((toVector(face.cP(k)) - place).norm() < (toVector(face.cP(nearest)) - place).norm())
+            nearest = k;
+    return LayerHit{world * place, std::size_t(face.cV(nearest) - mesh.vert.data())};
+}

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tool "FCD: Fit": pairs on two layers, the surface that follows them, and the pull. Windows and mice as in host_edit.py, with the
+same environment."""
+
+import shutil
+
+import numpy as np
+
+import host_edit
+from host_edit import MIDDLE, load, tube_of, write_ply
+from host_edit import window # noqa: F401, a fixture
+from host_meshlabserver import Run, fit_filter
+
+pytestmark = host_edit.pytestmark
+
+X, Y = MIDDLE
+UNIT, HIGH = 280, 0.13 # pixels a unit, before the axes, and the height in the middle of the view
+
+
+def bow(points):
+    return points + np.outer(0.3 * (1 - points[:, 0] ** 2), [0, 1, 0]).astype(points.dtype)
+
+
+def on_template(x, y=0.0):
+    return round(X + UNIT * x), round(Y - UNIT * (y - HIGH))
+
+
+def on_target(x, y=0.0):
+    return on_template(x, y + 0.3 * (1 - x * x))
+
+
+def open_two(window, tmp_path):
+    """A straight tube, current, and one that is bent like a bow. Returns the first one's points and faces, too."""
+    target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 60), 24, 0.25)
+    return window(write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces)), points, faces
+
+
+def place_pairs(w):
+    """Three of them. After each one the template lies elsewhere: first it has moved, then it has turned, too."""
+    left, middle = np.array(on_target(-0.7)), np.array(on_target(0))
+    w.click(on_template(-0.7))
+    w.shot("one_end")
+    w.click(left)
+    w.click(left + (0.7 * UNIT, 0))
+    w.click(middle)
+    w.click(2 * middle - left)
+    w.click(on_target(0.7))
+
+
+def pull(w):
+    before = w.text().count("trace: pulled")
+    w.key("p")
+    w.wait("trace: pulled", before + 1)
+    w.settle()
+
+
+def answer(w, button, title, name):
+    """Gives a name to the dialog that a button opens."""
+    w.click(w.place(button))
+    asked = w.wait_for_title(title)
+    w.do("type", "--delay", "5", name)
+    w.key("Return")
+    w.wait_for_title("MeshLab", other_than=asked)
+
+
+def save_pairs(w, name):
+    saved = w.text().count("Saved the pairs")
+    answer(w, "save", "Save pairs", str(w.folder / name))
+    w.wait("Saved the pairs", saved + 1)
+    return w.folder / name
+
+
+def pairs_of(path):
+    """Vertices and places of a list, and its names."""
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    numbers = np.array([line.partition("#")[0].split(",") for line in lines], float)
+    return numbers[:, 0].astype(int), numbers[:, 1:], [line.partition("#")[2].strip() for line in lines]
+
+
+def test_a_template_is_laid_onto_a_scan(window, tmp_path):
+    """Pairs in turn, one is dragged, the pull, and what is applied is what the filter gives with the saved pairs."""
+    w, points, _ = open_two(window, tmp_path)
+    before = w.save("before.ply").read_bytes()
+    w.start_tool("FCD: Fit")
+    w.shot("started")
+    place_pairs(w)
+    w.key("2") # both
+    w.shot("pairs")
+    vertices, places, names = pairs_of(save_pairs(w, "pairs.csv"))
+    assert names == ["1", "2", "3"]
+    assert np.abs(points[vertices][:, 0] - (-0.7, 0, 0.7)).max() < 0.06 and points[vertices][:, 2].min() > 0.2
+    heights = 0.3 * (1 - places[:, 0] ** 2)
+    assert np.abs(places[:, 0] - (-0.7, 0, 0.7)).max() < 0.05
+    assert np.abs(np.hypot(places[:, 1] - heights, places[:, 2]) - 0.25).max() < 2e-3 # on the scan
+    followed = load(w.save("followed.ply"))[0]
+    assert np.abs(followed[vertices] - places).max() < 1e-5 # the surface follows at once
+
+    w.press_and_move(on_target(0), on_target(0, 0.1)) # the surface follows while it is dragged
+    w.shot("dragged")
+    w.do("mouseup", 1)
+    assert w.text().count("trace: follow") > 5
+    moved = pairs_of(save_pairs(w, "moved.csv"))[1]
+    assert np.abs(moved - places)[[0, 2]].max() == 0 and 0.05 < moved[1, 1] - places[1, 1] < 0.15
+    assert np.abs(load(w.save("followed_on.ply"))[0][vertices] - moved).max() < 1e-5
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("followed_back.ply"))[0], followed)
+
+    pull(w)
+    w.click(w.place("distance"))
+    w.shot("pulled")
+    pulled = load(w.save("pulled.ply"))[0]
+    off = np.abs(np.hypot(pulled[:, 1] - 0.3 * (1 - pulled[:, 0] ** 2), pulled[:, 2]) - 0.25)[abs(points[:, 0]) < 0.99]
+    assert np.percentile(off, 95) < 0.01
+    w.key("ctrl+shift+Return")
+    w.wait("In a script: ")
+    w.shot("applied")
+    applied = load(w.save("applied.ply"))[0]
+    assert np.array_equal(applied, pulled)
+    assert np.array_equal(fitted(tmp_path, fit_filter(0, landmarks=tmp_path / "pairs.csv")), applied)
+    assert (tmp_path / "before.ply").read_bytes() == before
+
+
+PAIRS = """# vertex, x, y, z of its place on the target # name
+{0}, -0.7, 0.403, 0 # left
+{1}, 0, 0.55, 0 # top
+{2}, 0.7, 0.403, 0 # right
+{3}, 0.0, 0.3, 0.25 # front
+"""
+
+
+def write_pairs(points, path):
+    """Three on the upper side, and one at the front."""
+    places = [(-0.7, 0.25, 0), (0, 0.25, 0), (0.7, 0.25, 0), (0, 0, 0.25)]
+    path.write_text(PAIRS.format(*(np.linalg.norm(points - place, axis=1).argmin() for place in places)))
+    return path
+
+
+def test_what_stays_of_a_fit(window, tmp_path):
+    """Nothing but what is applied; undo leads back over that, pairs come back with the tool, and both files hold them."""
+    w, points, _ = open_two(window, tmp_path)
+    before = w.save("before.ply").read_bytes()
+    w.start_tool("FCD: Fit")
+    answer(w, "load", "Load pairs", str(write_pairs(points, tmp_path / "pairs.csv")))
+    w.wait("trace: follow")
+    w.shot("loaded")
+    saved = save_pairs(w, "saved.csv")
+    assert saved.read_text() == (tmp_path / "pairs.csv").read_text().replace("0.0,", "0,")
+    vertices, places, _ = pairs_of(saved)
+    followed = load(w.save("followed.ply"))[0]
+    assert np.abs(followed[vertices] - places).max() < 1e-5
+    alone = fitted(tmp_path, fit_filter(0, landmarks=saved, landmarks_only=True, start=2))
+    assert np.array_equal(np.delete(alone, vertices, 0), np.delete(followed, vertices, 0)) # these are put there at last
+
+    pull(w)
+    pulled = load(w.save("pulled.ply"))[0]
+    assert np.abs(pulled[vertices] - places).max() < 1e-6 and np.abs(pulled - followed).max() > 1e-3
+    w.key("ctrl+Return")
+    w.wait("In a script: ms.apply_filter('generate_fcd_fitted_mesh', target_layer=0, landmarks_file='pairs.csv', start=2, graph_layers=False)")
+    assert np.array_equal(load(w.save("applied.ply"))[0], pulled)
+    w.key("ctrl+z")
+    w.wait("trace: pulled", 2)
+    assert np.array_equal(load(w.save("undone.ply"))[0], pulled)
+    w.key("ctrl+z", "ctrl+z")
+    assert w.save("at_rest.ply").read_bytes() == before
+    w.key("ctrl+shift+z", "ctrl+shift+z")
+    assert np.array_equal(load(w.save("redone.ply"))[0], pulled)
+    x, y, width, height = w.box("stiffness")
+    w.do("mousemove", x + width // 2, y + height // 2, "click", 4)
+    w.wait("trace: pulled", 3)
+    assert np.abs(load(w.save("stiffer.ply"))[0] - pulled).max() > 1e-6
+    w.toggle_tool("FCD: Fit", is_on=True)
+    w.wait("is as it was: only what is applied stays")
+    assert w.save("left.ply").read_bytes() == before
+
+    w.start_tool("FCD: Fit")
+    assert save_pairs(w, "back.csv").read_bytes() == saved.read_bytes()
+    picked = save_pairs(w, "picked.pp")
+    w.click(w.place("clear"))
+    answer(w, "load", "Load pairs", str(picked))
+    assert save_pairs(w, "from_picked.csv").read_bytes() == saved.read_bytes()
+
+
+def test_bad_pairs_change_nothing(window, tmp_path):
+    w, points, _ = open_two(window, tmp_path)
+    before = w.save("before.ply").read_bytes()
+    w.start_tool("FCD: Fit")
+    w.click(w.place("save"))
+    w.wait("There is no pair of landmarks to be saved.")
+    w.key("ctrl+Return")
+    w.wait("Nothing is fitted yet: place pairs, or press 'Pull', then apply.")
+    w.click(on_template(-0.7))
+    w.key("p")
+    w.wait("The pair '1' is on one layer only. Click its point on the other one, or remove the pair.")
+    w.key("ctrl+z")
+    w.click(on_target(-0.7))
+    w.key("3")
+    first, beside = on_target(-0.7), (on_target(-0.7)[0] + 60, on_target(-0.7)[1]) # where the template is now
+    w.click(beside)
+    w.drag(beside, first)
+    w.wait("The pair '1' is at that vertex already.")
+    w.key("Delete", "BackSpace")
+    assert w.save("same.ply").read_bytes() == before
+    (tmp_path / "bad.csv").write_text("0, 1, 2\n")
+    answer(w, "load", "Load pairs", str(tmp_path / "bad.csv"))
+    w.wait("bad.csv', line 1: found 3 numbers; expected 4")
+    assert len(pairs_of(save_pairs(w, "pairs.csv"))[0]) == 1 # that of before
+    w.do("key", "p", "key", "ctrl+Return")
+    w.wait("The pull is not done yet: wait until it is, or cancel it.")
+    w.wait("trace: pulled")
+    w.key("BackSpace")
+    assert w.save("still.ply").read_bytes() == before
+    w.toggle_tool("FCD: Fit", is_on=True)
+
+    w.start_tool() # which leaves another shape
+    w.drag((X, on_template(0)[1]), (X, on_template(0)[1] - 80))
+    w.toggle_tool()
+    w.start_tool("FCD: Fit")
+    w.wait("was changed since it was left: its pairs are gone.")
+
+
+def test_a_layer_alone_has_no_target(window, tmp_path):
+    w = window(write_ply(tmp_path / "tube.ply", *tube_of(np.linspace(-1, 1, 60), 24, 0.25)))
+    w.start_tool("FCD: Fit")
+    w.shot("alone")
+    w.click(MIDDLE)
+    w.wait("There is no other layer to fit onto. Open the scan as another layer, or choose a target.")
+
+
+def fitted(tmp_path, script):
+    """The positions that meshlabserver gives the template of open_two()."""
+    folder = tmp_path / "server"
+    folder.mkdir()
+    for name in ("scan.ply", "template.ply"):
+        shutil.copy(tmp_path / name, folder)
+    path = folder / "both.mlp"
+    path.write_text('<!DOCTYPE MeshLabDocument>\n<MeshLabProject><MeshGroup>' + "".join(
+        f'<MLMesh label="{name}.ply" filename="{name}.ply"><MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>'
+        for name in ("scan", "template")) + "</MeshGroup><RasterGroup/></MeshLabProject>\n")
+    run = Run(folder, None, script, project=path)
+    return next(mesh for name, mesh in run.meshes.items() if "fitted" in name).vertex_matrix()

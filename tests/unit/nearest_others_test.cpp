@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/nearest_others.h>
+#include "test_support.h"
+
+#include <random>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+
+namespace {
+
+/// A sheet that is as large as asked, with its grid's equal distances; noise around it, and strays far away.
+template <class Scalar>
+Eigen::Matrix<Scalar, 3, Eigen::Dynamic> SheetInNoise(int grid, int noise, int strays, unsigned seed) {
+    std::mt19937 random(seed);
+    Eigen::Matrix<Scalar, 3, Eigen::Dynamic> points(3, grid * grid + noise + strays);
+    int at = 0;
+    for (int i = 0; i < grid * grid; ++i)
+        points.col(at++) << Scalar(i / grid) / Scalar(grid), Scalar(i % grid) / Scalar(grid), 0;
+    for (int i = 0; i < noise + strays; ++i)
+        points.col(at++) = ((i < noise ? 1 : 1e4) * RandomVector(random)).template cast<Scalar>();
+    return points;
+}
+
+/// All answers, and whether each is what looking at all points tells.
+template <class Scalar>
+void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::size_t count) {
+    using Found = typename NearestOthers<Scalar>::Found;
+    const PointBlocks<Scalar> blocks(points, 3);
+    NearestOthers<Scalar> nearest(blocks);
+    std::vector<bool> isThere(blocks.Size(), false);
+    for (std::size_t block = 0; block < blocks.Blocks(); ++block) {
+        const std::size_t first = blocks.Begin(block), last = blocks.Begin(block + 1);
+        nearest.Ask(first, last, count);
+        ASSERT_EQ(nearest.Each(), std::min(count, blocks.Size() - 1));
+        for (std::size_t at = first; at < last; ++at) {
+            EXPECT_EQ(blocks.BlockOf(at), block);
+            EXPECT_TRUE(nearest.Knows(at, count));
+            const Index self = blocks.Number(at);
+            isThere[std::size_t(self)] = true;
+            ASSERT_EQ(blocks.At(at), points.col(self));
+            std::vector<std::pair<Scalar, Index>> all;
+            for (Index i = 0; i < Index(points.cols()); ++i)
+                if (i != self) {
+                    const Eigen::Matrix<Scalar, 3, 1> way = points.col(i) - points.col(self);
+                    all.emplace_back(way[0] * way[0] + way[1] * way[1] + way[2] * way[2], i);
+                }
+            std::partial_sort(all.begin(), all.begin() + std::ptrdiff_t(nearest.Each()), all.end());
+            for (std::size_t k = 0; k < nearest.Each(); ++k) {
+                const Found &found = nearest.Of(at)[k];
+                ASSERT_EQ(found.square, all[k].first) << "point " << self << ", its " << k << "-th";
+                ASSERT_EQ(found.number, all[k].second) << "of equally near ones, that of the smaller number";
+                ASSERT_EQ(blocks.Number(std::size_t(found.at)), found.number);
+            }
+        }
+    }
+    EXPECT_EQ(std::count(isThere.begin(), isThere.end(), true), points.cols());
+}
+
+} // namespace
+
+TEST(NearestOthers, AreThoseThatLookingAtAllFinds) {
+    for (std::size_t count : {1, 12, 100}) {
+        ExpectNearest(SheetInNoise<float>(20, 60, 3, 1),
+                      count); // blocks whose points are far from each other ask one by one
+        ExpectNearest(SheetInNoise<double>(20, 60, 3, 2), count);
+        ExpectNearest(SheetInNoise<float>(0, 5, 0, 3), count); // fewer than asked for
+        ExpectNearest(SheetInNoise<float>(0, 1, 0, 4), count); // none
+    }
+    ExpectNearest(SheetInNoise<float>(25, 0, 0, 5), 12);
+    const Eigen::Matrix3Xf same = Eigen::Matrix3Xf::Constant(3, 200, 0.25f);
+    ExpectNearest(same, 12);
+}
+
+TEST(NearestOthers, AnswerAloneAsInBlocks) {
+    const Eigen::Matrix3Xf points = SheetInNoise<float>(30, 40, 2, 6);
+    const PointBlocks<float> one(points, 1), three(points, 3);
+    NearestOthers<float> block(one), alone(three);
+    for (std::size_t b = 0; b < one.Blocks(); ++b) {
+        block.Ask(one.Begin(b), one.Begin(b + 1), 12);
+        for (std::size_t at = one.Begin(b); at < one.Begin(b + 1); ++at) {
+            alone.Ask(at, at + 1, 12);
+            for (std::size_t k = 0; k < 12; ++k)
+                ASSERT_EQ(alone.Of(at)[k].number, block.Of(at)[k].number);
+        }
+    }
+}

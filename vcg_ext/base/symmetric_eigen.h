@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SYMMETRIC_EIGEN_H
+#define VCG_FCD_SYMMETRIC_EIGEN_H
+
+#include <vcg_ext/base/elementary.h>
+
+#include <Eigen/Geometry>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// Eigenvalues and eigenvectors of a symmetric 3 x 3 matrix in closed form, about as good as Eigen's computeDirect, but
+/// with the same bits everywhere (O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix, 1961).
+class SymmetricEigen {
+  public:
+    explicit SymmetricEigen(const Eigen::Matrix3d &m) : even(m) {
+        const double mean = m.trace() / 3;
+        even.diagonal().array() -= mean;
+        const double scale = even.cwiseAbs().maxCoeff();
+        if (scale > 0)
+            even /= scale;
+        const double p = even.squaredNorm() / 6, q = even.determinant() / 2;
+        const double angle = ArcTangent(std::sqrt(std::max(0., p * p * p - q * q)), q) / 3;
+        const double cosine = std::sqrt(p) * Cosine(angle), sine = std::sqrt(3 * p) * Sine(angle);
+        root = {-cosine - sine, -cosine + sine, 2 * cosine};
+        values = (scale * root).array() + mean;
+    }
+
+    /// Columns, of length 1 and at right angles, in the order of the values.
+    Eigen::Matrix3d Vectors() const {
+        if (!(root[2] > root[0]))
+            return Eigen::Matrix3d::Identity();
+        const int alone = root[2] - root[1] > root[1] - root[0] ? 2 : 0; // the root that is farthest from the others
+        Eigen::Matrix3d flat = even;
+        flat.diagonal().array() -= root[alone];
+        Eigen::Matrix3d vectors, across;
+        across << flat.col(0).cross(flat.col(1)), flat.col(1).cross(flat.col(2)), flat.col(2).cross(flat.col(0));
+        int largest;
+        across.colwise().squaredNorm().maxCoeff(&largest);
+        vectors.col(alone) = across.col(largest).normalized();
+        // In the plane across it, a matrix of two rows is left.
+        const Eigen::Vector3d u = vectors.col(alone).unitOrthogonal(), w = vectors.col(alone).cross(u);
+        const double half = 0.5 * (u.dot(even * u) - w.dot(even * w)), beside = u.dot(even * w);
+        const double length = std::sqrt(half * half + beside * beside);
+        Eigen::Vector2d upper(half > 0 ? half + length : beside, half > 0 ? beside : length - half);
+        if (upper.isZero(0))
+            upper = {1, 0};
+        upper.normalize();
+        vectors.col(alone == 2 ? 1 : 2) = upper[0] * u + upper[1] * w;
+        vectors.col(alone == 2 ? 0 : 1) = upper[0] * w - upper[1] * u;
+        return vectors;
+    }
+
+    Eigen::Vector3d values; ///< the least first
+
+  private:
+    Eigen::Matrix3d even; ///< the matrix with a trace of 0 and entries of 1 at most
+    Eigen::Vector3d root; ///< its eigenvalues
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif
