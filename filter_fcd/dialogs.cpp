@@ -99,7 +99,7 @@ void fit(QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize
         showWhole(*area.widget());
         QTimer::singleShot(0, &area, [&dialog, &area, all] {
             const int height = std::min(dialog.height() + area.verticalScrollBar()->maximum(), highest);
-            dialog.resize(dialog.width(), std::max(dialog.height(), height));
+            dialog.resize(dialog.width(), height);
             put(dialog, all);
         });
     });
