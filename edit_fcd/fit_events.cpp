@@ -54,9 +54,10 @@ void FitTool::release(QMouseEvent *event) {
             click();
         isClick = false;
     } else if (dragged) {
+        const std::size_t pair = dragged->pair;
         isStepWanted = true;
         guarded([&] { dragTo(); });
-        const bool isWhole = session->state().pairs[dragged->pair].isWhole();
+        const bool isWhole = session->state().pairs[pair].isWhole();
         dragged.reset();
         isStepWanted = false;
         display->rest();
@@ -121,10 +122,11 @@ void FitTool::dragTo() {
     if (!isStepWanted || !dragged || !layer())
         return;
     isStepWanted = false;
-    const FitPair before = session->state().pairs[dragged->pair];
-    if (!place(dragged->isTarget, mouse) || session->state().pairs[dragged->pair] == before)
+    const FitEnd which = *dragged;
+    const FitPair before = session->state().pairs[which.pair];
+    if (!place(which.isTarget, mouse) || session->state().pairs[which.pair] == before)
         return;
-    if (session->state().pairs[dragged->pair].isWhole())
+    if (session->state().pairs[which.pair].isWhole())
         reshape(false);
     view->update();
 }

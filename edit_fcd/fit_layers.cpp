@@ -18,9 +18,10 @@ MeshModel *FitTool::target() const {
 }
 
 MeshModel &FitTool::expectedTarget() const {
-    if (MeshModel *found = target())
-        return *found;
-    throw Error("There is no other layer to fit onto. Open the scan as another layer, or choose a target.");
+    MeshModel *found = target();
+    if (!found)
+        throw Error("There is no other layer to fit onto. Open the scan as another layer, or choose a target.");
+    return *found;
 }
 
 bool FitTool::start(MeshDocument &document, GLArea *area) {

@@ -26,10 +26,15 @@ std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, co
     const std::vector<FitPair> &pairs = session.state().pairs;
     for (const bool isTarget : {true, false})
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            if (isTarget ? !marks.showsTarget || !pairs[i].place : !marks.showsSource || !pairs[i].slot)
+            const FitPair &pair = pairs[i];
+            std::optional<Eigen::Vector3d> p;
+            if (isTarget && marks.showsTarget)
+                p = pair.place;
+            else if (!isTarget && marks.showsSource && pair.slot)
+                p = session.positionOf(*pair.slot);
+            if (!p)
                 continue;
-            const Eigen::Vector3d p = isTarget ? *pairs[i].place : session.positionOf(*pairs[i].slot);
-            const double distance = (view.toWindow(p).head<2>() - window).norm();
+            const double distance = (view.toWindow(*p).head<2>() - window).norm();
             if (distance < least) {
                 least = distance;
                 found = FitEnd{i, isTarget};
@@ -53,16 +58,17 @@ void drawPairs(const FitSession &session, const FitMarks &marks) {
         glColor3ub(240, 240, 240);
         glBegin(GL_LINES);
         for (const FitPair &each : pairs)
-            if (each.isWhole())
+            if (each.slot && each.place)
                 for (const Eigen::Vector3d &p : {session.positionOf(*each.slot), *each.place})
                     glVertex3d(p[0], p[1], p[2]);
         glEnd();
     }
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        if (marks.showsSource && pairs[i].slot)
-            drawEnd(session.positionOf(*pairs[i].slot), sourceColor, int(i) == marks.selected);
-        if (marks.showsTarget && pairs[i].place)
-            drawEnd(*pairs[i].place, targetColor, int(i) == marks.selected);
+        const FitPair &each = pairs[i];
+        if (marks.showsSource && each.slot)
+            drawEnd(session.positionOf(*each.slot), sourceColor, int(i) == marks.selected);
+        if (marks.showsTarget && each.place)
+            drawEnd(*each.place, targetColor, int(i) == marks.selected);
     }
     glPopAttrib();
 }

@@ -71,6 +71,7 @@ std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, cons
     names.resize(read.size());
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
     std::vector<FitPair> pairs;
+    pairs.reserve(read.size());
     for (std::size_t i = 0; i < read.size(); ++i)
         pairs.push_back({names[i].empty() ? std::to_string(i + 1) : names[i], read[i].vertex, world * read[i].target});
     return pairs;
@@ -86,11 +87,15 @@ void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<Fi
     std::vector<std::pair<std::string, Eigen::Vector3d>> points;
     std::string list = "# vertex, x, y, z of its place on the target # name\n";
     for (const FitPair &each : pairs) {
-        points.emplace_back(each.name, world * toVector(rest[*each.slot]));
-        points.emplace_back(each.name, *each.place);
-        list += vcg::fcd::detail::ToText(number[*each.slot]);
+        if (!each.slot || !each.place)
+            continue; // never: all are whole
+        const std::size_t slot = *each.slot;
+        const Eigen::Vector3d place = *each.place;
+        points.emplace_back(each.name, world * toVector(rest[slot]));
+        points.emplace_back(each.name, place);
+        list += vcg::fcd::detail::ToText(number[slot]);
         for (int d = 0; d < 3; ++d)
-            list += ", " + vcg::fcd::detail::ToText((*each.place)[d]);
+            list += ", " + vcg::fcd::detail::ToText(place[d]);
         list += " # " + each.name + "\n";
     }
     saveFiles({{file, isPicked(file) ? pickedPointsText(points).toStdString() : list}});

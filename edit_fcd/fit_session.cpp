@@ -135,7 +135,7 @@ void FitSession::save(const QString &file) const { savePairs(layer, rest.positio
 std::vector<vcg::fcd::Landmark> FitSession::landmarks() const {
     std::vector<vcg::fcd::Landmark> landmarks;
     for (const FitPair &each : now.pairs)
-        if (each.isWhole()) // the filter reads places into the layer's own units
+        if (each.slot && each.place) // the filter reads places into the layer's own units
             landmarks.push_back({*each.slot, rest.world() * (rest.world().inverse() * *each.place)});
     return landmarks;
 }

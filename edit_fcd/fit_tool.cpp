@@ -132,6 +132,7 @@ void FitTool::refresh() {
     panel->showShape(session->state().shape);
     std::vector<FitPairRow> rows;
     const std::vector<FitPair> &pairs = session->state().pairs;
+    rows.reserve(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
         rows.push_back({QString::fromStdString(pairs[i].name), pairs[i].slot.has_value(), pairs[i].place.has_value(),
                         int(i) == selected});

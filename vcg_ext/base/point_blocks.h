@@ -123,23 +123,23 @@ class PointBlocks {
     /// body(first, last) for blocks, the nearest ones first. \return of body: square of how far the next ones may be
     template <class Body>
     void ForEachNearest(const Point &p, const Body &body) const {
-        Scalar most = std::numeric_limits<Scalar>::infinity();
+        Scalar bound = std::numeric_limits<Scalar>::infinity();
         struct Node {
-            int level;
             std::size_t j;
+            int level;
             Scalar square;
         } stack[64];
         const auto make = [&](int level, std::size_t j) {
-            return Node{level, j, box[Place(level, j)].SquareTo(p[0], p[1], p[2])};
+            return Node{j, level, box[Place(level, j)].SquareTo(p[0], p[1], p[2])};
         };
         int open = 0;
         stack[open++] = make(0, 0);
         while (open > 0) {
             const Node node = stack[--open];
-            if (node.square > most)
+            if (node.square > bound)
                 continue;
             if (node.level == levels) {
-                most = body(Begin(node.j), Begin(node.j + 1));
+                bound = body(Begin(node.j), Begin(node.j + 1));
                 continue;
             }
             Node a = make(node.level + 1, 2 * node.j), b = make(node.level + 1, 2 * node.j + 1);
