@@ -165,7 +165,8 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
         p = Rolled(Bumpy(p[0] * 10 / 56, p[1] * 6 / 32));
     const Fitted fitted = Fit(source, half);
     EXPECT_NEAR(fitted.report.matched, 0.5, 0.05);
-    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), 0.0042);
+    const double limit = sanitized ? 0.0054 : 0.0042; // with a third of the samples
+    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), limit);
     int edges = 0, stretched = 0;
     for (const auto &face : source.face)
         for (std::size_t k = 0; k < 3; ++k) {
