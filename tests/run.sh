@@ -162,10 +162,12 @@ pymeshlab() {
 # sanitized_plugin HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/sanitized/HOST.
 sanitized_plugin() {
     local host=$1 directory=$build/sanitized/$1 arguments
+    local taken=() # of that host alone: the method brings the VCG that it was compiled with
+    [ "$build/cmake/$host" != "$method" ] || taken=("-DFCD_METHOD=$method")
     shift
     mapfile -t arguments < <(tail -n +2 "$build/cmake/$host/arguments" | grep -v -e FCD_OUTPUT_DIR -e CMAKE_CXX_COMPILER=)
     if cmake -G Ninja -S . -B "$directory" "${arguments[@]}" -DCMAKE_CXX_COMPILER=clang++ -DFCD_OUTPUT_DIR="$directory/plugins" \
-        -DFCD_SANITIZE_PLUGINS=ON -DFCD_METHOD="$method" >"$results/$name-$host.log" 2>&1 && nice ninja -C "$directory" -j 1 "$@" >>"$results/$name-$host.log" 2>&1; then
+        -DFCD_SANITIZE_PLUGINS=ON "${taken[@]}" >"$results/$name-$host.log" 2>&1 && nice ninja -C "$directory" -j 1 "$@" >>"$results/$name-$host.log" 2>&1; then
         add 0 0 0
     else
         grep -m 5 -E 'error|Error' "$results/$name-$host.log"
