@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_handle_list.h"
 
+#include "tool_list.h"
+
 #include <QHeaderView>
 #include <QPixmap>
 #include <QSignalBlocker>
@@ -14,19 +16,7 @@ BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(0, 5, parent) {
                                 "Removes the handle: what it held is free"};
     for (int i = 0; i < 5; ++i)
         horizontalHeaderItem(i)->setToolTip(tips[i]);
-    verticalHeader()->hide();
-    verticalHeader()->setDefaultSectionSize(22);
-    setSelectionBehavior(SelectRows);
-    setSelectionMode(SingleSelection);
-    setEditTriggers(DoubleClicked);
-    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    const std::pair<int, int> widths[] = {{Name, 104}, {Shown, 38}, {Locked, 38}, {Remove, 22}};
-    for (const auto &[column, width] : widths) {
-        horizontalHeader()->setSectionResizeMode(column, QHeaderView::Fixed);
-        setColumnWidth(column, width);
-    }
-    horizontalHeader()->setSectionResizeMode(Motion, QHeaderView::Stretch);
-    horizontalHeader()->setMinimumSectionSize(16);
+    setUpList(*this, Motion, {{Name, 104}, {Shown, 38}, {Locked, 38}, {Remove, 22}});
     setWordWrap(false);
     setFixedHeight(116);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int) { onChanged(row); });

@@ -4,6 +4,7 @@
 #include "bend_keys.h"
 #include "bend_state.h"
 #include "stretch_colors.h"
+#include "tool_list.h"
 #include "tool_window.h"
 
 #include <layer_fcd/parameters.h>
@@ -40,14 +41,8 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     column->addWidget(state);
     addMore(*column);
     column->addStretch();
-    auto *scroll = new QScrollArea;
-    scroll->setWidget(content);
-    scroll->setWidgetResizable(true);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setMinimumWidth(content->minimumSizeHint().width() + 20);
-    setWidget(scroll);
+    setScrolled(*this, *content);
     moreOptions->hide(); // the width is that of all
-    scroll->setFocusPolicy(Qt::NoFocus);
     connectOptions();
     tracePlaces(*this);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit_pair_list.h"
 
+#include "tool_list.h"
+
 #include <QHeaderView>
 #include <QSignalBlocker>
 
@@ -10,19 +12,7 @@ FitPairList::FitPairList(QWidget *parent) : QTableWidget(0, 4, parent) {
                                 "Whether its place on the target is given", "Removes the pair"};
     for (int i = 0; i < 4; ++i)
         horizontalHeaderItem(i)->setToolTip(tips[i]);
-    verticalHeader()->hide();
-    verticalHeader()->setDefaultSectionSize(22);
-    setSelectionBehavior(SelectRows);
-    setSelectionMode(SingleSelection);
-    setEditTriggers(DoubleClicked);
-    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    horizontalHeader()->setMinimumSectionSize(16);
-    horizontalHeader()->setSectionResizeMode(Name, QHeaderView::Stretch);
-    const std::pair<int, int> widths[] = {{Source, 44}, {Target, 52}, {Remove, 22}};
-    for (const auto &[column, width] : widths) {
-        horizontalHeader()->setSectionResizeMode(column, QHeaderView::Fixed);
-        setColumnWidth(column, width);
-    }
+    setUpList(*this, Name, {{Source, 44}, {Target, 52}, {Remove, 22}});
     setFixedHeight(160);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
         if (column == Name)

@@ -2,6 +2,7 @@
 #include "fit_panel.h"
 
 #include "distance_colors.h"
+#include "tool_list.h"
 #include "tool_window.h"
 
 #include <cmath>
@@ -9,7 +10,6 @@
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
-#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -41,13 +41,7 @@ FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     addShape(*column);
     addCommands(*column);
     column->addStretch();
-    auto *scroll = new QScrollArea;
-    scroll->setWidget(content);
-    scroll->setWidgetResizable(true);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setMinimumWidth(content->minimumSizeHint().width() + 20);
-    scroll->setFocusPolicy(Qt::NoFocus);
-    setWidget(scroll);
+    setScrolled(*this, *content);
     for (QWidget *widget : std::initializer_list<QWidget *>{targets, start, stiffness, distance, graphs})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     showProgress(-1);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_TOOL_LIST_H
+#define FCD_TOOL_LIST_H
+
+#include <initializer_list>
+#include <utility>
+
+#include <QDockWidget>
+#include <QTableWidget>
+
+/// \file
+/// What the panels of the tools, and the lists in them, have in common.
+
+/// Gives a list its looks: a row is selected at a click and edited at a double one. \param stretched the column that
+/// takes what is left by those of \p widths (column, pixels)
+void setUpList(QTableWidget &list, int stretched, std::initializer_list<std::pair<int, int>> widths);
+
+/// Puts what a panel shows into an area that scrolls up and down alone.
+void setScrolled(QDockWidget &panel, QWidget &content);
+
+#endif
