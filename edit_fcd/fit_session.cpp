@@ -313,6 +313,6 @@ std::string FitSession::applyToNewLayer(const MeshModel &target, bool graphLayer
     FitMeshParam param = paramFor(target, now.shape == FitShape::Landmarks);
     param.graphLayers = graphLayers;
     now.shape = FitShape::Rest;
-    addFitted(document, layer, *fitted, param, remark);
+    addFitted(document, layer, *fitted, param, remark, {});
     return call;
 }

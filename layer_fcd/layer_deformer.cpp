@@ -188,6 +188,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.way = pose.way;
     result.secondsSolve = watch.Seconds();
 
+    progress(1, "Done"); // but for what cannot be cancelled
     watch = {};
     try { // to have all the memory that it takes, before the first vertex is moved
         if (isFirst)
@@ -209,6 +210,5 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             RestShape::drop(layer);
         throw;
     }
-    progress(1, "Done");
     return result;
 }

@@ -150,7 +150,8 @@ Deformer::Pose followLandmarks(const Fitter &fitter, const std::vector<Landmark>
 }
 
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
-                                   const FitMeshParam &param, const Remark &remark) {
+                                   const FitMeshParam &param, const Remark &remark, const Progress &progress) {
+    progress(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
     std::shared_ptr<Prepared> graphOf;
     if (param.graphLayers) {
@@ -165,6 +166,7 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
     else if (param.quality == FitMeshParam::Matched)
         quality.assign(fitted.matched.begin(), fitted.matched.end());
     std::vector<MeshModel *> added = layers.addResult("fitted", fitted.result, quality, graphOf);
+    progress(1, "Done");
     layers.keep(*added.back());
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, added);
@@ -192,9 +194,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     const bool measured = param.quality != FitMeshParam::Input;
     static_cast<FittedSurface &>(made) =
         LayerFit(document, layer, param, remark, progress.Slice(0, 0.05)).solve(measured, progress.Slice(0.05, 0.95));
-    progress(0.95, "Adding layers...");
-    made.layers = addFitted(document, layer, made, param, remark);
-    progress(1, "Done");
+    made.layers = addFitted(document, layer, made, param, remark, progress.Slice(0.95, 1));
     made.seconds = watch.Seconds();
     return made;
 }

@@ -69,9 +69,10 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
                       const vcg::fcd::Progress &progress);
 
 /// Adds the layers of a fit. \pre \p layer has the shape that was fitted \return them, the fitted one last, which is
-/// the current one then
+/// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
-                                   const FitMeshParam &param, const Remark &remark);
+                                   const FitMeshParam &param, const Remark &remark,
+                                   const vcg::fcd::Progress &progress);
 
 /// Gives \p layer the shape of a fit, to the bit that of the layer that addFitted adds; the one that it has becomes its
 /// rest shape. \pre it has the shape that was fitted

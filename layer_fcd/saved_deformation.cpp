@@ -46,7 +46,7 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, vcg::f
     }
     vcg::fcd::SampledField field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed,
                                                          linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
-    saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
     progress(1, "Done");
+    saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
     return field;
 }

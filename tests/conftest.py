@@ -112,6 +112,6 @@ def check_faults(plugin, libraries):
     assert done.returncode == 0, done.stderr[-3000:]
     cancelled = [int(n) for n in re.findall(r"was cancelled (\d+) times", done.stdout)]
     ran_out = [int(n) for n in re.findall(r"ran out of memory (\d+) times", done.stdout)]
-    assert len(cancelled) == len(ran_out) == 4 and min(cancelled) > 20 and min(ran_out) > 1, done.stdout
+    assert len(cancelled) == 5 and len(ran_out) == 4 and min(cancelled) > 20 and min(ran_out) > 1, done.stdout
     first, second = map(int, re.search(r"Pose in Place ran out of memory (\d+) and (\d+) times", done.stdout).groups())
     assert first > 10 and second > 10, done.stdout
