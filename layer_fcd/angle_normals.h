@@ -9,11 +9,10 @@
 #include <vcg/space/triangle3.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <thread>
+#include <memory>
 #include <vector>
 
 /// Begins to read memory that is needed soon.
@@ -25,21 +24,40 @@ inline void prefetch(const void *memory) {
 #endif
 }
 
+/// Ranges of faces whose normals and angles are computed by any thread.
+constexpr std::size_t facesOfRange = 1024;
+
+/// What computeFlaggedNormals needs of memory, so that it can be had before anything is changed.
+struct FlaggedFaces {
+    /// Of the faces of a range, those that have a vertex with a flag.
+    struct Range {
+        float angle[3][facesOfRange];
+        std::uint32_t slot[3][facesOfRange];
+        std::uint16_t face[facesOfRange]; ///< counted from the first of the range
+        int count;
+    };
+    std::vector<char> isClear;      ///< flags of the vertices' slots: the sum of the normals is begun
+    std::unique_ptr<Range[]> range; ///< as ParallelForAdding uses them
+
+    FlaggedFaces(std::size_t vertices, std::size_t faces)
+        : isClear(vertices, 0),
+          range(new Range[std::min((faces + facesOfRange - 1) / facesOfRange, vcg::fcd::rangesAhead)]) {}
+};
+
 /// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
 /// \p flags (one per slot), and of these vertices; all others keep theirs. The same bits with any number of threads.
-/// Needs no other memory than \p isClear, one 0 per slot.
+/// \param memory for the mesh's vertices and faces, not yet used
 template <class MeshType>
-void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, std::vector<char> &isClear) {
+void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, FlaggedFaces &memory) {
     using Scalar = typename MeshType::ScalarType;
     using Face = typename MeshType::FaceType;
     using Point = typename MeshType::CoordType;
-    constexpr std::size_t grain = 1024;
-    std::atomic<std::size_t> added{0}; // faces
-    vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
-        float angle[3][grain];
-        std::uint32_t slot[3][grain]; // of those that have flags
+    const auto rangeOf = [&](std::size_t f) -> FlaggedFaces::Range & {
+        return memory.range[f / facesOfRange % vcg::fcd::rangesAhead];
+    };
+    const auto compute = [&](std::size_t first, std::size_t last) {
+        FlaggedFaces::Range &range = rangeOf(first);
         int count = 0;
-        std::uint16_t face[grain];
         for (std::size_t f = first; f < last; ++f) {
             Face &each = mesh.face[f];
             for (int k = 0; k < 3; ++k)
@@ -59,35 +77,38 @@ void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, std::
             const Scalar length = normal.Norm();
             const Scalar scale = length > 0 ? 1 / length : 0;
             each.N() = normal * scale;
-            angle[0][count] = float(-(e0 * e2) * scale);
-            angle[1][count] = float(-(e1 * e0) * scale);
+            range.angle[0][count] = float(-(e0 * e2) * scale);
+            range.angle[1][count] = float(-(e1 * e0) * scale);
             for (int k = 0; k < 3; ++k)
-                slot[k][count] = corner[k];
-            face[count++] = std::uint16_t(f - first);
+                range.slot[k][count] = corner[k];
+            range.face[count++] = std::uint16_t(f - first);
         }
         for (int i = 0; i < count; ++i) {
-            angle[0][i] = vcg::fcd::AngleOfCotangent(angle[0][i]);
-            angle[1][i] = vcg::fcd::AngleOfCotangent(angle[1][i]);
-            angle[2][i] = 3.14159265f - angle[0][i] - angle[1][i];
+            range.angle[0][i] = vcg::fcd::AngleOfCotangent(range.angle[0][i]);
+            range.angle[1][i] = vcg::fcd::AngleOfCotangent(range.angle[1][i]);
+            range.angle[2][i] = 3.14159265f - range.angle[0][i] - range.angle[1][i];
         }
-        while (added.load(std::memory_order_acquire) != first) // whoever has the range before is at it
-            std::this_thread::yield();
-        for (int i = 0; i < count; ++i) {
-            const Face &each = mesh.face[first + face[i]];
-            const Point normal = each.cN();
-            for (int k = 0; k < 3; ++k) {
-                const std::uint32_t vertex = slot[k][i];
-                if (!flags[vertex])
-                    continue;
-                Point &sum = mesh.vert[vertex].N();
-                if (!isClear[vertex])
-                    sum.SetZero();
-                isClear[vertex] = 1;
-                sum += normal * Scalar(angle[k][i]);
+        range.count = count;
+    };
+    const auto add = [&](std::size_t first, std::size_t last) {
+        for (std::size_t begin = first; begin < last; begin += facesOfRange) {
+            const FlaggedFaces::Range &range = rangeOf(begin);
+            for (int i = 0; i < range.count; ++i) {
+                const Point normal = mesh.face[begin + range.face[i]].cN();
+                for (int k = 0; k < 3; ++k) {
+                    const std::uint32_t vertex = range.slot[k][i];
+                    if (!flags[vertex])
+                        continue;
+                    Point &sum = mesh.vert[vertex].N();
+                    if (!memory.isClear[vertex])
+                        sum.SetZero();
+                    memory.isClear[vertex] = 1;
+                    sum += normal * Scalar(range.angle[k][i]);
+                }
             }
         }
-        added.store(last, std::memory_order_release);
-    });
+    };
+    vcg::fcd::ParallelForAdding(0, mesh.face.size(), facesOfRange, compute, add);
 }
 
 /// What vcg::tri::UpdateNormal::PerFaceNormalized and PerVertexAngleWeighted do, to the bit: the normal of a vertex is
@@ -99,11 +120,14 @@ template <class MeshType>
 void computeAngleNormals(MeshType &mesh, unsigned threads) {
     using Face = typename MeshType::FaceType;
     using Point = typename MeshType::CoordType;
-    constexpr std::size_t grain = 1024;
+    using Angles = typename MeshType::ScalarType[facesOfRange][3];
     std::vector<char> isClear(mesh.vert.size(), 0);
-    std::atomic<std::size_t> added{0}; // faces
-    vcg::fcd::ParallelFor(threads, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
-        typename MeshType::ScalarType angle[grain][3]; // not on the heap: who throws leaves the others waiting
+    const std::size_t ranges = (mesh.face.size() + facesOfRange - 1) / facesOfRange;
+    const std::unique_ptr<Angles[]> angles(new Angles[std::min(ranges, vcg::fcd::rangesAhead)]);
+    const auto angleOf = [&](std::size_t f) {
+        return angles[f / facesOfRange % vcg::fcd::rangesAhead][f % facesOfRange];
+    };
+    const auto compute = [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             Face &face = mesh.face[f];
             for (int k = 0; k < 3; ++k)
@@ -116,12 +140,12 @@ void computeAngleNormals(MeshType &mesh, unsigned threads) {
             };
             const Point e0 = way(0), e1 = way(1), e2 = way(2);
             face.N() = vcg::TriangleNormal(face).Normalize();
-            angle[f - first][0] = vcg::AngleN(e0, -e2);
-            angle[f - first][1] = vcg::AngleN(-e0, e1);
-            angle[f - first][2] = vcg::AngleN(-e1, e2);
+            angleOf(f)[0] = vcg::AngleN(e0, -e2);
+            angleOf(f)[1] = vcg::AngleN(-e0, e1);
+            angleOf(f)[2] = vcg::AngleN(-e1, e2);
         }
-        while (added.load(std::memory_order_acquire) != first) // whoever has the range before is at it
-            std::this_thread::yield();
+    };
+    const auto add = [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             const Face &face = mesh.face[f];
             if (face.IsD())
@@ -133,11 +157,11 @@ void computeAngleNormals(MeshType &mesh, unsigned threads) {
                     sum.SetZero();
                 isClear[slot] = 1;
                 if (face.IsR())
-                    sum += face.cN() * angle[f - first][k];
+                    sum += face.cN() * angleOf(f)[k];
             }
         }
-        added.store(last, std::memory_order_release);
-    });
+    };
+    vcg::fcd::ParallelForAdding(threads, mesh.face.size(), facesOfRange, compute, add);
 }
 
 #endif

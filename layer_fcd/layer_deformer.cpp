@@ -195,13 +195,13 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             RestShape::keep(layer);
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
-        std::vector<char> isClear(ofFaces ? mesh.vert.size() : 0, 0);
+        FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);
         const bool moved = writePose(mesh, restShape, *found, pose, !ofFaces);
         result.secondsMap = watch.Seconds();
 
         watch = {};
         if (ofFaces && moved)
-            computeFlaggedNormals(mesh, found->turning, isClear);
+            computeFlaggedNormals(mesh, found->turning, flagged);
         else
             computeFaceNormals(mesh, found->moving);
         result.secondsNormals = watch.Seconds();

@@ -133,8 +133,8 @@ TEST(AngleNormals, OfFlaggedVerticesAreThoseOfAll) {
     std::vector<char> flags(some.vert.size(), 0);
     for (std::size_t i = 0; i < flags.size(); ++i)
         flags[i] = i % 7 == 0 || i > flags.size() / 2;
-    std::vector<char> isClear(flags.size(), 0);
-    computeFlaggedNormals(some, flags, isClear);
+    FlaggedFaces memory(flags.size(), some.face.size());
+    computeFlaggedNormals(some, flags, memory);
     for (std::size_t i = 0; i < flags.size(); ++i) {
         const vcg::Point3d &expected = flags[i] ? all.vert[i].N() : before.vert[i].cN();
         EXPECT_LT((some.vert[i].N() - expected).Norm(), 1e-5) << i;

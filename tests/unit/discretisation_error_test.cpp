@@ -36,8 +36,9 @@ TEST(CoarseGraph, CarriesWhatTheFineOneDoesWithAFourthOfTheNodes) {
     EXPECT_LT(free, 6 * groups);
     for (Index i = 0; i < rig.graph.Size(); ++i) {
         const Index leader = coarse.leader[coarse.groupOf[i]];
-        if (rig.constrained[i])
+        if (rig.constrained[i]) {
             EXPECT_EQ(leader, i);
+        }
         const Csr::Row row = rig.graph.graph.adjacency[leader];
         EXPECT_TRUE(leader == i || std::binary_search(row.begin(), row.end(), i));
     }

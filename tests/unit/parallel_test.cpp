@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/parallel.h>
 
+#include <algorithm>
+#include <atomic>
 #include <gtest/gtest.h>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 using vcg::fcd::ParallelFor;
@@ -71,4 +74,59 @@ TEST(ParallelFor, MayBeNested) {
         ParallelFor(3, 10, 4, [&](std::size_t first, std::size_t last) { items += int(last - first); });
     });
     EXPECT_EQ(items, 80);
+}
+
+TEST(ParallelForAdding, AddsInOrderWhatIsComputedBeforeItAndStillThere) {
+    using vcg::fcd::rangesAhead;
+    for (std::size_t grain : {1, 3})
+        for (std::size_t n : {std::size_t(0), std::size_t(1), rangesAhead, 7 * rangesAhead * grain - 1})
+            for (unsigned threads : {1u, 2u, 5u}) {
+                std::vector<std::size_t> place(rangesAhead, n); // the range that was last computed there
+                std::vector<std::size_t> added;
+                vcg::fcd::ParallelForAdding(
+                    threads, n, grain,
+                    [&](std::size_t first, std::size_t last) {
+                        EXPECT_LE(last - first, grain);
+                        place[first / grain % rangesAhead] = first;
+                    },
+                    [&](std::size_t first, std::size_t last) {
+                        EXPECT_EQ(place[first / grain % rangesAhead], first);
+                        for (std::size_t i = first; i < last; ++i)
+                            added.push_back(i);
+                    });
+                ASSERT_EQ(added.size(), n);
+                for (std::size_t i = 0; i < n; ++i)
+                    ASSERT_EQ(added[i], i);
+            }
+}
+
+TEST(ParallelForAdding, GoesOnWhileAThreadIsSlow) {
+    std::atomic<std::size_t> computed{0};
+    std::size_t ahead = 0;
+    vcg::fcd::ParallelForAdding(
+        2, 10 * vcg::fcd::rangesAhead, 1,
+        [&](std::size_t first, std::size_t) {
+            if (first == 0)
+                while (computed < vcg::fcd::rangesAhead - 1) // the other thread has no more room
+                    std::this_thread::yield();
+            ++computed;
+        },
+        [&](std::size_t first, std::size_t) { ahead = std::max(ahead, computed - first); });
+    EXPECT_EQ(ahead, vcg::fcd::rangesAhead);
+}
+
+TEST(ParallelForAdding, EndsAfterAnException) {
+    for (bool adding : {false, true})
+        for (unsigned threads : {1u, 3u})
+            EXPECT_THROW(vcg::fcd::ParallelForAdding(
+                             threads, 100 * vcg::fcd::rangesAhead, 1,
+                             [&](std::size_t first, std::size_t) {
+                                 if (first == 5 && !adding)
+                                     throw std::length_error("range");
+                             },
+                             [&](std::size_t first, std::size_t) {
+                                 if (first == 5 && adding)
+                                     throw std::length_error("range");
+                             }),
+                         std::length_error);
 }

@@ -89,8 +89,9 @@ TEST(Blend, OfOneMotionIsThatMotion) {
             const Motion motion = Told(steps), blended = Blend({{Told("scale 3"), 0}, {motion, percent}}, handleCenter);
             EXPECT_TRUE(SameBits(blended.matrix, motion.At(percent, handleCenter))) << steps;
             const Vector3d turn = motion.Rotation() * (percent / 100);
-            if (turn.norm() < M_PI || !motion.turn.isZero(0))
+            if (turn.norm() < M_PI || !motion.turn.isZero(0)) {
                 EXPECT_LT((blended.Rotation() - turn).norm(), 1e-9) << steps << percent;
+            }
         }
     EXPECT_TRUE(SameBits(Blend({}, handleCenter).matrix, Matrix4d(Matrix4d::Identity())));
 }

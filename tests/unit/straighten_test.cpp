@@ -373,8 +373,9 @@ TEST(Straighten, LaysItAlongAnotherLineInTheWorld) {
         const double s = 2 * tube.position[i][0];
         const Vector3d to = world * Vector3d(made.position.col(Eigen::Index(i)));
         off = std::max(off, std::abs((to - line.At(s).point).norm() - 1.2));
-        if (i % 97 == 0)
+        if (i % 97 == 0) {
             EXPECT_NEAR(line.Nearest(to, 0, line.Length()), s, 0.05);
+        }
     }
     EXPECT_LT(off, 0.02);
 }

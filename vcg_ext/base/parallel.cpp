@@ -2,8 +2,10 @@
 #include <vcg_ext/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
+#include <chrono>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -44,6 +46,42 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
         t.join();
     if (failure)
         std::rethrow_exception(failure);
+}
+
+void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
+                       const std::function<void(std::size_t, std::size_t)> &compute,
+                       const std::function<void(std::size_t, std::size_t)> &add) {
+    // All in one order (memory_order_seq_cst): who finds somebody adding may leave, since that one looks again.
+    std::array<std::atomic<bool>, rangesAhead> ready{};
+    std::atomic<std::size_t> added{0}; // items
+    std::atomic<bool> isAdding{false}, failed{false};
+    const auto place = [&](std::size_t first) -> std::atomic<bool> & { return ready[first / grain % rangesAhead]; };
+    const auto addReady = [&] {
+        while (added < n && place(added) && !isAdding.exchange(true)) {
+            for (std::size_t first; (first = added) < n && place(first);) {
+                const std::size_t last = std::min(n, first + grain);
+                add(first, last);
+                place(first) = false;
+                added = last;
+            }
+            isAdding = false;
+        }
+    };
+    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        try {
+            while (first >= added + rangesAhead * grain) {
+                if (failed)
+                    return;
+                std::this_thread::sleep_for(std::chrono::microseconds(100));
+            }
+            compute(first, last);
+            place(first) = true;
+            addReady();
+        } catch (...) {
+            failed = true;
+            throw;
+        }
+    });
 }
 
 } // namespace fcd

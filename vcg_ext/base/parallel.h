@@ -15,6 +15,18 @@ namespace fcd {
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body);
 
+/// What may be computed but not yet added by ParallelForAdding, ranges: so few that their results stay in a cache.
+constexpr std::size_t rangesAhead = 32;
+
+/// For what is computed in any order and added up in one: compute(first, last) as ParallelFor's body, and for each
+/// range after it add(first, last), one after the other in their order, by whichever thread has computed the next one.
+/// Their results need room for rangesAhead ranges, those of the i-th in place i % rangesAhead. No thread waits for a
+/// slow one but where it is as far ahead as that: where other programs keep the cores busy, each wait lasts a time
+/// slice.
+void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
+                       const std::function<void(std::size_t, std::size_t)> &compute,
+                       const std::function<void(std::size_t, std::size_t)> &add);
+
 } // namespace fcd
 } // namespace vcg
 

@@ -5,8 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <atomic>
-#include <thread>
+#include <memory>
 
 namespace vcg {
 namespace fcd {
@@ -51,19 +50,19 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
     const std::size_t n = surface.vertexSlots;
     ParallelFor(threads, n, 1 << 16,
                 [&](std::size_t first, std::size_t last) { std::fill(normal + 3 * first, normal + 3 * last, 0.0); });
-    // Ranges of faces are computed by all threads, and added up one after the other: the same bits for any number.
-    std::atomic<std::size_t> added{0}; // faces
-    ParallelFor(threads, surface.faces, grainOfFaces, [&](std::size_t first, std::size_t last) {
-        FacesOfRange faces; // not on the heap: who throws leaves the others waiting
-        faces.Compute(surface, position, first, last - first);
-        while (added.load(std::memory_order_acquire) != first)
-            std::this_thread::yield();
-        for (std::size_t f = first; f < last; ++f)
-            for (std::size_t k = 0; surface.IsFace(f) && k < 3; ++k)
-                Eigen::Map<Eigen::Vector3d>(normal + 3 * std::size_t(surface.corner[3 * f + k])) +=
-                    faces.normal[f - first] * double(faces.angle[k][f - first]);
-        added.store(last, std::memory_order_release);
-    });
+    // Added up in the order of the faces: the same bits for any number of threads.
+    const std::size_t ranges = (surface.faces + grainOfFaces - 1) / grainOfFaces;
+    const std::unique_ptr<FacesOfRange[]> faces(new FacesOfRange[std::min(ranges, rangesAhead)]);
+    const auto rangeOf = [&](std::size_t f) -> FacesOfRange & { return faces[f / grainOfFaces % rangesAhead]; };
+    ParallelForAdding(
+        threads, surface.faces, grainOfFaces,
+        [&](std::size_t first, std::size_t last) { rangeOf(first).Compute(surface, position, first, last - first); },
+        [&](std::size_t first, std::size_t last) {
+            for (std::size_t f = first; f < last; ++f)
+                for (std::size_t k = 0; surface.IsFace(f) && k < 3; ++k)
+                    Eigen::Map<Eigen::Vector3d>(normal + 3 * std::size_t(surface.corner[3 * f + k])) +=
+                        rangeOf(f).normal[f % grainOfFaces] * double(rangeOf(f).angle[k][f % grainOfFaces]);
+        });
     ParallelFor(threads, n, 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             Eigen::Map<Eigen::Vector3d> sum(normal + 3 * i);
