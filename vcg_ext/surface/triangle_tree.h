@@ -5,6 +5,7 @@
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/symmetric_eigen.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -105,19 +106,42 @@ class TriangleTree {
     }
 
     static constexpr std::size_t wide = 4;
+    /// Most triangles of a node with axes of its own. What holds more is hardly flat, and each level that has them
+    /// makes a tree a seventh slower to build.
+    static constexpr std::size_t flat = wide * wide * wide;
     static constexpr Index none = std::numeric_limits<Index>::max();
 
-    /// Boxes of the children, from the middle of all triangles, in units of their radius.
+    /// Boxes of the children, from the middle of all triangles, in units of their radius. Those around few triangles
+    /// are along axes of their own, in which these lie flat: seen from afar, a box that lies across a surface would
+    /// stand for much that is nearer than its triangles are.
     struct Node {
+        std::array<Eigen::Array<float, int(wide), 1>, 3> column; ///< of the rotation to those axes, and 0
         std::array<Eigen::Array<float, int(wide), 1>, 3> low, high;
         std::array<Index, wide> child; ///< a node, -1 - t for a triangle t, or none
     };
 
+    Eigen::Vector3f Placed(Index slot) const { return ((position.col(slot) - center) * scale).cast<float>(); }
+
     Eigen::AlignedBox3f BoxOf(Index t) const {
         Eigen::AlignedBox3f box;
         for (Index i : triangle[std::size_t(t)])
-            box.extend(Eigen::Vector3f(((position.col(i) - center) * scale).cast<float>()));
+            box.extend(Placed(i));
         return box;
+    }
+
+    /// The axes of triangles in which their corners lie flattest, as rows.
+    Eigen::Matrix3f AxesOf(const Index *first, const Index *last) const {
+        const Eigen::Vector3f origin = middle[std::size_t(*first)];
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+        for (const Index *t = first; t != last; ++t)
+            for (Index i : triangle[std::size_t(*t)]) {
+                const Eigen::Vector3f x = Placed(i) - origin;
+                sum += x;
+                squares += x * x.transpose();
+            }
+        squares -= sum * sum.transpose() / float(3 * (last - first));
+        return SymmetricEigen(squares.cast<double>()).Vectors().transpose().cast<float>();
     }
 
     /// Divides the triangles along the longest side of the box of their middles.
@@ -170,6 +194,20 @@ class TriangleTree {
         });
         Node &node = nodes[at];
         Eigen::AlignedBox3f all;
+        for (const Eigen::AlignedBox3f &each : box)
+            all.extend(each);
+        Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();
+        if (count <= flat) {
+            axes = AxesOf(first, last);
+            for (std::size_t k = 0; k < wide; ++k) {
+                box[k].setEmpty();
+                for (const Index *t = to(k); t != to(k + 1); ++t)
+                    for (Index i : triangle[std::size_t(*t)])
+                        box[k].extend(Eigen::Vector3f(axes * Placed(i)));
+            }
+        }
+        for (int d = 0; d < 3; ++d)
+            node.column[std::size_t(d)] << axes.col(d).array(), 0;
         for (std::size_t k = 0; k < wide; ++k) {
             const auto size = to(k + 1) - to(k);
             node.child[k] = size == 0 ? none : size == 1 ? -1 - *to(k) : Index(end[k]) - 1;
@@ -177,7 +215,6 @@ class TriangleTree {
                 node.low[d][Eigen::Index(k)] = box[k].min()[Eigen::Index(d)]; // of an empty box: farther than all
                 node.high[d][Eigen::Index(k)] = box[k].max()[Eigen::Index(d)];
             }
-            all.extend(box[k]);
         }
         return all;
     }
@@ -188,11 +225,11 @@ class TriangleTree {
     void Search(const Eigen::Vector3d &p, const Eigen::Vector3d &q, Index begin, Nearest &nearest) const {
         using Lanes = Eigen::Array<Real, int(wide), 1>;
         // What distances of boxes and triangles may be off by, in the units of the boxes: those, at most 1 from the
-        // middle, are rounded to 2^-25 there, q and the distance to a few of its last bits, triangles to a few of those
-        // of the coordinates.
+        // middle, are rounded to 2^-25 there, and turned in single precision, in which the axes are told, too; q and
+        // the distance to a few of its last bits, triangles to a few of those of the coordinates.
         const double size = q.cwiseAbs().maxCoeff() + 1, epsilon = std::numeric_limits<Real>::epsilon();
         const double off =
-            std::ldexp(1.0, -22) + 8 * epsilon * size + std::ldexp((largest + p.cwiseAbs().maxCoeff()) * scale, -46);
+            std::ldexp(1.0, -20) + 32 * epsilon * size + std::ldexp((largest + p.cwiseAbs().maxCoeff()) * scale, -46);
         const auto within = [&] { // the square of what a box may be away
             const double least = std::sqrt(nearest.square) * scale + off;
             return Real(std::min(least * least * (1 + 8 * epsilon), double(std::numeric_limits<Real>::max())));
@@ -216,9 +253,12 @@ class TriangleTree {
                 continue;
             }
             const Node &node = nodes[std::size_t(step.child)];
+            const Lanes place = node.column[0].cast<Real>() * at[0] + node.column[1].cast<Real>() * at[1] +
+                                node.column[2].cast<Real>() * at[2];
             Lanes square = Lanes::Zero();
             for (std::size_t d = 0; d < 3; ++d) {
-                const Lanes beyond = (node.low[d].cast<Real>() - at[d]).max(at[d] - node.high[d].cast<Real>());
+                const Lanes along = Lanes::Constant(place[Eigen::Index(d)]);
+                const Lanes beyond = (node.low[d].cast<Real>() - along).max(along - node.high[d].cast<Real>());
                 square += beyond.max(Real(0)).square();
             }
             const int first = count;
