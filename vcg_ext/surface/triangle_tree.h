@@ -6,11 +6,14 @@
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/base/symmetric_eigen.h>
+#include <vcg_ext/surface/nearest_in_triangle.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -219,6 +222,20 @@ class TriangleTree {
         return all;
     }
 
+    /// A child and the square of how far it is at least, so that those of nearer ones are less.
+    using Step = std::uint64_t;
+    static Step StepTo(float square, Index child) {
+        std::uint32_t bits; // of a number that is not negative, in its order
+        std::memcpy(&bits, &square, sizeof bits);
+        return Step(bits) << 32 | std::uint32_t(child);
+    }
+    static float SquareOf(Step step) {
+        const auto bits = std::uint32_t(step >> 32);
+        float square;
+        std::memcpy(&square, &bits, sizeof square);
+        return square;
+    }
+
     /// Depth first, into the nearest box first.
     /// \param q p in the units of the boxes \param begin has been tried \param nearest in, out
     template <class Real>
@@ -235,24 +252,23 @@ class TriangleTree {
             return Real(std::min(least * least * (1 + 8 * epsilon), double(std::numeric_limits<Real>::max())));
         };
         Real bound = within();
+        const Real mostSquare = std::numeric_limits<float>::max(),
+                   rounded = 1 + 2 * std::numeric_limits<float>::epsilon();
         const std::array<Real, 3> at{Real(q[0]), Real(q[1]), Real(q[2])};
-        struct Step {
-            Real square;
-            Index child;
-        };
-        std::array<Step, 64> next; // three more a level, of 16 at most
+        std::array<Step, 64> next; // three more a level, of 16 at most, and those too far
         int count = 0;
-        next[std::size_t(count++)] = {0, Index(nodes.size()) - 1};
+        next[std::size_t(count++)] = StepTo(0, Index(nodes.size()) - 1);
         while (count > 0) {
             const Step step = next[std::size_t(--count)];
-            if (step.square > bound)
+            if (Real(SquareOf(step)) > bound * rounded)
                 continue;
-            if (step.child < 0) {
-                if (-1 - step.child != begin && Try(p, -1 - step.child, nearest))
+            const auto child = Index(std::uint32_t(step));
+            if (child < 0) {
+                if (-1 - child != begin && Try(p, -1 - child, nearest))
                     bound = within();
                 continue;
             }
-            const Node &node = nodes[std::size_t(step.child)];
+            const Node &node = nodes[std::size_t(child)];
             const Lanes place = node.column[0].cast<Real>() * at[0] + node.column[1].cast<Real>() * at[1] +
                                 node.column[2].cast<Real>() * at[2];
             Lanes square = Lanes::Zero();
@@ -261,19 +277,28 @@ class TriangleTree {
                 const Lanes beyond = (node.low[d].cast<Real>() - along).max(along - node.high[d].cast<Real>());
                 square += beyond.max(Real(0)).square();
             }
-            const int first = count;
-            // Without a branch: which ones are near enough, a processor cannot foresee.
+            std::array<Step, wide> near;
+            int found = 0;
             for (std::size_t k = 0; k < wide; ++k) {
-                next[std::size_t(count)] = {square[Eigen::Index(k)], node.child[k]};
-                count += int(square[Eigen::Index(k)] <= bound) & int(node.child[k] != none);
+                const Real each = square[Eigen::Index(k)];
+                const int isNear = int(each <= bound) & int(node.child[k] != none);
+                near[k] = StepTo(float(std::min(each, mostSquare)), node.child[k]) & (Step(0) - Step(isNear));
+                found += isNear;
             }
-            for (int i = first + 1; i < count; ++i) { // the nearest comes last
-                const Step each = next[std::size_t(i)];
-                int place = i;
-                for (; place > first && next[std::size_t(place - 1)].square < each.square; --place)
-                    next[std::size_t(place)] = next[std::size_t(place - 1)];
-                next[std::size_t(place)] = each;
-            }
+            // Without a branch: which ones are near enough, and which of them first, a processor cannot foresee.
+            const auto order = [&near](std::size_t a, std::size_t b) {
+                const Step nearer = std::min(near[a], near[b]);
+                near[a] = std::max(near[a], near[b]);
+                near[b] = nearer;
+            };
+            order(0, 1);
+            order(2, 3);
+            order(0, 2);
+            order(1, 3);
+            order(1, 2);
+            // The nearest one comes last, but for those too far, which the next ones are written over.
+            std::copy(near.begin(), near.end(), next.begin() + count);
+            count += found;
         }
     }
 
@@ -291,32 +316,6 @@ class TriangleTree {
         nearest.weight = weight;
         nearest.square = square;
         return true;
-    }
-
-    /// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
-    /// Detection, 5.1.5).
-    static Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::Vector3d &b,
-                                            const Eigen::Vector3d &c, const Eigen::Vector3d &p) {
-        const Eigen::Vector3d ab = b - a, ac = c - a;
-        const double d1 = ab.dot(p - a), d2 = ac.dot(p - a), d3 = ab.dot(p - b), d4 = ac.dot(p - b), d5 = ab.dot(p - c),
-                     d6 = ac.dot(p - c);
-        if (d1 <= 0 && d2 <= 0)
-            return {1, 0, 0};
-        if (d3 >= 0 && d4 <= d3)
-            return {0, 1, 0};
-        if (d6 >= 0 && d5 <= d6)
-            return {0, 0, 1};
-        const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-        if (vc <= 0 && d1 >= 0 && d3 <= 0)
-            return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-        if (vb <= 0 && d2 >= 0 && d6 <= 0)
-            return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-        if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return {0, 1 - w, w};
-        }
-        const double sum = va + vb + vc;
-        return {va / sum, vb / sum, vc / sum};
     }
 
     const Eigen::Matrix3Xd &position;
