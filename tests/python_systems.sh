@@ -31,7 +31,7 @@ debian() {
 # build PROCESSOR: the wheel, as what it can be called by what it needs. What zig is to know of the processor stands in the options, where
 # the compiler cache sees it.
 build() {
-    rm -rf builder/root/{source,built,dist}
+    rm -rf builder/root/{source,built,dist,"build-$1"}
     mkdir -p builder/root/source
     tar -xf "$made"/pymeshlab_fcd-*.tar.gz -C builder/root/source --strip-components=1
     chroot builder env -u PIP_FIND_LINKS PATH="/root/tools/bin:$PATH" CCACHE_DIR=/root/ccache CXX=/root/tools/bin/zig \
@@ -75,6 +75,9 @@ if [ ! -e builder/root/tools/bin/zig ]; then
     printf '#!/bin/sh\nexec /root/tools/bin/python -m ziglang c++ -isystem /root/headers "$@"\n' >builder/root/tools/bin/zig
     chmod +x builder/root/tools/bin/zig*
 fi
+# zig asks there what itself is called.
+mount -t proc proc builder/proc
+trap 'umount "$work/builder/proc"' EXIT
 build x86_64
 build aarch64
 run bookworm "$(echo "$made"/pymeshlab_fcd-*-manylinux*.whl)" 60 | tee gcc.txt
