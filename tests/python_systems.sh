@@ -53,7 +53,7 @@ run() {
     local begin=$SECONDS
     chroot "$1" env -u PIP_FIND_LINKS sh -c 'cd /root && ! command -v cc && rm -rf v && python3 -m venv v && v/bin/pip install -q ./*.whl && v/bin/python bits.py'
     echo "$1: $(basename "$2") after $((SECONDS - begin)) s" >&2
-    [ $((SECONDS - begin)) -le "${3:-600}" ] || { echo "error: that is more than $3"; exit 1; }
+    [ $((SECONDS - begin)) -le "${3:-3600}" ] || { echo "error: that is more than ${3:-3600} s"; exit 1; }
 }
 
 debian bookworm bookworm amd64 python3 python3-venv
