@@ -5,7 +5,9 @@
 import hashlib
 import platform
 import sys
+import tempfile
 import warnings
+from pathlib import Path
 
 import numpy as np
 
@@ -45,8 +47,19 @@ def main():
             told(f"{kind}, normals, stretch", pose.normals, pose.stretch())
             poses = PoseSequence({"turned": {2: turn}, "large": {2: Motion.scale(1.5)}})
             told(f"{kind}, blended", poses.blend(deformer, {"turned": 40, "large": 30}).vertices)
-            told(f"{kind}, fitted", fit(points, corners, pose.vertices, corners, start="axes").vertices)
-            told(f"{kind}, straightened", straighten(points, corners, points[16::33 * 8], degrees=30).vertices)
+            with tempfile.TemporaryDirectory() as folder:
+                files = [Path(folder) / name for name in ("frames.glb", "frames.pc2", "poses.glb")]
+                poses.write(deformer, gltf=files[0], pc2=files[1], rate=2)
+                poses.write(deformer, gltf=files[2], rate=2, shapes="poses")
+                for file in files:
+                    told(f"{kind}, {file.name}", np.frombuffer(file.read_bytes(), np.uint8))
+            fitted = fit(points, corners, pose.vertices, corners, start="axes")
+            told(f"{kind}, fitted", fitted.vertices, fitted.normals)
+            told(f"{kind}, way back", *fitted.deformation(inverse=True)(anywhere[:2000], anywhere[:2000]))
+        told(f"{kind}, fitted to points", fit(points, corners, pose.vertices[::2], landmarks=(pose.vertices[:99:33], points[:99:33])).vertices)
+        line = points[16 :: 33 * 8]
+        told(f"{kind}, straightened", straighten(points, corners, line, degrees=30).vertices)
+        told(f"{kind}, bent to a line", straighten(points, corners, line, pose.vertices[16 :: 33 * 8], untwist=True, smoothing=0.05).vertices)
         bend = pose.deformation()
         told(f"{kind}, saved", np.frombuffer(bend.__reduce__()[1][0], np.uint8))
         told(f"{kind}, carried", *bend(anywhere, anywhere))

@@ -31,7 +31,7 @@ debian() {
 # build PROCESSOR: the wheel, as what it can be called by what it needs. What zig is to know of the processor stands in the options, where
 # the compiler cache sees it.
 build() {
-    rm -rf builder/root/{source,built,dist}
+    rm -rf builder/root/{source,built,dist,"build-$1"}
     mkdir -p builder/root/source
     tar -xf "$made"/pymeshlab_fcd-*.tar.gz -C builder/root/source --strip-components=1
     chroot builder env -u PIP_FIND_LINKS PATH="/root/tools/bin:$PATH" CCACHE_DIR=/root/ccache CXX=/root/tools/bin/zig \
@@ -53,7 +53,7 @@ run() {
     local begin=$SECONDS
     chroot "$1" env -u PIP_FIND_LINKS sh -c 'cd /root && ! command -v cc && rm -rf v && python3 -m venv v && v/bin/pip install -q ./*.whl && v/bin/python bits.py'
     echo "$1: $(basename "$2") after $((SECONDS - begin)) s" >&2
-    [ $((SECONDS - begin)) -le "${3:-600}" ] || { echo "error: that is more than $3"; exit 1; }
+    [ $((SECONDS - begin)) -le "${3:-3600}" ] || { echo "error: that is more than ${3:-3600} s"; exit 1; }
 }
 
 debian bookworm bookworm amd64 python3 python3-venv
@@ -75,6 +75,9 @@ if [ ! -e builder/root/tools/bin/zig ]; then
     printf '#!/bin/sh\nexec /root/tools/bin/python -m ziglang c++ -isystem /root/headers "$@"\n' >builder/root/tools/bin/zig
     chmod +x builder/root/tools/bin/zig*
 fi
+# zig asks there what itself is called.
+mount -t proc proc builder/proc
+trap 'umount "$work/builder/proc"' EXIT
 build x86_64
 build aarch64
 run bookworm "$(echo "$made"/pymeshlab_fcd-*-manylinux*.whl)" 60 | tee gcc.txt

@@ -163,6 +163,42 @@ TEST(NearestPlace, AmongVerticesChangesContinuously) {
     EXPECT_LE(greatest, 0.01); // a jump from one vertex to the next would be 0.1 or more
 }
 
+TEST(NearestPlace, AmongVerticesIsOfTheNearestOfAll) {
+    Eigen::Matrix3Xd position;
+    Soup(position);
+    std::vector<char> counts(600, 1);
+    for (std::size_t i = 0; i < counts.size(); i += 3)
+        counts[i] = 0;
+    const NearestPlace nearest(position, {}, counts);
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> number(-1.5, 1.5);
+    NearestPlace::Hint last;
+    for (int i = 0; i < 2000; ++i) {
+        const Vector3d p = (i % 5 == 4 ? 1e4 : 1.0) * Vector3d(number(random), number(random), number(random));
+        std::vector<std::pair<double, Index>> all;
+        for (Index v = 0; v < 600; ++v)
+            if (counts[v])
+                all.emplace_back((position.col(v) - p).norm(), v);
+        std::sort(all.begin(), all.end());
+        const SurfacePlace place = nearest(p), hinted = nearest(p, last);
+        ASSERT_EQ(hinted.count, place.count);
+        double sum = 0;
+        for (int k = 0; k < place.count; ++k)
+            sum += std::pow(all[SurfacePlace::most].first / all[k].first - 1, 2);
+        for (int k = 0; k < place.count; ++k) {
+            ASSERT_EQ(hinted.slot[k], place.slot[k]);
+            ASSERT_EQ(hinted.weight[k], place.weight[k]);
+            if (i % 5 != 4) { // from afar, rounding tells which ones are nearer
+                ASSERT_EQ(place.slot[k], all[k].second) << i;
+                ASSERT_NEAR(place.weight[k], std::pow(all[SurfacePlace::most].first / all[k].first - 1, 2) / sum, 1e-9);
+            }
+        }
+        ASSERT_GE(place.count, 1);
+        for (int k = place.count; i % 5 != 4 && k < SurfacePlace::most; ++k)
+            ASSERT_EQ(all[k].first, all[SurfacePlace::most].first) << i;
+    }
+}
+
 TEST(NearestPlace, FindsTheOnlyVertexAndTheOnlyTriangle) {
     Eigen::Matrix3Xd position(3, 3);
     position << 0, 1, 0, 0, 0, 1, 0, 0, 0;

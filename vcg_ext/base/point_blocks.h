@@ -41,6 +41,8 @@ class PointBlocks {
         }
     };
 
+    static constexpr std::size_t most = 16; ///< points of a block
+
     /// \param position 3 x n, n >= 1, finite \param threads as of ParallelFor
     PointBlocks(const Eigen::Ref<const Eigen::Matrix<Scalar, 3, Eigen::Dynamic>> &position, unsigned threads)
         : n(std::size_t(position.cols())) {
@@ -121,9 +123,10 @@ class PointBlocks {
     }
 
     /// body(first, last) for blocks, the nearest ones first. \return of body: square of how far the next ones may be
+    /// \param bound of how far the first ones may be
     template <class Body>
-    void ForEachNearest(const Point &p, const Body &body) const {
-        Scalar bound = std::numeric_limits<Scalar>::infinity();
+    void ForEachNearest(const Point &p, const Body &body,
+                        Scalar bound = std::numeric_limits<Scalar>::infinity()) const {
         struct Node {
             std::size_t j;
             int level;
@@ -155,7 +158,6 @@ class PointBlocks {
     const Scalar *Z() const { return z.get(); }
 
   private:
-    static constexpr std::size_t most = 16; ///< points of a block
     struct Item {
         Scalar p[3];
         Index number;

@@ -189,6 +189,13 @@ FramedLine::Frame FramedLine::At(double s) const {
     return frame;
 }
 
+Eigen::Vector3d FramedLine::Middle() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // Eigen's mean adds up in an order that depends on the compiler
+    for (Eigen::Index i = 0; i < point.cols(); ++i)
+        sum += point.col(i);
+    return sum / double(point.cols());
+}
+
 double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) const {
     const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches))); };
     std::size_t best = place(from);

@@ -39,7 +39,7 @@ class FramedLine {
     /// line, it may be beyond.
     double Nearest(const Eigen::Vector3d &p, double from, double to) const;
     /// The mean of its places.
-    Eigen::Vector3d Middle() const { return point.rowwise().mean(); }
+    Eigen::Vector3d Middle() const;
     /// Turns all frames about the tangents, by one angle, so that at \p s the first direction across is as near to
     /// \p across as it may be. \pre \p across is not along the tangent there
     void TurnTo(double s, const Eigen::Vector3d &across);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
-#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/point_blocks.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/triangle_tree.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace vcg {
@@ -21,19 +22,19 @@ class NearestPlace::Search {
             triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), threads);
             return;
         }
-        std::vector<Eigen::Vector3d> point;
         for (std::size_t i = 0; i < isVertex.size(); ++i)
-            if (isVertex[i]) {
+            if (isVertex[i])
                 vertex.push_back(Index(i));
-                point.emplace_back(position.col(Eigen::Index(i)));
-            }
-        vertices = std::make_unique<PointTree<double>>(point);
+        Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
+        for (std::size_t i = 0; i < vertex.size(); ++i)
+            point.col(Eigen::Index(i)) = position.col(vertex[i]);
+        vertices = std::make_unique<PointBlocks<double>>(point, threads);
     }
 
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
         SurfacePlace place;
         if (vertices) {
-            Among(p, place);
+            Among(p, hint, place);
             return place;
         }
         detail::TriangleTree::Nearest nearest = (*triangles)(p, hint.triangle);
@@ -61,24 +62,53 @@ class NearestPlace::Search {
   private:
     /// The vertices nearest to p, by weights that fall to 0 at the next one, and are beyond all others at the vertex
     /// itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data, 1980).
-    void Among(const Eigen::Vector3d &p, SurfacePlace &place) const {
-        std::vector<PointTree<double>::Found> nearest;
-        vertices->Nearest(p, SurfacePlace::most + 1, nearest);
-        std::vector<std::pair<double, Index>> found;
-        found.reserve(SurfacePlace::most + 1);
-        for (const auto &each : nearest)
-            found.emplace_back(std::sqrt(each.square), vertex[std::size_t(each.point)]);
-        std::sort(found.begin(), found.end());
-        if (found.empty())
-            return;
-        const double last = found[0].first > 0 ? found.back().first : 0; // at a vertex there is no other
+    void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
+        std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // squares of distances, the least first
+        const std::size_t wanted = std::min(found.size(), vertices->Size());
+        std::size_t count = 0, nearest = 0;
+        const auto bound = [&] { return count < wanted ? std::numeric_limits<double>::max() : found[count - 1].first; };
+        const auto look = [&](std::size_t first, std::size_t last) {
+            double square[PointBlocks<double>::most];
+            for (std::size_t at = first; at < last; ++at) {
+                const double x = vertices->X()[at] - p[0], y = vertices->Y()[at] - p[1], z = vertices->Z()[at] - p[2];
+                square[at - first] = x * x + y * y + z * z;
+            }
+            for (std::size_t at = first; at < last; ++at) {
+                if (square[at - first] > bound())
+                    continue;
+                const std::pair<double, Index> each(square[at - first], vertex[std::size_t(vertices->Number(at))]);
+                if (count == wanted && !(each < found[count - 1]))
+                    continue;
+                std::size_t to = count < wanted ? count++ : count - 1;
+                for (; to > 0 && each < found[to - 1]; --to)
+                    found[to] = found[to - 1];
+                found[to] = each;
+                nearest = to == 0 ? at : nearest;
+            }
+        };
+        const std::size_t begin = hint.block;
+        if (begin < vertices->Blocks())
+            look(vertices->Begin(begin), vertices->Begin(begin + 1));
+        vertices->ForEachNearest(
+            p,
+            [&](std::size_t first, std::size_t last) {
+                if (begin >= vertices->Blocks() || first != vertices->Begin(begin))
+                    look(first, last);
+                return bound();
+            },
+            bound());
+        hint.block = vertices->BlockOf(nearest);
+        for (std::size_t i = 0; i < count; ++i)
+            found[i].first = std::sqrt(found[i].first);
+        std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
+        const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
         double sum = 0;
-        for (const auto &each : found) {
-            const double near = std::max(each.first / last, 1e-6),
-                         weight = last > 0 ? detail::Squared(1 / near - 1) : 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double near = std::max(found[i].first / farthest, 1e-6),
+                         weight = farthest > 0 ? detail::Squared(1 / near - 1) : 0;
             if (!(weight > 0))
                 break;
-            place.slot[place.count] = each.second;
+            place.slot[place.count] = found[i].second;
             place.weight[place.count++] = weight;
             sum += weight;
         }
@@ -92,7 +122,7 @@ class NearestPlace::Search {
 
     std::unique_ptr<detail::TriangleTree> triangles; ///< of a surface that has some
     std::vector<Index> vertex;
-    std::unique_ptr<PointTree<double>> vertices;
+    std::unique_ptr<PointBlocks<double>> vertices;
 };
 
 NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,

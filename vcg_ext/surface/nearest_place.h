@@ -40,6 +40,7 @@ class NearestPlace {
     /// What was found for one point, to find the next one sooner that is near it; it changes no bit.
     struct Hint {
         Index triangle = -1;
+        std::size_t block = std::size_t(-1); ///< of vertices, where there are no triangles
     };
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const;
 

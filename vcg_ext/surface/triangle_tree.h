@@ -5,11 +5,15 @@
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/symmetric_eigen.h>
+#include <vcg_ext/surface/nearest_in_triangle.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -105,19 +109,42 @@ class TriangleTree {
     }
 
     static constexpr std::size_t wide = 4;
+    /// Most triangles of a node with axes of its own. What holds more is hardly flat, and each level that has them
+    /// makes a tree a seventh slower to build.
+    static constexpr std::size_t flat = wide * wide * wide;
     static constexpr Index none = std::numeric_limits<Index>::max();
 
-    /// Boxes of the children, from the middle of all triangles, in units of their radius.
+    /// Boxes of the children, from the middle of all triangles, in units of their radius. Those around few triangles
+    /// are along axes of their own, in which these lie flat: seen from afar, a box that lies across a surface would
+    /// stand for much that is nearer than its triangles are.
     struct Node {
+        std::array<Eigen::Array<float, int(wide), 1>, 3> column; ///< of the rotation to those axes, and 0
         std::array<Eigen::Array<float, int(wide), 1>, 3> low, high;
         std::array<Index, wide> child; ///< a node, -1 - t for a triangle t, or none
     };
 
+    Eigen::Vector3f Placed(Index slot) const { return ((position.col(slot) - center) * scale).cast<float>(); }
+
     Eigen::AlignedBox3f BoxOf(Index t) const {
         Eigen::AlignedBox3f box;
         for (Index i : triangle[std::size_t(t)])
-            box.extend(Eigen::Vector3f(((position.col(i) - center) * scale).cast<float>()));
+            box.extend(Placed(i));
         return box;
+    }
+
+    /// The axes of triangles in which their corners lie flattest, as rows.
+    Eigen::Matrix3f AxesOf(const Index *first, const Index *last) const {
+        const Eigen::Vector3f origin = middle[std::size_t(*first)];
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+        for (const Index *t = first; t != last; ++t)
+            for (Index i : triangle[std::size_t(*t)]) {
+                const Eigen::Vector3f x = Placed(i) - origin;
+                sum += x;
+                squares += x * x.transpose();
+            }
+        squares -= sum * sum.transpose() / float(3 * (last - first));
+        return SymmetricEigen(squares.cast<double>()).Vectors().transpose().cast<float>();
     }
 
     /// Divides the triangles along the longest side of the box of their middles.
@@ -170,6 +197,20 @@ class TriangleTree {
         });
         Node &node = nodes[at];
         Eigen::AlignedBox3f all;
+        for (const Eigen::AlignedBox3f &each : box)
+            all.extend(each);
+        Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();
+        if (count <= flat) {
+            axes = AxesOf(first, last);
+            for (std::size_t k = 0; k < wide; ++k) {
+                box[k].setEmpty();
+                for (const Index *t = to(k); t != to(k + 1); ++t)
+                    for (Index i : triangle[std::size_t(*t)])
+                        box[k].extend(Eigen::Vector3f(axes * Placed(i)));
+            }
+        }
+        for (int d = 0; d < 3; ++d)
+            node.column[std::size_t(d)] << axes.col(d).array(), 0;
         for (std::size_t k = 0; k < wide; ++k) {
             const auto size = to(k + 1) - to(k);
             node.child[k] = size == 0 ? none : size == 1 ? -1 - *to(k) : Index(end[k]) - 1;
@@ -177,9 +218,22 @@ class TriangleTree {
                 node.low[d][Eigen::Index(k)] = box[k].min()[Eigen::Index(d)]; // of an empty box: farther than all
                 node.high[d][Eigen::Index(k)] = box[k].max()[Eigen::Index(d)];
             }
-            all.extend(box[k]);
         }
         return all;
+    }
+
+    /// A child and the square of how far it is at least, so that those of nearer ones are less.
+    using Step = std::uint64_t;
+    static Step StepTo(float square, Index child) {
+        std::uint32_t bits; // of a number that is not negative, in its order
+        std::memcpy(&bits, &square, sizeof bits);
+        return Step(bits) << 32 | std::uint32_t(child);
+    }
+    static float SquareOf(Step step) {
+        const auto bits = std::uint32_t(step >> 32);
+        float square;
+        std::memcpy(&square, &bits, sizeof square);
+        return square;
     }
 
     /// Depth first, into the nearest box first.
@@ -188,52 +242,63 @@ class TriangleTree {
     void Search(const Eigen::Vector3d &p, const Eigen::Vector3d &q, Index begin, Nearest &nearest) const {
         using Lanes = Eigen::Array<Real, int(wide), 1>;
         // What distances of boxes and triangles may be off by, in the units of the boxes: those, at most 1 from the
-        // middle, are rounded to 2^-25 there, q and the distance to a few of its last bits, triangles to a few of those
-        // of the coordinates.
+        // middle, are rounded to 2^-25 there, and turned in single precision, in which the axes are told, too; q and
+        // the distance to a few of its last bits, triangles to a few of those of the coordinates.
         const double size = q.cwiseAbs().maxCoeff() + 1, epsilon = std::numeric_limits<Real>::epsilon();
         const double off =
-            std::ldexp(1.0, -22) + 8 * epsilon * size + std::ldexp((largest + p.cwiseAbs().maxCoeff()) * scale, -46);
+            std::ldexp(1.0, -20) + 32 * epsilon * size + std::ldexp((largest + p.cwiseAbs().maxCoeff()) * scale, -46);
         const auto within = [&] { // the square of what a box may be away
             const double least = std::sqrt(nearest.square) * scale + off;
             return Real(std::min(least * least * (1 + 8 * epsilon), double(std::numeric_limits<Real>::max())));
         };
         Real bound = within();
+        const Real mostSquare = std::numeric_limits<float>::max(),
+                   rounded = 1 + 2 * std::numeric_limits<float>::epsilon();
         const std::array<Real, 3> at{Real(q[0]), Real(q[1]), Real(q[2])};
-        struct Step {
-            Real square;
-            Index child;
-        };
-        std::array<Step, 64> next; // three more a level, of 16 at most
+        std::array<Step, 64> next; // three more a level, of 16 at most, and those too far
         int count = 0;
-        next[std::size_t(count++)] = {0, Index(nodes.size()) - 1};
+        next[std::size_t(count++)] = StepTo(0, Index(nodes.size()) - 1);
         while (count > 0) {
             const Step step = next[std::size_t(--count)];
-            if (step.square > bound)
+            if (Real(SquareOf(step)) > bound * rounded)
                 continue;
-            if (step.child < 0) {
-                if (-1 - step.child != begin && Try(p, -1 - step.child, nearest))
+            const auto child = Index(std::uint32_t(step));
+            if (child < 0) {
+                if (-1 - child != begin && Try(p, -1 - child, nearest))
                     bound = within();
                 continue;
             }
-            const Node &node = nodes[std::size_t(step.child)];
+            const Node &node = nodes[std::size_t(child)];
+            const Lanes place = node.column[0].cast<Real>() * at[0] + node.column[1].cast<Real>() * at[1] +
+                                node.column[2].cast<Real>() * at[2];
             Lanes square = Lanes::Zero();
             for (std::size_t d = 0; d < 3; ++d) {
-                const Lanes beyond = (node.low[d].cast<Real>() - at[d]).max(at[d] - node.high[d].cast<Real>());
+                const Lanes along = Lanes::Constant(place[Eigen::Index(d)]);
+                const Lanes beyond = (node.low[d].cast<Real>() - along).max(along - node.high[d].cast<Real>());
                 square += beyond.max(Real(0)).square();
             }
-            const int first = count;
-            // Without a branch: which ones are near enough, a processor cannot foresee.
+            std::array<Step, wide> near;
+            int found = 0;
             for (std::size_t k = 0; k < wide; ++k) {
-                next[std::size_t(count)] = {square[Eigen::Index(k)], node.child[k]};
-                count += int(square[Eigen::Index(k)] <= bound) & int(node.child[k] != none);
+                const Real each = square[Eigen::Index(k)];
+                const int isNear = int(each <= bound) & int(node.child[k] != none);
+                near[k] = StepTo(float(std::min(each, mostSquare)), node.child[k]) & (Step(0) - Step(isNear));
+                found += isNear;
             }
-            for (int i = first + 1; i < count; ++i) { // the nearest comes last
-                const Step each = next[std::size_t(i)];
-                int place = i;
-                for (; place > first && next[std::size_t(place - 1)].square < each.square; --place)
-                    next[std::size_t(place)] = next[std::size_t(place - 1)];
-                next[std::size_t(place)] = each;
-            }
+            // Without a branch: which ones are near enough, and which of them first, a processor cannot foresee.
+            const auto order = [&near](std::size_t a, std::size_t b) {
+                const Step nearer = std::min(near[a], near[b]);
+                near[a] = std::max(near[a], near[b]);
+                near[b] = nearer;
+            };
+            order(0, 1);
+            order(2, 3);
+            order(0, 2);
+            order(1, 3);
+            order(1, 2);
+            // The nearest one comes last, but for those too far, which the next ones are written over.
+            std::copy(near.begin(), near.end(), next.begin() + count);
+            count += found;
         }
     }
 
@@ -251,32 +316,6 @@ class TriangleTree {
         nearest.weight = weight;
         nearest.square = square;
         return true;
-    }
-
-    /// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
-    /// Detection, 5.1.5).
-    static Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::Vector3d &b,
-                                            const Eigen::Vector3d &c, const Eigen::Vector3d &p) {
-        const Eigen::Vector3d ab = b - a, ac = c - a;
-        const double d1 = ab.dot(p - a), d2 = ac.dot(p - a), d3 = ab.dot(p - b), d4 = ac.dot(p - b), d5 = ab.dot(p - c),
-                     d6 = ac.dot(p - c);
-        if (d1 <= 0 && d2 <= 0)
-            return {1, 0, 0};
-        if (d3 >= 0 && d4 <= d3)
-            return {0, 1, 0};
-        if (d6 >= 0 && d5 <= d6)
-            return {0, 0, 1};
-        const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-        if (vc <= 0 && d1 >= 0 && d3 <= 0)
-            return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-        if (vb <= 0 && d2 >= 0 && d6 <= 0)
-            return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-        if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return {0, 1 - w, w};
-        }
-        const double sum = va + vb + vc;
-        return {va / sum, vb / sum, vc / sum};
     }
 
     const Eigen::Matrix3Xd &position;
