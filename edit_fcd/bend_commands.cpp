@@ -137,23 +137,7 @@ void BendTool::onCommand(int which) {
         break;
     case BendPanel::ApplyToNewLayer:
         beginApply();
-        isEnding = true; // another layer becomes the current one
-        try {
-            say(session->applyToNewLayer(panel->graphLayers(), remark));
-        } catch (...) {
-            isEnding = false;
-            showVertices(true);
-            throw;
-        }
-        // The host shows new layers when a tool ends, and they have no buffers before that; then it goes on with them.
-        close();
-        QTimer::singleShot(0, this, [this] {
-            action->trigger();
-            if (!view || !view->md() || !view->md()->mm())
-                return;
-            host::showTextures(*view, *view->md()->mm());
-            action->trigger();
-        });
+        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
         return;
     }
     refresh();

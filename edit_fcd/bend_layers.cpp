@@ -29,16 +29,12 @@ bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
         throw;
     }
     makePanel();
-    view->installEventFilter(this);
+    enterView();
     view->setMouseTracking(true); // what is under the mouse lights up
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
-    view->setFocus();
     showOverlay();
     refresh();
     return true;
 }
-
-void BendTool::end() { close(); }
 
 void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
     if (isEnding || (newDocument.mm() && newDocument.mm()->id() == layerId && layer()))
@@ -74,10 +70,7 @@ void BendTool::open(MeshModel &newModel) {
     }
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
-    model = &newModel;
-    layerId = newModel.id();
-    display = std::make_unique<BendDisplay>(*view, newModel);
-    overlay = std::make_unique<LayerOverlay>();
+    enterLayer(newModel);
     active = hovered = 0;
     lit.reset();
     isLive = isShownChanged = false;
@@ -113,19 +106,8 @@ void BendTool::close() {
     if (session)
         usual = session->options;
     session.reset();
-    display.reset();
-    overlay.reset();
-    model = nullptr;
-    layerId = -1;
-    if (panel)
-        panel->deleteLater();
+    leaveView(panel);
     panel = nullptr;
-    if (view) {
-        view->removeEventFilter(this);
-        disconnect(view, &QObject::destroyed, this, nullptr);
-        view->setMouseTracking(false);
-        view->unsetCursor();
-    }
 }
 
 /// Whether there is a layer to work on; begins anew with one that something else has changed.

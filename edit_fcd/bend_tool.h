@@ -4,17 +4,14 @@
 
 #include "bend_session.h" // before Qt
 
-#include "bend_display.h"
 #include "bend_drag.h"
 #include "bend_keys.h"
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
 #include "bend_work.h"
-#include "layer_overlay.h"
+#include "layer_tool.h"
 #include "tool_window.h"
-
-#include <layer_fcd/edit_host.h>
 
 #include <map>
 #include <memory>
@@ -31,14 +28,13 @@ const int preparedAtOnce = 200000;
 
 /// FCD: Bend: turns mouse and keys in a view (bend_events.cpp), and what the panel is told (bend_commands.cpp), into
 /// marks and motions of a BendSession, and shows it.
-class BendTool : public HostEditTool {
+class BendTool : public LayerTool {
     Q_OBJECT
 
   public:
-    explicit BendTool(QAction *action) : action(action) {}
+    using LayerTool::LayerTool;
 
     bool start(MeshDocument &document, GLArea *view) override;
-    void end() override;
     void changeLayer(MeshDocument &document, GLArea *view) override;
     void draw() override;
     void press(QMouseEvent *event) override;
@@ -54,7 +50,7 @@ class BendTool : public HostEditTool {
   private:
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     void open(MeshModel &model);
-    void close();
+    void close() override;
     void leave();
     void forgetLayers();
     bool isReady();
@@ -111,21 +107,15 @@ class BendTool : public HostEditTool {
     void brush();
     void endMarking();
 
-    void showVertices(bool full);
+    void showVertices(bool full) override;
     void showChanged();
     void showOverlay();
     void showStretch();
     void drawOverlay() const;
 
-    QAction *action;
-    QPointer<GLArea> view;
     QPointer<BendPanel> panel;
-    int layerId = -1;
-    int refused = -1;           ///< a layer that cannot be bent
-    MeshModel *model = nullptr; ///< of the session; may be gone
+    int refused = -1; ///< a layer that cannot be bent
     std::unique_ptr<BendSession> session;
-    std::unique_ptr<BendDisplay> display;             ///< beside the session
-    std::unique_ptr<LayerOverlay> overlay;            ///< as well
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
     BendOptions usual;                                ///< what the next layer begins with: as the last one had it
     QPointer<MeshDocument> document;
@@ -146,7 +136,6 @@ class BendTool : public HostEditTool {
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
     unsigned long escaped = 0;   ///< when Esc has given the mouse to the camera last, by the clock of the window system
-    bool isEnding = false;       ///< done, and about to be told so
     bool isLive = false;         ///< the layer has a shape between two full solves
     bool isShownChanged = false; ///< the list of layers shows that the layer was changed
     bool isPainted = true, isStepWanted = false;
