@@ -19,6 +19,7 @@ void BendTool::makePanel() {
     });
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
     connectHandles();
+    connectPoses();
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
@@ -251,5 +252,6 @@ void BendTool::refresh() {
     panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
+    showPoses();
     panel->showState(stateText());
 }

@@ -68,6 +68,9 @@ void BendTool::open(MeshModel &newModel) {
         session->setPose(100);
         session->options.stretch = false;
     }
+    if (!session->takePoses())
+        say("The layer '" + newModel.label().toStdString() +
+            "' keeps poses of another shape, or place: here they begin from what it is now.");
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
     enterLayer(newModel);

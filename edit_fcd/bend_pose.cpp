@@ -44,7 +44,9 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
     isLeft = false;
     times.prepare = prepare();
     vcg::fcd::Stopwatch watch;
-    const vcg::fcd::Deformer::Pose &pose = solver.solve(motionsNow(), options, full);
+    const vcg::fcd::Deformer::Pose &pose = full && !now.weights.empty()
+                                               ? solver.solveBlend(motionsOfPoses(), rest.world(), now.weights, options)
+                                               : solver.solve(motionsNow(), options, full);
     times.solve = 1000 * watch.Seconds();
     watch = {};
     rest.leave();

@@ -100,6 +100,28 @@ class BendSession {
     /// The motions as "Motions as text" takes them.
     std::string motionText() const { return vcg::fcd::WriteMotionText(now.motion); }
 
+    // --- poses that have names, which the layer keeps as FCD: Pose Sequence knows them (bend_poses.cpp) ---
+
+    std::vector<vcg::fcd::NamedPose> poses() const;
+    /// Percent of each pose, where the motions are a blend of them, else 0.
+    std::vector<double> weights() const;
+    /// Takes the poses that the layer has been given elsewhere. \return whether they are of this surface
+    bool takePoses();
+    /// The motions become a pose, shown alone. \return the filter call that makes it
+    /// \throw vcg::fcd::Error there are no motions
+    std::string keepPose();
+    /// \throw vcg::fcd::Error no name, or that of another pose
+    void renamePose(std::size_t number, const std::string &name);
+    void removePose(std::size_t number);
+    /// The motions become the blend of the poses. \throw vcg::fcd::Error a pose moves what is no handle here
+    void blend(const std::vector<double> &weights);
+    /// Poses of a file take the place of those that there are. \throw vcg::fcd::Error as readPoses
+    void loadPoses(const QString &file);
+    /// \throw vcg::fcd::Error there are none
+    void expectPoses() const;
+    /// \pre there are some \throw vcg::fcd::Error the file cannot be written
+    void savePoses(const QString &file) const;
+
     // --- the pose ---
 
     /// Milliseconds.
@@ -155,6 +177,13 @@ class BendSession {
     std::string poseByFilter(const Remark &remark);
     void beginAnew();
     std::string filterCall(const std::string &script, const std::string &more) const;
+    std::string shapeCall() const;
+    void setPoses(vcg::fcd::PoseSequence poses);
+    void writePoses();
+    void writeAppliedTags();
+    std::vector<std::map<int, vcg::fcd::Motion>> motionsOfPoses() const;
+    /// The motions, which are about to be given otherwise than by poses.
+    std::map<int, std::vector<vcg::fcd::MotionStep>> &motionByHand();
 
     MeshDocument &document;
     MeshModel &layer;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_solver.h"
 
+#include <vcg_ext/sequence/sequence_solver.h>
+
 #include <algorithm>
 
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
@@ -45,5 +47,13 @@ const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOpt
         param.tolerance = std::max(param.tolerance, 1e-4);
         last = deformer.solveFrom(last ? &*last : nullptr, param);
     }
+    return *last;
+}
+
+const vcg::fcd::Deformer::Pose &BendSolver::solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
+                                                       const Eigen::Affine3d &world, const std::vector<double> &weight,
+                                                       const BendOptions &options) {
+    vcg::fcd::SequenceSolver sequence(*prepared()->deformer, world, std::move(poses), deformationOf(options));
+    last = sequence.Go(weight);
     return *last;
 }

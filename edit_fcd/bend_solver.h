@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 /// How the filters are asked for what the panel says.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
@@ -34,6 +35,10 @@ class BendSolver {
 
     /// \param full from rest to the end, as the filters do; otherwise some steps from the last pose
     const vcg::fcd::Deformer::Pose &solve(Motions motions, const BendOptions &options, bool full);
+    /// The pose that FCD: Pose Sequence gives first for \p weight, percent of each of \p poses.
+    const vcg::fcd::Deformer::Pose &solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
+                                               const Eigen::Affine3d &world, const std::vector<double> &weight,
+                                               const BendOptions &options);
     /// The next one begins at rest.
     void forgetPose() { last.reset(); }
 

@@ -13,9 +13,11 @@
 #include "layer_tool.h"
 #include "tool_window.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <QElapsedTimer>
 #include <QPointF>
@@ -62,6 +64,11 @@ class BendTool : public LayerTool {
     void onCommand(int which);
     void connectHandles();
     void showHandles();
+    void connectPoses();
+    void changePoses(const std::function<void()> &change);
+    void showBlend(const std::vector<double> &weights);
+    void onPoseCommand(int which);
+    void showPoses();
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
     QString stateText() const;
     void beginApply();

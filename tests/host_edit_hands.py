@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import host_edit
-from host_edit import MIDDLE, load, tube_of, write_ply
+from host_edit import MIDDLE, load, mark_two_regions, tube_of, tube_with_ends, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_edit_state import choose_layer, import_another, open_tube
+from host_meshlabserver import Run, sequence_filter
 
 pytestmark = host_edit.pytestmark
 
@@ -252,3 +253,112 @@ def test_axes_and_steps(window, tmp_path):
     moved = load(w.save("in_steps.ply"))[0] - points
     steps = moved[np.linalg.norm(moved, axis=1).argmax()] / 0.05 # 20 pixels are 0.08
     assert np.abs(steps).max() > 1 and np.abs(steps - steps.round()).max() < 1e-3
+
+
+def keep_pose(w, name):
+    """By the panel, where the name is typed at once."""
+    kept = w.text().count("The layer keeps the pose")
+    w.click(w.place("keep"))
+    w.wait("The layer keeps the pose", kept + 1)
+    w.do("type", "--delay", 5, name)
+    w.key("Return")
+
+
+def row_of_poses(w, i):
+    x, y, width, _ = w.box("poses")
+    return x, y + 35 + 22 * i, width
+
+
+def show_percent(w, i, percent):
+    x, y, width = row_of_poses(w, i)
+    full = w.text().count("trace: full")
+    w.click((x + width - 40, y), count=2)
+    w.do("type", "--delay", 5, percent)
+    w.key("Return")
+    w.wait("trace: full", full + 1)
+    w.settle()
+
+
+def ask_for_file(w, button, title, name):
+    """Gives a name to the dialog that a button opens."""
+    w.click(w.place(button))
+    asked = w.wait_for_title(title)
+    w.do("type", "--delay", 5, name)
+    w.key("Return")
+    w.wait_for_title("MeshLab", other_than=asked)
+
+
+def sequenced(folder, points, faces, tags, poses):
+    """The key frames that meshlabserver makes of a tagged mesh."""
+    folder.mkdir()
+    rest = write_ply(folder.parent / "tube.ply", points, faces, tags)
+    run = Run(folder, rest, sequence_filter(poses))
+    assert run.code == 0, run.log
+    return [run.meshes[f"tubekeyframe{i}"].vertex_matrix() for i in range(len(run.meshes) - 1)]
+
+
+def test_poses_have_names(window, tmp_path):
+    """They are kept, shown, blended, undone, saved and loaded; the filter makes the same of them, to the bit."""
+    points, faces, tags = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.click(w.place("keep"))
+    w.wait("Nothing was moved, so there is no pose to keep.")
+    w.click(w.place("saveposes"))
+    w.wait("There is no pose to save: 'Keep pose' makes one of what is shown.")
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    shapes = {"bent": load(w.save("bent.ply"))[0]}
+    w.key("BackSpace")
+    w.do("mousemove", X + 225, Y)
+    w.key("r", "x", "2", "0", "0", "Return")
+    shapes["turned"] = load(w.save("turned.ply"))[0]
+    keep_pose(w, "turned, far")
+    w.shot("kept")
+    assert np.array_equal(load(w.save("kept.ply"))[0], shapes["turned"]) # is what was shown
+    x, y, _ = row_of_poses(w, 0)
+    w.click((x + 30, y))
+    assert np.array_equal(load(w.save("chosen.ply"))[0], shapes["bent"])
+    show_percent(w, 0, 40)
+    show_percent(w, 1, 75)
+    w.shot("blended")
+    shapes["blend"] = load(w.save("blend.ply"))[0]
+    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "poses"))
+    w.wait("Saved the poses as")
+    table = (tmp_path / "poses.csv").read_text()
+    assert table.startswith('time,easing,bent,"turned, far"\nsurface,,') and table.endswith("\n0,smooth,0,0\n1,smooth,100,0\n2,smooth,0,100\n")
+
+    frames = sequenced(tmp_path / "server", points, faces, tags, tmp_path / "poses.csv")
+    assert np.array_equal(frames[0], points) and np.array_equal(frames[1], shapes["bent"])
+    assert np.abs(frames[2] - shapes["turned"]).max() < 1e-3 # it came there from the pose before
+    blend = tmp_path / "blend.csv"
+    blend.write_text(table[:table.index("\n0,smooth")] + "\n0,,40,75\n")
+    assert np.array_equal(sequenced(tmp_path / "server2", points, faces, tags, blend)[0], shapes["blend"])
+
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+z", "ctrl+z")
+    assert np.array_equal(load(w.save("back.ply"))[0], shapes["bent"])
+    x, y, width, height = w.box("weight1")
+    w.do("mousemove", x + 4, y + height // 2, "mousedown", 1)
+    for i in range(1, 6):
+        w.do("mousemove", x + 4 + i * width // 5, y + height // 2)
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    w.shot("slid")
+    assert np.abs(load(w.save("slid.ply"))[0] - shapes["bent"]).max() > 0.1
+    w.key("ctrl+z") # one step
+    assert np.array_equal(load(w.save("before_slid.ply"))[0], shapes["bent"])
+
+    blend.write_text(blend.read_text().replace("2: ", "3: "))
+    ask_for_file(w, "loadposes", "Load poses", str(blend))
+    w.wait("Pose 'bent': transforms moves handle 3, but no vertex has tag 3; the only handle is 2.")
+    x, y, width = row_of_poses(w, 0)
+    w.click((x + width - 12, y)) # removes the first one
+    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "one.csv"))
+    w.wait("one.csv.")
+    assert (tmp_path / "one.csv").read_text().endswith("\n0,smooth,0\n1,smooth,100\n")
+    ask_for_file(w, "loadposes", "Load poses", str(tmp_path / "poses.csv"))
+    show_percent(w, 0, 40)
+    show_percent(w, 1, 75)
+    assert np.array_equal(load(w.save("loaded.ply"))[0], shapes["blend"])

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_tool.h"
+
+#include <QFileDialog>
+
+// What the panel does with poses that have names.
+
+void BendTool::connectPoses() {
+    BendPoseBox *box = &panel->poses();
+    connect(box, &BendPoseBox::command, this, [this](int which) { guarded([&] { onPoseCommand(which); }); });
+    const BendPoseList *list = &box->list();
+    connect(list, &BendPoseList::begins, this, [this] {
+        if (session && !drag && !preparing)
+            session->change();
+    });
+    connect(list, &BendPoseList::weighted, this, [this](int row, double percent) {
+        changePoses([&] {
+            std::vector<double> weights = session->weights();
+            weights[std::size_t(row)] = percent;
+            showBlend(weights);
+        });
+    });
+    connect(list, &BendPoseList::chosen, this, [this](int row) {
+        changePoses([&] {
+            session->change();
+            std::vector<double> weights(session->weights().size(), 0);
+            weights[std::size_t(row)] = 100;
+            showBlend(weights);
+        });
+    });
+    connect(list, &BendPoseList::renamed, this, [this](int row, const QString &name) {
+        changePoses([&] {
+            session->change();
+            session->renamePose(std::size_t(row), name.trimmed().toStdString());
+        });
+    });
+    connect(list, &BendPoseList::removed, this, [this](int row) {
+        changePoses([&] {
+            session->change();
+            session->removePose(std::size_t(row));
+            solve(true);
+        });
+    });
+}
+
+/// Does something to the poses, if that can be done now; the panel shows what there is.
+void BendTool::changePoses(const std::function<void()> &change) {
+    guarded([&] {
+        if (isReady() && !drag)
+            change();
+    });
+    QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
+    if (view)
+        view->update();
+}
+
+void BendTool::showBlend(const std::vector<double> &weights) {
+    hint.clear();
+    session->blend(weights);
+    showOptions();
+    solve(true);
+}
+
+void BendTool::onPoseCommand(int which) {
+    const QString kinds = "Tables of poses (*.csv)";
+    if (!isReady() || drag)
+        return;
+    hint.clear();
+    switch (which) {
+    case BendPoseBox::Keep: {
+        session->change();
+        const std::string call = session->keepPose();
+        say("The layer keeps the pose. In a script, once it is at rest: " + call);
+        solve(true);
+        refresh();
+        panel->poses().list().nameLast();
+        break;
+    }
+    case BendPoseBox::Load: {
+        const QString file = QFileDialog::getOpenFileName(view->window(), "Load poses", QString(), kinds);
+        if (file.isEmpty() || !isReady())
+            return;
+        session->change();
+        session->loadPoses(file);
+        refresh();
+        break;
+    }
+    case BendPoseBox::Save: {
+        session->expectPoses();
+        QString file = QFileDialog::getSaveFileName(view->window(), "Save poses", QString(), kinds);
+        if (file.isEmpty() || !isReady())
+            return;
+        if (!file.endsWith(".csv", Qt::CaseInsensitive))
+            file += ".csv";
+        session->savePoses(file);
+        say("Saved the poses as " + file.toStdString() + ".");
+        break;
+    }
+    }
+    view->update();
+}
+
+void BendTool::showPoses() {
+    const std::vector<vcg::fcd::NamedPose> poses = session->poses();
+    const std::vector<double> weights = session->weights();
+    std::vector<BendPoseRow> rows;
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
+    panel->poses().list().showRows(rows);
+}
