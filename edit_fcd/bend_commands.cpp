@@ -211,6 +211,8 @@ void BendTool::showHandles() {
 QString BendTool::stateText() const {
     if (isSuspended)
         return "The mouse is the camera's: Esc gives it back.";
+    if (playing.isActive())
+        return "Playing the key frames: Esc, or a click, ends it.";
     if (!hint.isEmpty())
         return hint;
     QString text;

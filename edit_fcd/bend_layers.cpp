@@ -97,6 +97,7 @@ void BendTool::leave() {
 void BendTool::close() {
     if (preparing)
         stopPreparing();
+    stopPlaying();
     if (drag && layer())
         endDrag(false);
     drag.reset();
@@ -117,6 +118,7 @@ void BendTool::close() {
 bool BendTool::isReady() {
     if (!view || !view->md() || preparing)
         return false;
+    stopPlaying();
     MeshModel *current = view->md()->getMesh(layerId);
     if (!current || !session) {
         session.reset(); // it was deleted

@@ -35,6 +35,12 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
     return 1000 * watch.Seconds();
 }
 
+/// Vertices alone.
+void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
+    rest.leave();
+    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *solver.prepared(), pose);
+}
+
 BendSession::Times BendSession::pose(bool full, bool faces) {
     Times times;
     if (!moves()) {
@@ -49,8 +55,7 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
                                                : solver.solve(motionsNow(), options, full);
     times.solve = 1000 * watch.Seconds();
     watch = {};
-    rest.leave();
-    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *solver.prepared(), pose);
+    writePose(pose);
     if (faces && !full)
         computeFaceNormals(layer.cm, solver.prepared()->turning);
     if (full) {

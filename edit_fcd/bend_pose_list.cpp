@@ -33,6 +33,7 @@ QSlider *BendPoseList::sliderOf(int row) const { return static_cast<QSlider *>(c
 
 void BendPoseList::onChanged(int row, int column) {
     if (column == Name) {
+        shown[std::size_t(row)].name = item(row, Name)->text(); // until it is said what it is
         emit renamed(row, item(row, Name)->text());
     } else if (column == Percent) {
         bool isNumber = false;

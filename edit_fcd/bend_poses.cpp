@@ -15,6 +15,7 @@
 
 using vcg::fcd::Easing;
 using vcg::fcd::Error;
+using vcg::fcd::KeyFrame;
 using vcg::fcd::Motion;
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
@@ -103,7 +104,7 @@ std::string BendSession::keepPose() {
         ++number;
     // It comes a second after what there is, as in a table without key frames.
     poses.pose.push_back({"Pose " + std::to_string(number), vcg::fcd::WriteMotionText(motion)});
-    for (vcg::fcd::KeyFrame &each : poses.key)
+    for (KeyFrame &each : poses.key)
         each.weight.push_back(0);
     std::vector<double> alone(poses.pose.size(), 0);
     if (poses.key.empty())
@@ -177,9 +178,56 @@ void BendSession::loadPoses(const QString &file) {
     setPoses(std::move(poses));
 }
 
+// --- the animation ---
+
+std::vector<KeyFrame> BendSession::keyFrames() const { return now.poses ? now.poses->key : std::vector<KeyFrame>(); }
+
+void BendSession::setKeyFrames(std::vector<KeyFrame> frames) {
+    PoseSequence poses = *now.poses;
+    poses.key = std::move(frames);
+    std::stable_sort(poses.key.begin(), poses.key.end(),
+                     [](const KeyFrame &a, const KeyFrame &b) { return a.time < b.time; });
+    setPoses(std::move(poses));
+}
+
+void BendSession::addKeyFrame() {
+    if (now.weights.empty() && moves())
+        throw Error("What is shown is no pose that has a name: 'Keep pose' makes it one.");
+    expectPoses();
+    std::vector<KeyFrame> frames = keyFrames();
+    frames.push_back({frames.empty() ? 0 : frames.back().time + 1, Easing::Smooth, weights()});
+    setKeyFrames(std::move(frames));
+}
+
+void BendSession::setKeyFrame(std::size_t number, KeyFrame frame) {
+    std::vector<KeyFrame> frames = keyFrames();
+    frames[number] = std::move(frame);
+    setKeyFrames(std::move(frames));
+}
+
+void BendSession::removeKeyFrame(std::size_t number) {
+    std::vector<KeyFrame> frames = keyFrames();
+    frames.erase(frames.begin() + std::ptrdiff_t(number));
+    setKeyFrames(std::move(frames));
+}
+
+double BendSession::beginAnimation() {
+    if (!now.poses || now.poses->key.size() < 2)
+        throw Error("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.");
+    std::vector<std::map<int, Motion>> motions = motionsOfPoses();
+    prepare();
+    solver.beginBlends(std::move(motions), rest.world(), options);
+    return now.poses->key.back().time - now.poses->key.front().time;
+}
+
+void BendSession::showAnimation(double time) {
+    isLeft = false;
+    writePose(solver.solveNextBlend(now.poses->WeightsAt(now.poses->key.front().time + time)));
+}
+
 void BendSession::expectPoses() const {
     if (!now.poses)
-        throw Error("There is no pose to save: 'Keep pose' makes one of what is shown.");
+        throw Error("There is no pose yet: 'Keep pose' makes one of what is shown.");
 }
 
 void BendSession::savePoses(const QString &file) const { saveFiles({{file, PoseSequenceText(*now.poses)}}); }

@@ -117,6 +117,20 @@ class BendSession {
     void blend(const std::vector<double> &weights);
     /// Poses of a file take the place of those that there are. \throw vcg::fcd::Error as readPoses
     void loadPoses(const QString &file);
+    /// The key frames of the animation, ascending in time.
+    std::vector<vcg::fcd::KeyFrame> keyFrames() const;
+    /// What is shown of the poses becomes a key frame, a second after the others. \throw vcg::fcd::Error no pose is
+    /// shown
+    void addKeyFrame();
+    /// \throw vcg::fcd::Error a time below 0, or of another key frame
+    void setKeyFrame(std::size_t number, vcg::fcd::KeyFrame frame);
+    void removeKeyFrame(std::size_t number);
+    /// Begins to show the animation, which is no change, as long as nothing else is posed. \return seconds that it
+    /// takes \throw vcg::fcd::Error there is none, as blend(), or as prepare()
+    double beginAnimation();
+    /// \param time seconds since it began
+    void showAnimation(double time);
+    void endAnimation() { solver.endBlends(); }
     /// \throw vcg::fcd::Error there are none
     void expectPoses() const;
     /// \pre there are some \throw vcg::fcd::Error the file cannot be written
@@ -180,6 +194,8 @@ class BendSession {
     std::string shapeCall() const;
     void setPoses(vcg::fcd::PoseSequence poses);
     void writePoses();
+    void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);
+    void writePose(const vcg::fcd::Deformer::Pose &pose);
     void writeAppliedTags();
     std::vector<std::map<int, vcg::fcd::Motion>> motionsOfPoses() const;
     /// The motions, which are about to be given otherwise than by poses.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_solver.h"
 
-#include <vcg_ext/sequence/sequence_solver.h>
-
 #include <algorithm>
 
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
@@ -53,7 +51,14 @@ const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOpt
 const vcg::fcd::Deformer::Pose &BendSolver::solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
                                                        const Eigen::Affine3d &world, const std::vector<double> &weight,
                                                        const BendOptions &options) {
-    vcg::fcd::SequenceSolver sequence(*prepared()->deformer, world, std::move(poses), deformationOf(options));
-    last = sequence.Go(weight);
+    beginBlends(std::move(poses), world, options);
+    last = solveNextBlend(weight);
+    endBlends();
     return *last;
+}
+
+void BendSolver::beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
+                             const BendOptions &options) {
+    blends = std::make_unique<vcg::fcd::SequenceSolver>(*prepared()->deformer, world, std::move(poses),
+                                                        deformationOf(options));
 }

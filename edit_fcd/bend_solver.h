@@ -5,6 +5,7 @@
 #include "bend_state.h" // before Qt
 
 #include <layer_fcd/layer_deformer.h>
+#include <vcg_ext/sequence/sequence_solver.h>
 
 #include <map>
 #include <memory>
@@ -39,6 +40,12 @@ class BendSolver {
     const vcg::fcd::Deformer::Pose &solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
                                                const Eigen::Affine3d &world, const std::vector<double> &weight,
                                                const BendOptions &options);
+    /// The same on the way of an animation: from the pose before, the first one from rest. \pre it was begun, and
+    /// nothing else was solved or prepared since
+    void beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
+                     const BendOptions &options);
+    const vcg::fcd::Deformer::Pose &solveNextBlend(const std::vector<double> &weight) { return blends->Go(weight); }
+    void endBlends() { blends.reset(); }
     /// The next one begins at rest.
     void forgetPose() { last.reset(); }
 
@@ -49,6 +56,7 @@ class BendSolver {
     int preparedPatches = 0;
     vcg::fcd::MappingWeights preparedWeights = BendOptions().weights;
     std::optional<vcg::fcd::Deformer::Pose> last;
+    std::unique_ptr<vcg::fcd::SequenceSolver> blends; ///< while an animation is played
 };
 
 #endif

@@ -69,6 +69,9 @@ class BendTool : public LayerTool {
     void showBlend(const std::vector<double> &weights);
     void onPoseCommand(int which);
     void showPoses();
+    void play();
+    void stopPlaying();
+    void playFrame();
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
     QString stateText() const;
     void beginApply();
@@ -135,6 +138,9 @@ class BendTool : public LayerTool {
     std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
     QTimer preparingTimer;               ///< to say how far that is
     std::unique_ptr<BendMarking> marking;
+    QTimer playing; ///< of the next frame of the animation, while it is played
+    QElapsedTimer sincePlay;
+    double playLength = 0; ///< seconds
     QPointF mouse;
     int active = 0;               ///< the handle that was chosen last, if it is still there
     int hovered = 0;              ///< the handle under the mouse, 0: none

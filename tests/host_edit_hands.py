@@ -2,6 +2,8 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -307,7 +309,7 @@ def test_poses_have_names(window, tmp_path):
     w.click(w.place("keep"))
     w.wait("Nothing was moved, so there is no pose to keep.")
     w.click(w.place("saveposes"))
-    w.wait("There is no pose to save: 'Keep pose' makes one of what is shown.")
+    w.wait("There is no pose yet: 'Keep pose' makes one of what is shown.")
     w.drag((X + 225, Y), (X + 165, Y - 150))
     keep_pose(w, "bent")
     shapes = {"bent": load(w.save("bent.ply"))[0]}
@@ -362,3 +364,46 @@ def test_poses_have_names(window, tmp_path):
     show_percent(w, 0, 40)
     show_percent(w, 1, 75)
     assert np.array_equal(load(w.save("loaded.ply"))[0], shapes["blend"])
+
+
+def test_an_animation_is_played(window, tmp_path):
+    """Key frames are made of what is shown, have times and easings, and are played in the view until something else is done."""
+    points, faces, _ = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.click(w.place("play"))
+    w.wait("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.")
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    bent = w.seen()
+    w.click(w.place("frame"))
+    w.wait("What is shown is no pose that has a name: 'Keep pose' makes it one.")
+    keep_pose(w, "bent")
+    show_percent(w, 0, 50)
+    half = load(w.save("half.ply"))[0]
+    w.click(w.place("frame"))
+    x, y, width, _ = w.box("frames")
+    row = lambda i: y + 35 + 22 * i
+    w.click((x + 20, row(0)), count=2)
+    w.do("type", "1") # which is that of the next one
+    w.key("Return")
+    w.wait("Their times must ascend.")
+    w.click((x + width - 12, row(0)), (x + 80, row(0))) # the one at rest goes, and that of the pose is held now
+    w.do("mousemove", X, Y + 200)
+    w.shot("key_frames")
+    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
+    assert (tmp_path / "poses.csv").read_text().endswith("\n1,hold,100\n2,smooth,50\n")
+
+    frames = lambda: [float(time) for time in re.findall(r"trace: frame: at ([\d.]+) s", w.text())]
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 10)
+    far = lambda: np.mean(abs(w.seen() - bent).max(-1) > 40)
+    still = far()
+    w.shot("playing")
+    w.until("a second time round", lambda: any(a > b for a, b in zip(frames(), frames()[1:])))
+    w.do("mousemove", X, Y + 230, "click", 1) # beside the mesh, which only ends it
+    count = len(frames())
+    assert 0 <= min(frames()) and 0.5 < max(frames()) < 1
+    assert np.array_equal(load(w.save("after.ply"))[0], half) and len(frames()) == count
+    assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
