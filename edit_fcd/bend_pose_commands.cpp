@@ -19,7 +19,7 @@ void BendTool::connectPoses() {
     });
     connect(list, &BendPoseList::weighted, this, [this](int row, double percent) {
         changePoses([&] {
-            std::vector<double> weights = session->weights();
+            std::vector<double> weights = session->weightsOfPoses();
             weights[std::size_t(row)] = percent;
             showBlend(weights);
         });
@@ -27,7 +27,7 @@ void BendTool::connectPoses() {
     connect(list, &BendPoseList::chosen, this, [this](int row) {
         changePoses([&] {
             session->change();
-            std::vector<double> weights(session->weights().size(), 0);
+            std::vector<double> weights(session->weightsOfPoses().size(), 0);
             weights[std::size_t(row)] = 100;
             showBlend(weights);
         });
@@ -186,9 +186,10 @@ void BendTool::stopPlaying() {
 }
 
 void BendTool::showPoses() {
-    const std::vector<vcg::fcd::NamedPose> poses = session->poses();
-    const std::vector<double> weights = session->weights();
+    const std::vector<vcg::fcd::NamedPose> poses = session->namedPoses();
+    const std::vector<double> weights = session->weightsOfPoses();
     std::vector<BendPoseRow> rows;
+    rows.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i)
         rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
     panel->poses().list().showRows(rows);

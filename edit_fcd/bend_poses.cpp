@@ -47,11 +47,11 @@ std::map<int, std::vector<MotionStep>> &BendSession::motionByHand() {
     return now.motion;
 }
 
-std::vector<vcg::fcd::NamedPose> BendSession::poses() const {
+std::vector<vcg::fcd::NamedPose> BendSession::namedPoses() const {
     return now.poses ? now.poses->pose : std::vector<vcg::fcd::NamedPose>();
 }
 
-std::vector<double> BendSession::weights() const {
+std::vector<double> BendSession::weightsOfPoses() const {
     return now.weights.empty() && now.poses ? std::vector<double>(now.poses->pose.size(), 0) : now.weights;
 }
 
@@ -157,6 +157,7 @@ void BendSession::blend(const std::vector<double> &weights) {
     } else {
         for (const auto &[tag, middle] : center) {
             std::vector<std::pair<Motion, double>> motions;
+            motions.reserve(shown.size());
             for (const std::size_t i : shown)
                 motions.emplace_back(poses[i].at(int(tag)), weights[i]);
             const Eigen::Vector3d place = rest.world() * middle;
@@ -195,7 +196,7 @@ void BendSession::addKeyFrame() {
         throw Error("What is shown is no pose that has a name: 'Keep pose' makes it one.");
     expectPoses();
     std::vector<KeyFrame> frames = keyFrames();
-    frames.push_back({frames.empty() ? 0 : frames.back().time + 1, Easing::Smooth, weights()});
+    frames.push_back({frames.empty() ? 0 : frames.back().time + 1, Easing::Smooth, weightsOfPoses()});
     setKeyFrames(std::move(frames));
 }
 

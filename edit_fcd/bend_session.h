@@ -102,9 +102,9 @@ class BendSession {
 
     // --- poses that have names, which the layer keeps as FCD: Pose Sequence knows them (bend_poses.cpp) ---
 
-    std::vector<vcg::fcd::NamedPose> poses() const;
+    std::vector<vcg::fcd::NamedPose> namedPoses() const;
     /// Percent of each pose, where the motions are a blend of them, else 0.
-    std::vector<double> weights() const;
+    std::vector<double> weightsOfPoses() const;
     /// Takes the poses that the layer has been given elsewhere. \return whether they are of this surface
     bool takePoses();
     /// The motions become a pose, shown alone. \return the filter call that makes it
@@ -219,9 +219,9 @@ class BendSession {
     std::size_t applies = 0;                           ///< that led to the present rest shape
     bool isMarkedHere = false;                         ///< the layer has marks, not other tags
     bool isLeft = false;                               ///< the layer has what leave() gave it
+    bool local = false;                                ///< isLocal()
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
-    bool local = false;                ///< isLocal()
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
 
     BendSolver solver;

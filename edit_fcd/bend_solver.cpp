@@ -52,9 +52,9 @@ const vcg::fcd::Deformer::Pose &BendSolver::solveBlend(std::vector<std::map<int,
                                                        const Eigen::Affine3d &world, const std::vector<double> &weight,
                                                        const BendOptions &options) {
     beginBlends(std::move(poses), world, options);
-    last = solveNextBlend(weight);
+    const vcg::fcd::Deformer::Pose &pose = last.emplace(solveNextBlend(weight));
     endBlends();
-    return *last;
+    return pose;
 }
 
 void BendSolver::beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,

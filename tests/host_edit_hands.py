@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import host_edit
-from host_edit import MIDDLE, load, mark_two_regions, tube_of, tube_with_ends, write_ply
+from host_edit import MIDDLE, Filters, load, mark_two_regions, the_dialogs_are_those_of_2020, tube_of, tube_with_ends, write_ply
 from host_edit import window # noqa: F401, a fixture
+from host_edit_fit import answer
 from host_edit_state import choose_layer, import_another, open_tube
 from host_meshlabserver import Run, sequence_filter
 
@@ -281,15 +282,6 @@ def show_percent(w, i, percent):
     w.settle()
 
 
-def ask_for_file(w, button, title, name):
-    """Gives a name to the dialog that a button opens."""
-    w.click(w.place(button))
-    asked = w.wait_for_title(title)
-    w.do("type", "--delay", 5, name)
-    w.key("Return")
-    w.wait_for_title("MeshLab", other_than=asked)
-
-
 def sequenced(folder, points, faces, tags, poses):
     """The key frames that meshlabserver makes of a tagged mesh."""
     folder.mkdir()
@@ -327,7 +319,7 @@ def test_poses_have_names(window, tmp_path):
     show_percent(w, 1, 75)
     w.shot("blended")
     shapes["blend"] = load(w.save("blend.ply"))[0]
-    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "poses"))
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses"))
     w.wait("Saved the poses as")
     table = (tmp_path / "poses.csv").read_text()
     assert table.startswith('time,easing,bent,"turned, far"\nsurface,,') and table.endswith("\n0,smooth,0,0\n1,smooth,100,0\n2,smooth,0,100\n")
@@ -353,14 +345,14 @@ def test_poses_have_names(window, tmp_path):
     assert np.array_equal(load(w.save("before_slid.ply"))[0], shapes["bent"])
 
     blend.write_text(blend.read_text().replace("2: ", "3: "))
-    ask_for_file(w, "loadposes", "Load poses", str(blend))
+    answer(w, "loadposes", "Load poses", str(blend))
     w.wait("Pose 'bent': transforms moves handle 3, but no vertex has tag 3; the only handle is 2.")
     x, y, width = row_of_poses(w, 0)
     w.click((x + width - 12, y)) # removes the first one
-    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "one.csv"))
+    answer(w, "saveposes", "Save poses", str(tmp_path / "one.csv"))
     w.wait("one.csv.")
     assert (tmp_path / "one.csv").read_text().endswith("\n0,smooth,0\n1,smooth,100\n")
-    ask_for_file(w, "loadposes", "Load poses", str(tmp_path / "poses.csv"))
+    answer(w, "loadposes", "Load poses", str(tmp_path / "poses.csv"))
     show_percent(w, 0, 40)
     show_percent(w, 1, 75)
     assert np.array_equal(load(w.save("loaded.ply"))[0], shapes["blend"])
@@ -392,7 +384,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.click((x + width - 12, row(0)), (x + 80, row(0))) # the one at rest goes, and that of the pose is held now
     w.do("mousemove", X, Y + 200)
     w.shot("key_frames")
-    ask_for_file(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
     assert (tmp_path / "poses.csv").read_text().endswith("\n1,hold,100\n2,smooth,50\n")
 
     frames = lambda: [float(time) for time in re.findall(r"trace: frame: at ([\d.]+) s", w.text())]
@@ -407,3 +399,49 @@ def test_an_animation_is_played(window, tmp_path):
     assert 0 <= min(frames()) and 0.5 < max(frames()) < 1
     assert np.array_equal(load(w.save("after.ply"))[0], half) and len(frames()) == count
     assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
+
+
+@the_dialogs_are_those_of_2020
+def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
+    """What the one keeps with the layer, the other finds there."""
+    points, faces, _ = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    bent = load(w.save("bent.ply"))[0]
+    keep_pose(w, "bent")
+    w.do("mousemove", X, Y + 200)
+    w.key("BackSpace") # the filter poses what it finds, so that is at rest
+    filters = Filters(w)
+    dialog = filters.dialog("FCD: Pose Sequence")
+    filters.apply(dialog)
+    filters.wait_for_log("1 pose, 2 key frames")
+    filters.finish(dialog)
+    filters.back()
+    assert np.array_equal(load(w.save("key_frame.ply"))[0], bent)
+
+    (tmp_path / "other.csv").write_text("time,easing,other\nmotions,,2: translate 0.2 0.3 0\n0,linear,0\n2,,50\n")
+    filters.current_layer(0)
+    dialog = filters.dialog("FCD: Pose Sequence")
+    filters.click(dialog, 440, 233) # of the file with the poses
+    asked = w.wait_for_title("", other_than="FCD: Pose Sequence")
+    w.do("type", "--delay", 5, str(tmp_path / "other.csv"))
+    w.key("Return")
+    w.wait_for_title("FCD", "MeshLab", other_than=asked)
+    filters.apply(dialog)
+    filters.wait_for_log("1 pose, 2 key frames", 2)
+    filters.finish(dialog)
+    filters.current_layer(0)
+    filters.back()
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    w.shot("found")
+    answer(w, "saveposes", "Save poses", str(tmp_path / "found.csv"))
+    rows = (tmp_path / "found.csv").read_text().splitlines()
+    assert rows[0] == "time,easing,other" and rows[2:] == ["motions,,2: translate 0.2 0.3 0", "0,linear,0", "2,linear,50"]
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+z") # those that the tool had
+    answer(w, "saveposes", "Save poses", str(tmp_path / "back.csv"))
+    assert (tmp_path / "back.csv").read_text().startswith("time,easing,bent\n")
