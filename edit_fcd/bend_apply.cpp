@@ -30,6 +30,10 @@ HandleParam BendSession::handleParam() const {
 /// The layer at rest, with the tags that the filters read: marks, and what points bend.
 void BendSession::handOver() {
     restore();
+    writeAppliedTags();
+}
+
+void BendSession::writeAppliedTags() {
     TagTarget target;
     target.attribute = appliedTags;
     target.colorize = false;
@@ -40,15 +44,22 @@ std::string BendSession::filterCall(const std::string &script, const std::string
     std::string call = "ms.apply_filter('" + script + "', handles=2, tag_attribute='" + appliedTags +
                        "', transforms='" + motionText() + "'";
     const BendOptions defaults;
-    if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
     if (options.pose != defaults.pose)
         call += ", pose=" + digits(double(Scalarm(options.pose)));
-    if (options.initialPatches != defaults.initialPatches)
-        call += ", initial_patches=" + std::to_string(options.initialPatches);
     if (options.weights != defaults.weights)
         call += ", weights=" + std::to_string(int(options.weights));
-    return call + more + ")";
+    return call + shapeCall() + more + ")";
+}
+
+/// What the filter calls have in common of the options.
+std::string BendSession::shapeCall() const {
+    std::string call;
+    const BendOptions defaults;
+    if (options.smoothness != defaults.smoothness)
+        call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
+    if (options.initialPatches != defaults.initialPatches)
+        call += ", initial_patches=" + std::to_string(options.initialPatches);
+    return call;
 }
 
 /// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
@@ -70,6 +81,8 @@ std::string BendSession::leave(const Remark &remark) {
     std::string calls;
     if (!moves()) {
         restore();
+        if (now.poses)
+            writeAppliedTags(); // for them
     } else if (!isLeft) {
         calls = poseByFilter(remark);
         rest.leave();
@@ -100,10 +113,12 @@ void BendSession::beginAnew() {
             each.pivot = motionAt(tag) * *each.pivot; // where it is now is where it rests
     keepRest();
     now.applies = ++applies;
-    now.motion.clear();
-    if (!now.marks)
+    motionByHand().clear();
+    if (!now.marks && !now.poses)
         now.points.clear();
     updateTags();
+    if (now.poses)
+        setPoses(*now.poses); // which are of this rest shape from now on
 }
 
 /// Makes the rest shape that of the state, whose number of applies is another one.
@@ -152,8 +167,8 @@ std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark)
     handOver();
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
     deformer.deform(std::move(param), false, vcg::fcd::Progress());
-    now.motion.clear();
-    if (!now.marks)
+    motionByHand().clear();
+    if (!now.marks && !now.poses)
         now.points.clear();
     updateTags();
     return call;

@@ -19,6 +19,7 @@ void BendTool::makePanel() {
     });
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
     connectHandles();
+    connectPoses();
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
@@ -137,23 +138,7 @@ void BendTool::onCommand(int which) {
         break;
     case BendPanel::ApplyToNewLayer:
         beginApply();
-        isEnding = true; // another layer becomes the current one
-        try {
-            say(session->applyToNewLayer(panel->graphLayers(), remark));
-        } catch (...) {
-            isEnding = false;
-            showVertices(true);
-            throw;
-        }
-        // The host shows new layers when a tool ends, and they have no buffers before that; then it goes on with them.
-        close();
-        QTimer::singleShot(0, this, [this] {
-            action->trigger();
-            if (!view || !view->md() || !view->md()->mm())
-                return;
-            host::showTextures(*view, *view->md()->mm());
-            action->trigger();
-        });
+        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
         return;
     }
     refresh();
@@ -226,6 +211,8 @@ void BendTool::showHandles() {
 QString BendTool::stateText() const {
     if (isSuspended)
         return "The mouse is the camera's: Esc gives it back.";
+    if (playing.isActive())
+        return "Playing the key frames: Esc, or a click, ends it.";
     if (!hint.isEmpty())
         return hint;
     QString text;
@@ -267,5 +254,6 @@ void BendTool::refresh() {
     panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
+    showPoses();
     panel->showState(stateText());
 }

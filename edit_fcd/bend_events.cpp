@@ -43,7 +43,7 @@ void BendTool::press(QMouseEvent *event) {
     }
     const bool plain = event->button() == Qt::LeftButton && event->modifiers() == Qt::NoModifier && !isCamera;
     const bool isPolygon = marking && marking->kind == BendMarking::Polygon;
-    if (!isReady() || !plain) {
+    if (!plain || !isReady()) {
         if (marking && isPolygon && event->button() == Qt::RightButton)
             endMarking();
         else

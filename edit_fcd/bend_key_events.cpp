@@ -15,7 +15,7 @@ bool BendTool::eventFilter(QObject *object, QEvent *event) {
             const auto &pressed = *static_cast<QKeyEvent *>(event);
             const BendKey *key = bendKeyOf(pressed);
             // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
-            if (drag || preparing || (key && (key->action != BendAction::Cancel || marking))) {
+            if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
                 event->accept();
                 return true;
             }

@@ -29,16 +29,12 @@ bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
         throw;
     }
     makePanel();
-    view->installEventFilter(this);
+    enterView();
     view->setMouseTracking(true); // what is under the mouse lights up
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
-    view->setFocus();
     showOverlay();
     refresh();
     return true;
 }
-
-void BendTool::end() { close(); }
 
 void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
     if (isEnding || (newDocument.mm() && newDocument.mm()->id() == layerId && layer()))
@@ -72,12 +68,12 @@ void BendTool::open(MeshModel &newModel) {
         session->setPose(100);
         session->options.stretch = false;
     }
+    if (!session->takePoses())
+        say("The layer '" + newModel.label().toStdString() +
+            "' keeps poses of another shape, or place: here they begin from what it is now.");
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
-    model = &newModel;
-    layerId = newModel.id();
-    display = std::make_unique<BendDisplay>(*view, newModel);
-    overlay = std::make_unique<LayerOverlay>();
+    enterLayer(newModel);
     active = hovered = 0;
     lit.reset();
     isLive = isShownChanged = false;
@@ -101,6 +97,7 @@ void BendTool::leave() {
 void BendTool::close() {
     if (preparing)
         stopPreparing();
+    stopPlaying();
     if (drag && layer())
         endDrag(false);
     drag.reset();
@@ -113,25 +110,15 @@ void BendTool::close() {
     if (session)
         usual = session->options;
     session.reset();
-    display.reset();
-    overlay.reset();
-    model = nullptr;
-    layerId = -1;
-    if (panel)
-        panel->deleteLater();
+    leaveView(panel);
     panel = nullptr;
-    if (view) {
-        view->removeEventFilter(this);
-        disconnect(view, &QObject::destroyed, this, nullptr);
-        view->setMouseTracking(false);
-        view->unsetCursor();
-    }
 }
 
 /// Whether there is a layer to work on; begins anew with one that something else has changed.
 bool BendTool::isReady() {
     if (!view || !view->md() || preparing)
         return false;
+    stopPlaying();
     MeshModel *current = view->md()->getMesh(layerId);
     if (!current || !session) {
         session.reset(); // it was deleted

@@ -32,6 +32,8 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     list = new BendHandleList;
     list->setObjectName("handles");
     column->addWidget(list);
+    poseBox = new BendPoseBox;
+    moreOptions = new QWidget;
     addCommands(*column);
     state = new QLabel;
     state->setObjectName("state");
@@ -39,10 +41,12 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     state->setMinimumHeight(48);
     state->setAlignment(Qt::AlignTop | Qt::AlignLeft);
     column->addWidget(state);
+    column->addWidget(poseBox);
     addMore(*column);
     column->addStretch();
     setScrolled(*this, *content);
     moreOptions->hide(); // the width is that of all
+    poseBox->hide();
     connectOptions();
     tracePlaces(*this);
 }
@@ -171,30 +175,37 @@ void BendPanel::addCommands(QBoxLayout &column) {
         withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer), ApplyToNewLayer,
         2, 1);
     add("Reset", withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
-    more = new QToolButton;
-    more->setObjectName("more");
-    more->setText("More");
-    more->setToolTip("What shapes a deformation, motions as text, graph layers");
-    more->setCheckable(true);
-    more->setFocusPolicy(Qt::NoFocus);
-    more->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    more->setArrowType(Qt::RightArrow);
-    more->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-    connect(more, &QToolButton::toggled, this, [this](bool shown) {
-        more->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
-        moreOptions->setVisible(shown);
-        if (shown)
-            QTimer::singleShot(50, this, [this] { // once it has a place
-                static_cast<QScrollArea *>(widget())->ensureWidgetVisible(moreOptions);
-            });
-        tracePlaces(*this);
-    });
-    grid->addWidget(more, 3, 1);
+    auto *folds = new QHBoxLayout;
+    folds->addWidget(fold("poses_fold", "Poses", "Poses that have names, blended by sliders", poseBox));
+    folds->addWidget(fold("more", "More", "What shapes a deformation, motions as text, graph layers", moreOptions));
+    grid->addLayout(folds, 3, 1);
     column.addLayout(grid);
 }
 
+/// A button that shows, or hides, a part of the panel.
+QToolButton *BendPanel::fold(const char *name, const char *text, const QString &tip, QWidget *part) {
+    auto *button = new QToolButton;
+    button->setObjectName(name);
+    button->setText(text);
+    button->setToolTip(tip);
+    button->setCheckable(true);
+    button->setFocusPolicy(Qt::NoFocus);
+    button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    button->setArrowType(Qt::RightArrow);
+    button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    connect(button, &QToolButton::toggled, this, [this, button, part](bool shown) {
+        button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+        part->setVisible(shown);
+        if (shown)
+            QTimer::singleShot(50, this, [this, part] { // once it has a place
+                static_cast<QScrollArea *>(widget())->ensureWidgetVisible(part);
+            });
+        tracePlaces(*this);
+    });
+    return button;
+}
+
 void BendPanel::addMore(QBoxLayout &column) {
-    moreOptions = new QWidget;
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
@@ -238,13 +249,12 @@ void BendPanel::connectOptions() {
     for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, weightsChoice, through,
                                                             stretch, graphs, poseSlider})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
-    connect(poseSlider, &QSlider::sliderPressed, this, &BendPanel::poseBegins);
-    connect(poseSlider, &QSlider::valueChanged, this, [this](int value) {
-        poseLabel->setText(QString("%1 %").arg(value));
-        if (!poseSlider->isSliderDown())
-            emit poseBegins();
-        emit optionsChanged();
-    });
+    connectSlider(
+        *poseSlider, [this] { emit poseBegins(); },
+        [this](int value) {
+            poseLabel->setText(QString("%1 %").arg(value));
+            emit optionsChanged();
+        });
     connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})

@@ -5,6 +5,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
 
 #include "bend_handle_list.h"
+#include "bend_pose_box.h"
 
 #include <QButtonGroup>
 #include <QCheckBox>
@@ -64,6 +65,7 @@ class BendPanel : public QDockWidget {
     void showState(const QString &text) { state->setText(text); }
     void showKeys();
     BendHandleList &handles() { return *list; }
+    BendPoseBox &poses() { return *poseBox; }
 
   signals:
     void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
@@ -76,6 +78,7 @@ class BendPanel : public QDockWidget {
     void addMarking(QBoxLayout &column);
     void addCommands(QBoxLayout &column);
     void addMore(QBoxLayout &column);
+    QToolButton *fold(const char *name, const char *text, const QString &tip, QWidget *part);
     void connectOptions();
 
     QButtonGroup *modes;
@@ -87,7 +90,7 @@ class BendPanel : public QDockWidget {
     QPlainTextEdit *motionText;
     QLabel *state, *poseLabel;
     BendHandleList *list;
-    QToolButton *more;
+    BendPoseBox *poseBox;
     QWidget *moreOptions;
     QPointer<QLabel> page; ///< of keys
 };

@@ -35,6 +35,12 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
     return 1000 * watch.Seconds();
 }
 
+/// Vertices alone.
+void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
+    rest.leave();
+    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *solver.prepared(), pose);
+}
+
 BendSession::Times BendSession::pose(bool full, bool faces) {
     Times times;
     if (!moves()) {
@@ -44,11 +50,12 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
     isLeft = false;
     times.prepare = prepare();
     vcg::fcd::Stopwatch watch;
-    const vcg::fcd::Deformer::Pose &pose = solver.solve(motionsNow(), options, full);
+    const vcg::fcd::Deformer::Pose &pose = full && !now.weights.empty()
+                                               ? solver.solveBlend(motionsOfPoses(), rest.world(), now.weights, options)
+                                               : solver.solve(motionsNow(), options, full);
     times.solve = 1000 * watch.Seconds();
     watch = {};
-    rest.leave();
-    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *solver.prepared(), pose);
+    writePose(pose);
     if (faces && !full)
         computeFaceNormals(layer.cm, solver.prepared()->turning);
     if (full) {

@@ -20,14 +20,16 @@ void BendRest::keep() {
     for (std::size_t f = 0; f < faceNormal.size(); ++f)
         faceNormal[f] = mesh.face[f].cN();
     box = mesh.bbox;
-    Eigen::AlignedBox3d all, allInWorld;
+    Eigen::AlignedBox3d all;
+    surface = {};
     for (const CVertexO &vertex : mesh.vert)
         if (!vertex.IsD()) {
             all.extend(toVector(vertex.cP()));
-            allInWorld.extend(matrix * toVector(vertex.cP()));
+            surface.box.extend(matrix * toVector(vertex.cP()));
+            ++surface.vertices;
         }
     center = all.center();
-    size = allInWorld.diagonal().norm();
+    size = surface.box.diagonal().norm();
     shape = shapeOf(mesh);
     posed = false;
 }

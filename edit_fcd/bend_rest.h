@@ -2,7 +2,9 @@
 #ifndef FCD_BEND_REST_H
 #define FCD_BEND_REST_H
 
-#include <layer_fcd/parameters.h> // before Qt
+#include <vcg_ext/sequence/pose_sequence.h> // before Qt
+
+#include <layer_fcd/parameters.h>
 
 #include <cstdint>
 #include <vector>
@@ -36,6 +38,7 @@ class BendRest {
     const Eigen::Affine3d &world() const { return matrix; }  ///< the layer's matrix
     const Eigen::Vector3d &middle() const { return center; } ///< of the box, layer units
     double diagonal() const { return size; }                 ///< of the box in the world
+    const vcg::fcd::SurfaceMark &mark() const { return surface; }
 
   private:
     MeshModel &layer;
@@ -44,6 +47,7 @@ class BendRest {
     vcg::Box3<Scalarm> box;
     Eigen::Vector3d center;
     double size = 1;
+    vcg::fcd::SurfaceMark surface;
     std::uint64_t shape = 0;
     bool posed = false;
 };

@@ -164,6 +164,7 @@ void BendSession::takeState() {
     options.pose = now.pose;
     updateTags();
     writeMarks();
+    writePoses();
 }
 
 void BendSession::undo() {
@@ -219,9 +220,9 @@ void BendSession::setMotion(int tag, std::vector<MotionStep> steps) {
         there.reserve(steps.size());
         for (const MotionStep &step : steps)
             there.push_back(mirroredStep(step, mirror()));
-        now.motion[other] = there;
+        motionByHand()[other] = there;
     }
-    now.motion[tag] = std::move(steps);
+    motionByHand()[tag] = std::move(steps);
 }
 
 void BendSession::setMotions(const std::string &text) {
@@ -231,9 +232,13 @@ void BendSession::setMotions(const std::string &text) {
             throw Error("The motions move handle " + std::to_string(tag) + ", but no vertex has that tag.");
         vcg::fcd::ToMotion(steps, rest.world() * center.at(tag)); // to say what is wrong with it
     }
-    now.motion = std::move(motion);
+    motionByHand() = std::move(motion);
 }
 
-void BendSession::setPose(double percent) { options.pose = now.pose = percent; }
+void BendSession::setPose(double percent) {
+    if (percent != now.pose)
+        now.weights.clear(); // a part of a blend is none
+    options.pose = now.pose = percent;
+}
 
-void BendSession::reset() { now.motion.clear(); }
+void BendSession::reset() { motionByHand().clear(); }

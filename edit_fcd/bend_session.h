@@ -100,6 +100,42 @@ class BendSession {
     /// The motions as "Motions as text" takes them.
     std::string motionText() const { return vcg::fcd::WriteMotionText(now.motion); }
 
+    // --- poses that have names, which the layer keeps as FCD: Pose Sequence knows them (bend_poses.cpp) ---
+
+    std::vector<vcg::fcd::NamedPose> namedPoses() const;
+    /// Percent of each pose, where the motions are a blend of them, else 0.
+    std::vector<double> weightsOfPoses() const;
+    /// Takes the poses that the layer has been given elsewhere. \return whether they are of this surface
+    bool takePoses();
+    /// The motions become a pose, shown alone. \return the filter call that makes it
+    /// \throw vcg::fcd::Error there are no motions
+    std::string keepPose();
+    /// \throw vcg::fcd::Error no name, or that of another pose
+    void renamePose(std::size_t number, const std::string &name);
+    void removePose(std::size_t number);
+    /// The motions become the blend of the poses. \throw vcg::fcd::Error a pose moves what is no handle here
+    void blend(const std::vector<double> &weights);
+    /// Poses of a file take the place of those that there are. \throw vcg::fcd::Error as readPoses
+    void loadPoses(const QString &file);
+    /// The key frames of the animation, ascending in time.
+    std::vector<vcg::fcd::KeyFrame> keyFrames() const;
+    /// What is shown of the poses becomes a key frame, a second after the others. \throw vcg::fcd::Error no pose is
+    /// shown
+    void addKeyFrame();
+    /// \throw vcg::fcd::Error a time below 0, or of another key frame
+    void setKeyFrame(std::size_t number, vcg::fcd::KeyFrame frame);
+    void removeKeyFrame(std::size_t number);
+    /// Begins to show the animation, which is no change, as long as nothing else is posed. \return seconds that it
+    /// takes \throw vcg::fcd::Error there is none, as blend(), or as prepare()
+    double beginAnimation();
+    /// \param time seconds since it began
+    void showAnimation(double time);
+    void endAnimation() { solver.endBlends(); }
+    /// \throw vcg::fcd::Error there are none
+    void expectPoses() const;
+    /// \pre there are some \throw vcg::fcd::Error the file cannot be written
+    void savePoses(const QString &file) const;
+
     // --- the pose ---
 
     /// Milliseconds.
@@ -155,6 +191,15 @@ class BendSession {
     std::string poseByFilter(const Remark &remark);
     void beginAnew();
     std::string filterCall(const std::string &script, const std::string &more) const;
+    std::string shapeCall() const;
+    void setPoses(vcg::fcd::PoseSequence poses);
+    void writePoses();
+    void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);
+    void writePose(const vcg::fcd::Deformer::Pose &pose);
+    void writeAppliedTags();
+    std::vector<std::map<int, vcg::fcd::Motion>> motionsOfPoses() const;
+    /// The motions, which are about to be given otherwise than by poses.
+    std::map<int, std::vector<vcg::fcd::MotionStep>> &motionByHand();
 
     MeshDocument &document;
     MeshModel &layer;
@@ -174,9 +219,9 @@ class BendSession {
     std::size_t applies = 0;                           ///< that led to the present rest shape
     bool isMarkedHere = false;                         ///< the layer has marks, not other tags
     bool isLeft = false;                               ///< the layer has what leave() gave it
+    bool local = false;                                ///< isLocal()
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
-    bool local = false;                ///< isLocal()
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
 
     BendSolver solver;

@@ -47,3 +47,18 @@ const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOpt
     }
     return *last;
 }
+
+const vcg::fcd::Deformer::Pose &BendSolver::solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
+                                                       const Eigen::Affine3d &world, const std::vector<double> &weight,
+                                                       const BendOptions &options) {
+    beginBlends(std::move(poses), world, options);
+    const vcg::fcd::Deformer::Pose &pose = last.emplace(solveNextBlend(weight));
+    endBlends();
+    return pose;
+}
+
+void BendSolver::beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
+                             const BendOptions &options) {
+    blends = std::make_unique<vcg::fcd::SequenceSolver>(*prepared()->deformer, world, std::move(poses),
+                                                        deformationOf(options));
+}

@@ -5,10 +5,12 @@
 #include "bend_state.h" // before Qt
 
 #include <layer_fcd/layer_deformer.h>
+#include <vcg_ext/sequence/sequence_solver.h>
 
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 /// How the filters are asked for what the panel says.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
@@ -34,6 +36,16 @@ class BendSolver {
 
     /// \param full from rest to the end, as the filters do; otherwise some steps from the last pose
     const vcg::fcd::Deformer::Pose &solve(Motions motions, const BendOptions &options, bool full);
+    /// The pose that FCD: Pose Sequence gives first for \p weight, percent of each of \p poses.
+    const vcg::fcd::Deformer::Pose &solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
+                                               const Eigen::Affine3d &world, const std::vector<double> &weight,
+                                               const BendOptions &options);
+    /// The same on the way of an animation: from the pose before, the first one from rest. \pre it was begun, and
+    /// nothing else was solved or prepared since
+    void beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
+                     const BendOptions &options);
+    const vcg::fcd::Deformer::Pose &solveNextBlend(const std::vector<double> &weight) { return blends->Go(weight); }
+    void endBlends() { blends.reset(); }
     /// The next one begins at rest.
     void forgetPose() { last.reset(); }
 
@@ -44,6 +56,7 @@ class BendSolver {
     int preparedPatches = 0;
     vcg::fcd::MappingWeights preparedWeights = BendOptions().weights;
     std::optional<vcg::fcd::Deformer::Pose> last;
+    std::unique_ptr<vcg::fcd::SequenceSolver> blends; ///< while an animation is played
 };
 
 #endif

@@ -5,6 +5,7 @@
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/handles/motion_text.h>
+#include <vcg_ext/sequence/pose_sequence.h>
 
 #include <map>
 #include <memory>
@@ -50,7 +51,9 @@ struct BendState {
     std::map<int, BendHandle> handles;                       ///< by tag, where a person has said something
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     double pose = 100;                                       ///< percent of the motions
-    std::size_t applies = 0; ///< since the session began: each made the shape of then the rest shape
+    std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< that have names; null: none
+    std::vector<double> weights; ///< percent of each of these, where the motions are their blend; else empty
+    std::size_t applies = 0;     ///< since the session began: each made the shape of then the rest shape
 
     bool operator==(const BendState &other) const;
 };

@@ -78,7 +78,7 @@ void BendSession::updateTags() {
         effective = made;
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
     for (auto each = now.motion.begin(); each != now.motion.end();)
-        each = center.count(each->first) ? std::next(each) : now.motion.erase(each);
+        each = center.count(each->first) ? std::next(each) : motionByHand().erase(each);
     for (auto each = now.handles.begin(); each != now.handles.end();)
         each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
 }
@@ -180,7 +180,7 @@ void BendSession::endMarks(double rim) {
 void BendSession::clearMarks() {
     now.marks.reset();
     now.points.clear();
-    now.motion.clear();
+    motionByHand().clear();
     updateTags();
     writeMarks();
 }

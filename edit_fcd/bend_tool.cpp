@@ -141,7 +141,7 @@ void BendTool::draw() {
 }
 
 void BendTool::drawOverlay() const {
-    const bool isBending = panel && panel->mode() == BendPanel::Bend && !isSuspended;
+    const bool isBending = panel && panel->mode() == BendPanel::Bend && !isSuspended && !playing.isActive();
     drawPoints(*session, drag.get(), isBending && !drag ? hovered : 0);
     if (!panel || isSuspended)
         return;

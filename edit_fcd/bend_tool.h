@@ -4,21 +4,20 @@
 
 #include "bend_session.h" // before Qt
 
-#include "bend_display.h"
 #include "bend_drag.h"
 #include "bend_keys.h"
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
 #include "bend_work.h"
-#include "layer_overlay.h"
+#include "layer_tool.h"
 #include "tool_window.h"
 
-#include <layer_fcd/edit_host.h>
-
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <QElapsedTimer>
 #include <QPointF>
@@ -31,14 +30,13 @@ const int preparedAtOnce = 200000;
 
 /// FCD: Bend: turns mouse and keys in a view (bend_events.cpp), and what the panel is told (bend_commands.cpp), into
 /// marks and motions of a BendSession, and shows it.
-class BendTool : public HostEditTool {
+class BendTool : public LayerTool {
     Q_OBJECT
 
   public:
-    explicit BendTool(QAction *action) : action(action) {}
+    using LayerTool::LayerTool;
 
     bool start(MeshDocument &document, GLArea *view) override;
-    void end() override;
     void changeLayer(MeshDocument &document, GLArea *view) override;
     void draw() override;
     void press(QMouseEvent *event) override;
@@ -54,7 +52,7 @@ class BendTool : public HostEditTool {
   private:
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     void open(MeshModel &model);
-    void close();
+    void close() override;
     void leave();
     void forgetLayers();
     bool isReady();
@@ -66,6 +64,14 @@ class BendTool : public HostEditTool {
     void onCommand(int which);
     void connectHandles();
     void showHandles();
+    void connectPoses();
+    void changePoses(const std::function<void()> &change);
+    void showBlend(const std::vector<double> &weights);
+    void onPoseCommand(int which);
+    void showPoses();
+    void play();
+    void stopPlaying();
+    void playFrame();
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
     QString stateText() const;
     void beginApply();
@@ -111,21 +117,15 @@ class BendTool : public HostEditTool {
     void brush();
     void endMarking();
 
-    void showVertices(bool full);
+    void showVertices(bool full) override;
     void showChanged();
     void showOverlay();
     void showStretch();
     void drawOverlay() const;
 
-    QAction *action;
-    QPointer<GLArea> view;
     QPointer<BendPanel> panel;
-    int layerId = -1;
-    int refused = -1;           ///< a layer that cannot be bent
-    MeshModel *model = nullptr; ///< of the session; may be gone
+    int refused = -1; ///< a layer that cannot be bent
     std::unique_ptr<BendSession> session;
-    std::unique_ptr<BendDisplay> display;             ///< beside the session
-    std::unique_ptr<LayerOverlay> overlay;            ///< as well
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
     BendOptions usual;                                ///< what the next layer begins with: as the last one had it
     QPointer<MeshDocument> document;
@@ -138,6 +138,9 @@ class BendTool : public HostEditTool {
     std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
     QTimer preparingTimer;               ///< to say how far that is
     std::unique_ptr<BendMarking> marking;
+    QTimer playing; ///< of the next frame of the animation, while it is played
+    QElapsedTimer sincePlay;
+    double playLength = 0; ///< seconds
     QPointF mouse;
     int active = 0;               ///< the handle that was chosen last, if it is still there
     int hovered = 0;              ///< the handle under the mouse, 0: none
@@ -146,7 +149,6 @@ class BendTool : public HostEditTool {
     bool isSuspended = false;     ///< the mouse is the camera's
     bool isCamera = false;
     unsigned long escaped = 0;   ///< when Esc has given the mouse to the camera last, by the clock of the window system
-    bool isEnding = false;       ///< done, and about to be told so
     bool isLive = false;         ///< the layer has a shape between two full solves
     bool isShownChanged = false; ///< the list of layers shows that the layer was changed
     bool isPainted = true, isStepWanted = false;

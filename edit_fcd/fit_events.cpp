@@ -311,20 +311,7 @@ void FitTool::apply(bool inPlace) {
         return;
     }
     session->change();
-    isEnding = true;           // another layer becomes the current one
     wasVisible.erase(layerId); // the new layer is seen in its place
-    try {
-        tell(session->applyToNewLayer(onto, panel->graphLayers(), [this](const std::string &line) { say(line); }));
-    } catch (...) {
-        isEnding = false;
-        showVertices(true);
-        throw;
-    }
-    // The host shows new layers when a tool ends, and they have no buffers before that.
-    close();
-    QTimer::singleShot(0, this, [this] {
-        action->trigger();
-        if (view && view->md() && view->md()->mm())
-            host::showTextures(*view, *view->md()->mm());
-    });
+    const Remark remark = [this](const std::string &line) { say(line); };
+    applyToNewLayer([&] { tell(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
 }

@@ -37,9 +37,7 @@ bool FitTool::start(MeshDocument &document, GLArea *area) {
         throw;
     }
     makePanel();
-    view->installEventFilter(this);
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
-    view->setFocus();
+    enterView();
     showLayers();
     refresh();
     return true;
@@ -55,10 +53,7 @@ void FitTool::open(MeshModel &newModel) {
                 "' was changed since it was left: its pairs are gone. 'Load pairs' brings those back that were saved.");
         left.erase(found);
     }
-    model = &newModel;
-    layerId = newModel.id();
-    display = std::make_unique<BendDisplay>(*view, newModel);
-    overlay = std::make_unique<LayerOverlay>();
+    enterLayer(newModel);
     selected = -1;
 }
 
@@ -97,18 +92,8 @@ void FitTool::close() {
     }
     wasVisible.clear();
     session.reset();
-    display.reset();
-    overlay.reset();
-    model = nullptr;
-    layerId = -1;
-    if (panel)
-        panel->deleteLater();
+    leaveView(panel);
     panel = nullptr;
-    if (view) {
-        view->removeEventFilter(this);
-        disconnect(view, &QObject::destroyed, this, nullptr);
-        view->unsetCursor();
-    }
 }
 
 /// Whether there is a layer to work on; begins anew with one that something else has changed.

@@ -6,7 +6,7 @@
 
 // What the tool shows: which layers, and the shape that it gives the one.
 
-FitTool::FitTool(QAction *action) : action(action) {
+FitTool::FitTool(QAction *action) : LayerTool(action) {
     progressTimer.callOnTimeout(this, [this] { refresh(); });
     optionsTimer.setSingleShot(true);
     optionsTimer.callOnTimeout(this, [this] { guarded([&] { reshape(true); }); });

@@ -4,11 +4,10 @@
 
 #include "fit_session.h" // before Qt
 
-#include "bend_display.h"
 #include "bend_work.h"
 #include "fit_overlay.h"
 #include "fit_panel.h"
-#include "layer_overlay.h"
+#include "layer_tool.h"
 #include "tool_window.h"
 
 #include <map>
@@ -22,14 +21,13 @@
 
 /// FCD: Fit: turns mouse and keys in a view, and what the panel is told, into pairs of landmarks and the shape of a
 /// FitSession, and shows it.
-class FitTool : public HostEditTool {
+class FitTool : public LayerTool {
     Q_OBJECT
 
   public:
     explicit FitTool(QAction *action);
 
     bool start(MeshDocument &document, GLArea *view) override;
-    void end() override { close(); }
     void changeLayer(MeshDocument &document, GLArea *view) override;
     void draw() override;
     void press(QMouseEvent *event) override;
@@ -49,7 +47,7 @@ class FitTool : public HostEditTool {
     MeshModel *target() const; ///< null when there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
-    void close();
+    void close() override;
     bool isReady();
     void makePanel();
     void showTargets();
@@ -74,21 +72,16 @@ class FitTool : public HostEditTool {
     void begin(BendWork::Work work, std::function<void()> done);
     void stopWork();
 
-    void showVertices(bool full);
+    void showVertices(bool full) override;
     void showDistances();
     void showLayers();
     void setSeen(FitPanel::Seen which);
     void refresh();
     QString stateText() const;
 
-    QAction *action;
-    QPointer<GLArea> view;
     QPointer<FitPanel> panel;
-    int layerId = -1, targetId = -1;
-    MeshModel *model = nullptr; ///< of the session; may be gone
+    int targetId = -1;
     std::unique_ptr<FitSession> session;
-    std::unique_ptr<BendDisplay> display;
-    std::unique_ptr<LayerOverlay> overlay;
     /// What other layers of the document were left with, by their number, and the rest shape that it belongs to.
     std::map<int, std::pair<std::uint64_t, FitState>> left;
     std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
@@ -99,7 +92,7 @@ class FitTool : public HostEditTool {
     int selected = -1; ///< pair
     bool isCamera = false, isClick = false;
     QString hint; ///< what could not be done, until the next press or key
-    bool isSuspended = false, isEnding = false;
+    bool isSuspended = false;
     bool isPainted = true, isStepWanted = false;
     std::unique_ptr<BendWork> work;
     std::function<void()> workDone;

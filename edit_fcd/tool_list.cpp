@@ -20,6 +20,15 @@ void setUpList(QTableWidget &list, int stretched, std::initializer_list<std::pai
     }
 }
 
+void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {
+    QObject::connect(&slider, &QSlider::sliderPressed, begins);
+    QObject::connect(&slider, &QSlider::valueChanged, [&slider, begins, changes](int value) {
+        if (!slider.isSliderDown())
+            begins();
+        changes(value);
+    });
+}
+
 void setScrolled(QDockWidget &panel, QWidget &content) {
     auto *scroll = new QScrollArea;
     scroll->setWidget(&content);

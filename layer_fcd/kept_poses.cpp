@@ -24,6 +24,11 @@ std::string posesName() {
 } // namespace
 
 void keepPoses(const MeshDocument &document, MeshModel &layer, const vcg::fcd::PoseSequence &poses) {
+    if (poses.pose.empty()) {
+        if (host::meshAttribute<KeptPoses>(layer.cm, posesName()))
+            host::madeMeshAttribute<KeptPoses>(layer.cm, posesName()).reset();
+        return;
+    }
     // Not by make_shared, whose memory goes with the last weak pointer.
     auto held =
         std::make_shared<std::shared_ptr<const std::string>>(new std::string(vcg::fcd::PoseSequenceText(poses)));

@@ -12,7 +12,7 @@
 /// \file
 /// The poses of a layer, as long as it is there: no file of MeshLab has room for them, so a table beside it keeps them.
 
-/// Lets \p layer keep \p poses, in the place of those that it has.
+/// Lets \p layer keep \p poses, in the place of those that it has; without any, it keeps none.
 void keepPoses(const MeshDocument &document, MeshModel &layer, const vcg::fcd::PoseSequence &poses);
 
 /// The poses that \p layer keeps, none where it has none.

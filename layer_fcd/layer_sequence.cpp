@@ -24,10 +24,7 @@ using vcg::fcd::PoseSequence;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceMark;
 
-namespace {
-
-/// The poses of a file, or those that \p layer keeps. \param surface of the layer
-PoseSequence readSequence(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
+PoseSequence readPoses(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
     const std::size_t most = 100000000; // bytes, of a million key frames
     std::optional<PoseSequence> sequence;
     std::string name = file.toStdString();
@@ -50,19 +47,19 @@ PoseSequence readSequence(const MeshModel &layer, const QString &file, const Sur
     return *sequence;
 }
 
-/// The motions of each pose.
 std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const MeshDocument &document,
-                                             const MeshModel &layer, const Deformer &deformer,
-                                             const vcg::fcd::Handles &handles) {
+                                             const MeshModel &layer,
+                                             const std::map<vcg::fcd::Index, Eigen::Vector3d> &center,
+                                             const Eigen::Affine3d &world) {
     std::vector<std::map<int, Motion>> motions;
     for (const vcg::fcd::NamedPose &pose : sequence.pose) {
         HandleParam param;
         param.transforms = QString::fromStdString(pose.motions);
         vcg::fcd::Handles posed;
-        posed.world = handles.world;
+        posed.world = world;
         try {
             readMotions(
-                document, layer, nullptr, param, deformer.center, [](const std::string &) {}, posed);
+                document, layer, nullptr, param, center, [](const std::string &) {}, posed);
         } catch (const Error &e) {
             throw Error("Pose '" + pose.name + "': " + e.what());
         }
@@ -71,8 +68,6 @@ std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const
     return motions;
 }
 
-} // namespace
-
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const Progress &progress) {
     const vcg::fcd::Stopwatch watch;
@@ -80,13 +75,13 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
     const vcg::fcd::SurfaceView view = surface.View();
     const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
-    const PoseSequence sequence = readSequence(layer, param.posesFile, SurfaceMark::Of(view, handles.world));
+    const PoseSequence sequence = readPoses(layer, param.posesFile, SurfaceMark::Of(view, handles.world));
     LayerDeformer layerDeformer(document, layer, preparedLayers, remark);
     layerDeformer.readHandles(param.handles);
     layerDeformer.prepare(param.deformation, progress.Slice(0.02, 0.3));
     const Prepared &prepared = *layerDeformer.prepared();
     const Deformer &deformer = *prepared.deformer;
-    const auto motions = motionsOf(sequence, document, layer, deformer, handles);
+    const auto motions = motionsOf(sequence, document, layer, deformer.center, handles.world);
 
     FilesToSave files;
     if (!param.saveFile.isEmpty()) {

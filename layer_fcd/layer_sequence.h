@@ -2,9 +2,12 @@
 #ifndef FCD_LAYER_SEQUENCE_H
 #define FCD_LAYER_SEQUENCE_H
 
+#include <vcg_ext/sequence/pose_sequence.h> // before Qt
+
 #include "parameters.h"
 #include "prepared_layers.h"
 
+#include <map>
 #include <vector>
 
 /// What FCD: Pose Sequence did.
@@ -22,5 +25,16 @@ struct SequenceLayers {
 /// as they were
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// The poses of a file, or, where \p file is empty, those that \p layer keeps. \param surface of the layer
+/// \throw vcg::fcd::Error none, what is wrong with them, or poses of another surface
+vcg::fcd::PoseSequence readPoses(const MeshModel &layer, const QString &file, const vcg::fcd::SurfaceMark &surface);
+
+/// The motions of the handle tags in each pose. \param center of the handles, in the layer \param world its matrix
+/// \throw vcg::fcd::Error naming the pose
+std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const vcg::fcd::PoseSequence &sequence,
+                                                       const MeshDocument &document, const MeshModel &layer,
+                                                       const std::map<vcg::fcd::Index, Eigen::Vector3d> &center,
+                                                       const Eigen::Affine3d &world);
 
 #endif

@@ -102,6 +102,11 @@ std::string listOfKeys(const Map &map) {
 
 } // namespace
 
+std::map<int, std::vector<MotionStep>> readMotionSteps(const MeshDocument &document, const MeshModel &layer,
+                                                       const QString &text) {
+    return vcg::fcd::ReadMotionText(withLayers(text, document, layer).toStdString());
+}
+
 bool readMotions(const MeshDocument &document, const MeshModel &layer, const Point3m *rest, const HandleParam &param,
                  const std::map<Index, Eigen::Vector3d> &centers, const Remark &remark, Handles &handles) {
     const CMeshO &mesh = layer.cm;
@@ -110,8 +115,7 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Poi
         listed =
             vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString(), mostBytes(layer, 1000));
 
-    const std::map<int, std::vector<MotionStep>> told =
-        vcg::fcd::ReadMotionText(withLayers(param.transforms, document, layer).toStdString());
+    const std::map<int, std::vector<MotionStep>> told = readMotionSteps(document, layer, param.transforms);
     for (const auto &clause : told)
         if (!centers.count(clause.first)) {
             const std::string tag = std::to_string(clause.first);

@@ -128,10 +128,14 @@ class Window:
         return self.log.read_text(errors="replace")
 
     def wait(self, text, count=1, seconds=60):
+        self.until(f"'{text}' in the log", lambda: self.text().count(text) >= count, seconds)
+
+    def until(self, what, that, seconds=60):
+        """Waits for something."""
         end = time.time() + seconds
-        while self.text().count(text) < count:
+        while not that():
             assert self.meshlab.poll() is None, "MeshLab ended: " + self.text()[-2000:]
-            assert time.time() < end, f"no '{text}' in the log: " + self.text()[-2000:]
+            assert time.time() < end, f"no {what}: " + self.text()[-2000:]
             time.sleep(0.05)
 
     def is_busy(self):

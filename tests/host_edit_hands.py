@@ -2,13 +2,17 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import re
+
 import numpy as np
 import pytest
 
 import host_edit
-from host_edit import MIDDLE, load, tube_of, write_ply
+from host_edit import MIDDLE, Filters, load, mark_two_regions, the_dialogs_are_those_of_2020, tube_of, tube_with_ends, write_ply
 from host_edit import window # noqa: F401, a fixture
+from host_edit_fit import answer
 from host_edit_state import choose_layer, import_another, open_tube
+from host_meshlabserver import Run, sequence_filter
 
 pytestmark = host_edit.pytestmark
 
@@ -252,3 +256,192 @@ def test_axes_and_steps(window, tmp_path):
     moved = load(w.save("in_steps.ply"))[0] - points
     steps = moved[np.linalg.norm(moved, axis=1).argmax()] / 0.05 # 20 pixels are 0.08
     assert np.abs(steps).max() > 1 and np.abs(steps - steps.round()).max() < 1e-3
+
+
+def keep_pose(w, name):
+    """By the panel, where the name is typed at once."""
+    kept = w.text().count("The layer keeps the pose")
+    w.click(w.place("keep"))
+    w.wait("The layer keeps the pose", kept + 1)
+    w.do("type", "--delay", 5, name)
+    w.key("Return")
+
+
+def row_of_poses(w, i):
+    x, y, width, _ = w.box("poses")
+    return x, y + 35 + 22 * i, width
+
+
+def show_percent(w, i, percent):
+    x, y, width = row_of_poses(w, i)
+    full = w.text().count("trace: full")
+    w.click((x + width - 40, y), count=2)
+    w.do("type", "--delay", 5, percent)
+    w.key("Return")
+    w.wait("trace: full", full + 1)
+    w.settle()
+
+
+def sequenced(folder, points, faces, tags, poses):
+    """The key frames that meshlabserver makes of a tagged mesh."""
+    folder.mkdir()
+    rest = write_ply(folder.parent / "tube.ply", points, faces, tags)
+    run = Run(folder, rest, sequence_filter(poses))
+    assert run.code == 0, run.log
+    return [run.meshes[f"tubekeyframe{i}"].vertex_matrix() for i in range(len(run.meshes) - 1)]
+
+
+def test_poses_have_names(window, tmp_path):
+    """They are kept, shown, blended, undone, saved and loaded; the filter makes the same of them, to the bit."""
+    points, faces, tags = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.click(w.place("keep"))
+    w.wait("Nothing was moved, so there is no pose to keep.")
+    w.click(w.place("saveposes"))
+    w.wait("There is no pose yet: 'Keep pose' makes one of what is shown.")
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    shapes = {"bent": load(w.save("bent.ply"))[0]}
+    w.key("BackSpace")
+    w.do("mousemove", X + 225, Y)
+    w.key("r", "x", "2", "0", "0", "Return")
+    shapes["turned"] = load(w.save("turned.ply"))[0]
+    keep_pose(w, "turned, far")
+    w.shot("kept")
+    assert np.array_equal(load(w.save("kept.ply"))[0], shapes["turned"]) # is what was shown
+    x, y, _ = row_of_poses(w, 0)
+    w.click((x + 30, y))
+    assert np.array_equal(load(w.save("chosen.ply"))[0], shapes["bent"])
+    show_percent(w, 0, 40)
+    show_percent(w, 1, 75)
+    w.shot("blended")
+    shapes["blend"] = load(w.save("blend.ply"))[0]
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses"))
+    w.wait("Saved the poses as")
+    table = (tmp_path / "poses.csv").read_text()
+    assert table.startswith('time,easing,bent,"turned, far"\nsurface,,') and table.endswith("\n0,smooth,0,0\n1,smooth,100,0\n2,smooth,0,100\n")
+
+    frames = sequenced(tmp_path / "server", points, faces, tags, tmp_path / "poses.csv")
+    assert np.array_equal(frames[0], points) and np.array_equal(frames[1], shapes["bent"])
+    assert np.abs(frames[2] - shapes["turned"]).max() < 1e-3 # it came there from the pose before
+    blend = tmp_path / "blend.csv"
+    blend.write_text(table[:table.index("\n0,smooth")] + "\n0,,40,75\n")
+    assert np.array_equal(sequenced(tmp_path / "server2", points, faces, tags, blend)[0], shapes["blend"])
+
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+z", "ctrl+z")
+    assert np.array_equal(load(w.save("back.ply"))[0], shapes["bent"])
+    x, y, width, height = w.box("weight1")
+    w.do("mousemove", x + 4, y + height // 2, "mousedown", 1)
+    for i in range(1, 6):
+        w.do("mousemove", x + 4 + i * width // 5, y + height // 2)
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    w.shot("slid")
+    assert np.abs(load(w.save("slid.ply"))[0] - shapes["bent"]).max() > 0.1
+    w.key("ctrl+z") # one step
+    assert np.array_equal(load(w.save("before_slid.ply"))[0], shapes["bent"])
+
+    blend.write_text(blend.read_text().replace("2: ", "3: "))
+    answer(w, "loadposes", "Load poses", str(blend))
+    w.wait("Pose 'bent': transforms moves handle 3, but no vertex has tag 3; the only handle is 2.")
+    x, y, width = row_of_poses(w, 0)
+    w.click((x + width - 12, y)) # removes the first one
+    answer(w, "saveposes", "Save poses", str(tmp_path / "one.csv"))
+    w.wait("one.csv.")
+    assert (tmp_path / "one.csv").read_text().endswith("\n0,smooth,0\n1,smooth,100\n")
+    answer(w, "loadposes", "Load poses", str(tmp_path / "poses.csv"))
+    show_percent(w, 0, 40)
+    show_percent(w, 1, 75)
+    assert np.array_equal(load(w.save("loaded.ply"))[0], shapes["blend"])
+
+
+def test_an_animation_is_played(window, tmp_path):
+    """Key frames are made of what is shown, have times and easings, and are played in the view until something else is done."""
+    points, faces, _ = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.click(w.place("play"))
+    w.wait("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.")
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    bent = w.seen()
+    w.click(w.place("frame"))
+    w.wait("What is shown is no pose that has a name: 'Keep pose' makes it one.")
+    keep_pose(w, "bent")
+    show_percent(w, 0, 50)
+    half = load(w.save("half.ply"))[0]
+    w.click(w.place("frame"))
+    x, y, width, _ = w.box("frames")
+    row = lambda i: y + 35 + 22 * i
+    w.click((x + 20, row(0)), count=2)
+    w.do("type", "1") # which is that of the next one
+    w.key("Return")
+    w.wait("Their times must ascend.")
+    w.click((x + width - 12, row(0)), (x + 80, row(0))) # the one at rest goes, and that of the pose is held now
+    w.do("mousemove", X, Y + 200)
+    w.shot("key_frames")
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
+    assert (tmp_path / "poses.csv").read_text().endswith("\n1,hold,100\n2,smooth,50\n")
+
+    frames = lambda: [float(time) for time in re.findall(r"trace: frame: at ([\d.]+) s", w.text())]
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 10)
+    far = lambda: np.mean(abs(w.seen() - bent).max(-1) > 40)
+    still = far()
+    w.shot("playing")
+    w.until("a second time round", lambda: any(a > b for a, b in zip(frames(), frames()[1:])))
+    w.do("mousemove", X, Y + 230, "click", 1) # beside the mesh, which only ends it
+    count = len(frames())
+    assert 0 <= min(frames()) and 0.5 < max(frames()) < 1
+    assert np.array_equal(load(w.save("after.ply"))[0], half) and len(frames()) == count
+    assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
+
+
+@the_dialogs_are_those_of_2020
+def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
+    """What the one keeps with the layer, the other finds there."""
+    points, faces, _ = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    bent = load(w.save("bent.ply"))[0]
+    keep_pose(w, "bent")
+    w.do("mousemove", X, Y + 200)
+    w.key("BackSpace") # the filter poses what it finds, so that is at rest
+    filters = Filters(w)
+    dialog = filters.dialog("FCD: Pose Sequence")
+    filters.apply(dialog)
+    filters.wait_for_log("1 pose, 2 key frames")
+    filters.finish(dialog)
+    filters.back()
+    assert np.array_equal(load(w.save("key_frame.ply"))[0], bent)
+
+    (tmp_path / "other.csv").write_text("time,easing,other\nmotions,,2: translate 0.2 0.3 0\n0,linear,0\n2,,50\n")
+    filters.current_layer(0)
+    dialog = filters.dialog("FCD: Pose Sequence")
+    filters.click(dialog, 440, 233) # of the file with the poses
+    asked = w.wait_for_title("", other_than="FCD: Pose Sequence")
+    w.do("type", "--delay", 5, str(tmp_path / "other.csv"))
+    w.key("Return")
+    w.wait_for_title("FCD", "MeshLab", other_than=asked)
+    filters.apply(dialog)
+    filters.wait_for_log("1 pose, 2 key frames", 2)
+    filters.finish(dialog)
+    filters.current_layer(0)
+    filters.back()
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    w.shot("found")
+    answer(w, "saveposes", "Save poses", str(tmp_path / "found.csv"))
+    rows = (tmp_path / "found.csv").read_text().splitlines()
+    assert rows[0] == "time,easing,other" and rows[2:] == ["motions,,2: translate 0.2 0.3 0", "0,linear,0", "2,linear,50"]
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+z") # those that the tool had
+    answer(w, "saveposes", "Save poses", str(tmp_path / "back.csv"))
+    assert (tmp_path / "back.csv").read_text().startswith("time,easing,bent\n")

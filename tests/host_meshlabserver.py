@@ -116,12 +116,14 @@ def straighten_filter(layer, line_file, to=1, angle=90, straightened_quality=1):
             choice("straightened_quality", straightened_quality, 2) + "</filter>")
 
 
-def sequence_filter(poses_file, folder, frame_layers=1, gltf_shapes=0):
+def sequence_filter(poses_file, folder=None, frame_layers=1, gltf_shapes=0):
+    """Writes files to a folder, or none."""
+    file = lambda name: folder / name if folder else ""
     return ('<filter name="FCD: Pose Sequence">' + parameter("OpenFile", "poses_file", value=poses_file, exts_cardinality=1, exts_val0="*.csv") +
             parameter("Float", "frames_per_second", value=4) + choice("frame_layers", frame_layers, 3) +
-            parameter("SaveFile", "gltf_file", value=folder / "bone.glb", ext="*.glb") + choice("gltf_shapes", gltf_shapes, 2) +
-            parameter("SaveFile", "pc2_file", value=folder / "bone.pc2", ext="*.pc2") +
-            parameter("SaveFile", "save_poses_file", value=folder / "again.csv", ext="*.csv") +
+            parameter("SaveFile", "gltf_file", value=file("bone.glb"), ext="*.glb") + choice("gltf_shapes", gltf_shapes, 2) +
+            parameter("SaveFile", "pc2_file", value=file("bone.pc2"), ext="*.pc2") +
+            parameter("SaveFile", "save_poses_file", value=file("again.csv"), ext="*.csv") +
             parameter("Int", "initial_patches", value=300) + parameter("Float", "smoothness", value=0.0058) +
             parameter("Int", "random_seed", value=1) + choice("handles", 0, 4) + parameter("String", "tag_attribute", value="fcd_tag") +
             parameter("OpenFile", "tag_file", value="", exts_cardinality=1, exts_val0="*.sel") + "</filter>")

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYER_TOOL_H
+#define FCD_LAYER_TOOL_H
+
+#include <layer_fcd/edit_host.h> // before Qt
+
+#include "bend_display.h"
+#include "layer_overlay.h"
+
+#include <functional>
+#include <memory>
+
+#include <QDockWidget>
+#include <QPointer>
+
+/// A tool with a panel that works on the current layer of a view: how it begins and ends there.
+class LayerTool : public HostEditTool {
+    Q_OBJECT
+
+  public:
+    explicit LayerTool(QAction *action) : action(action) {}
+    void end() override { close(); }
+
+  protected:
+    /// What was begun is taken back or kept, as the tool has it, and leaveView() called.
+    virtual void close() = 0;
+    virtual void showVertices(bool full) = 0;
+
+    /// The tool gets what happens to the view, and ends with it.
+    void enterView();
+    /// \param panel goes; may be null
+    void leaveView(QDockWidget *panel);
+    void enterLayer(MeshModel &newModel);
+    /// Calls \p apply, which adds layers, and ends. \param goesOn with the new layer
+    void applyToNewLayer(const std::function<void()> &apply, bool goesOn);
+
+    QAction *action;
+    QPointer<GLArea> view;
+    int layerId = -1;
+    MeshModel *model = nullptr; ///< of the session; may be gone
+    std::unique_ptr<BendDisplay> display;
+    std::unique_ptr<LayerOverlay> overlay;
+    bool isEnding = false; ///< done, and about to be told so
+};
+
+#endif
