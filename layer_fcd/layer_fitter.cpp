@@ -13,7 +13,6 @@
 #include "results.h"
 #include "tag_sources.h"
 
-#include <algorithm>
 #include <memory>
 
 using vcg::fcd::Deformer;

@@ -40,8 +40,9 @@ FitGaps::FitGaps(const Deformer &deformer, const FitMatches &matches, const FitS
         share[j] = all[j] > 0 ? share[j] / all[j] : 0;
     for (int i = 0; i < 2 * widest + margin; ++i)
         share = Beside(graph.adjacency, share, i >= widest);
-    for (double each : share) // from none to a half
-        gap.push_back(std::clamp(2 * (1 - each), 0.0, 1.0));
+    gap = share;
+    for (double &each : gap) // from none to a half
+        each = std::clamp(2 * (1 - each), 0.0, 1.0);
     for (std::size_t s = 0; s < samples.Size(); ++s)
         if (matches.Counts(s) &&
             std::any_of(samples.term.begin() + samples.begin[s], samples.term.begin() + samples.begin[s + 1],
@@ -50,9 +51,9 @@ FitGaps::FitGaps(const Deformer &deformer, const FitMatches &matches, const FitS
 }
 
 std::vector<double> FitGaps::Stiffness(double soft, double stiff) const {
-    std::vector<double> result;
-    for (double each : gap)
-        result.push_back(soft * detail::Power(stiff / soft, each));
+    std::vector<double> result = gap;
+    for (double &each : result)
+        each = soft * detail::Power(stiff / soft, each);
     return result;
 }
 
