@@ -2,7 +2,10 @@
 """fit and Fitter: one surface laid onto another, without MeshLab."""
 import concurrent.futures
 import dataclasses
+import subprocess
+import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -232,3 +235,19 @@ def test_what_cannot_be_taken(target, given, message):
 def test_landmarks_are_a_pair(fitter, landmarks):
     with pytest.raises(TypeError, match="landmarks must be a pair"):
         fitter.fit(TARGET, TARGET_FACES, landmarks=landmarks)
+
+
+def test_the_example_lays_a_template_onto_a_scan(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+
+    def there(points):
+        return 1.2 * points[:, [1, 2, 0]] + [3, -2, 1]  # a third of a turn, and larger
+    trimesh.Trimesh(VERTICES, FACES, process=False).export(tmp_path / "template.ply")
+    trimesh.PointCloud(there(TARGET)).export(tmp_path / "scan.ply")
+    np.savetxt(tmp_path / "landmarks.csv", np.hstack([VERTICES[CHOSEN], there(TRUTH[CHOSEN])]), delimiter=",", header="template, scan")
+    example = Path(__file__).resolve().parents[2] / "examples" / "fit_template.py"
+    done = subprocess.run([sys.executable, str(example), "template.ply", "scan.ply", "landmarks.csv", "fitted.ply"], cwd=tmp_path, text=True,
+                          capture_output=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("100 % have a counterpart")
+    assert rms(trimesh.load(tmp_path / "fitted.ply", process=False).vertices, there(TRUTH)) < 0.5 * 1.2

@@ -119,10 +119,10 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         own.bottomLeftCorner<3, 3>() -= mu * ax;
         own.bottomRightCorner<3, 3>() += 2 * mu * one;
         const double bend = mu * smoothness * area;
-        own.topLeftCorner<3, 3>() += 2 * bend * one;
         Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
         for (int d = 0; d < 3; ++d) {
             gradient.head<3>() -= bend * ri.col(d).cross(rj.col(d));
+            own.topLeftCorner<3, 3>() += bend * (ri.col(d).squaredNorm() * one - ri.col(d) * ri.col(d).transpose());
             turns += ri.col(d).dot(rj.col(d)) * one - rj.col(d) * ri.col(d).transpose();
         }
         const Index column = unknown[std::size_t(j)];
