@@ -201,7 +201,7 @@ void FitSession::follow(bool full) {
         return;
     }
     vcg::fcd::FitReport report;
-    const vcg::fcd::Deformer::Pose pose = followLandmarks(*followFitter, given, report);
+    const vcg::fcd::Deformer::Pose pose = followFitter->Follow(given, report);
     Prepared prepared;
     prepared.deformer = std::shared_ptr<const vcg::fcd::Deformer>(followFitter, &followFitter->Surface());
     rest.leave();

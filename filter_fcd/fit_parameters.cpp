@@ -85,8 +85,9 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                           "How many places of the surface are matched, evenly spread. <b>Raising it</b> takes longer, "
                           "and helps where there are many patches.");
     addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
-                          "The surface gets softer from step to step, over so many. <b>Raise it</b> where it has far "
-                          "to go, or when the log says that it did not come to rest.");
+                          "The surface gets softer from step to step, over so many at most, and the sooner the less it "
+                          "moves. <b>Raise it</b> where it has far to go, or when the log says that it did not come to "
+                          "rest.");
     addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(
         list, Shown::Always, "fit_quality", int(param.quality),

@@ -13,8 +13,6 @@
 #include "results.h"
 #include "tag_sources.h"
 
-#include <algorithm>
-#include <limits>
 #include <memory>
 
 using vcg::fcd::Deformer;
@@ -51,15 +49,6 @@ std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest,
     return landmarks;
 }
 
-/// How a fit is asked for in which the landmarks count alone: nothing is near enough to be matched. There is nothing to
-/// be matched step by step, then, and the surface comes to rest in far fewer steps.
-vcg::fcd::FitParam landmarksAlone(vcg::fcd::FitParam fit) {
-    fit.largestDistance = std::numeric_limits<double>::min();
-    fit.samples = 100;
-    fit.fitSteps = std::min(fit.fitSteps, 20);
-    return fit;
-}
-
 } // namespace
 
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
@@ -69,7 +58,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           if (!rest)
               fit.fit.linear = hasDirections(layer);
           if (fit.landmarksOnly)
-              fit.fit = landmarksAlone(fit.fit);
+              fit.fit = fit.fit.LandmarksAlone();
           return fit;
       }()),
       name(inQuotes(layer)) {
@@ -116,7 +105,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
 
     std::shared_ptr<const vcg::fcd::FitTarget> target;
     if (param.landmarksOnly) {
-        result.pose = followLandmarks(*fitted.fitter, landmarks, fitted.report, progress.Slice(0.4, 0.8));
+        result.pose = fitted.fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, 0.8));
     } else {
         target = fitted.fitter->Prepare(goal, progress.Slice(0.4, 0.5));
         result.pose = fitted.fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
@@ -134,19 +123,6 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
         fitted.fitter->Compare(*target, fitted.report, result.position, fitted.distance, fitted.matched,
                                progress.Slice(0.85, 1));
     return fitted;
-}
-
-Deformer::Pose followLandmarks(const Fitter &fitter, const std::vector<Landmark> &landmarks,
-                               vcg::fcd::FitReport &report, const Progress &progress) {
-    std::vector<double> place;
-    for (const Landmark &each : landmarks)
-        place.insert(place.end(), each.target.data(), each.target.data() + 3);
-    FitGoal goal; // no place of the surface is near enough to these to be matched
-    goal.surface.position = place.data();
-    goal.surface.vertexSlots = landmarks.size();
-    goal.surface.isCloud = true;
-    goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
-    return fitter.Solve(*fitter.Prepare(goal), landmarks, report, progress);
 }
 
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,

@@ -51,12 +51,6 @@ class LayerFit {
     vcg::fcd::FitGoal goal;
 };
 
-/// The pose in which a surface follows its landmarks, and nothing else: as a fit with FitMeshParam::landmarksOnly has
-/// it. \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
-vcg::fcd::Deformer::Pose followLandmarks(const vcg::fcd::Fitter &fitter,
-                                         const std::vector<vcg::fcd::Landmark> &landmarks, vcg::fcd::FitReport &report,
-                                         const vcg::fcd::Progress &progress = {});
-
 /// What FCD: Fit to Layer did.
 struct FittedLayers : FittedSurface {
     std::vector<MeshModel *> layers; ///< that are new, the fitted one last
@@ -71,8 +65,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
 /// Adds the layers of a fit. \pre \p layer has the shape that was fitted \return them, the fitted one last, which is
 /// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
-                                   const FitMeshParam &param, const Remark &remark,
-                                   const vcg::fcd::Progress &progress);
+                                   const FitMeshParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
 
 /// Gives \p layer the shape of a fit, to the bit that of the layer that addFitted adds; the one that it has becomes its
 /// rest shape. \pre it has the shape that was fitted

@@ -35,7 +35,7 @@ FitParam fitParamOf(const nb::dict &given) {
     param.smoothness = nb::cast<double>(given["smoothness"]);
     param.samples = nb::cast<int>(given["samples"]);
     param.fitSteps = nb::cast<int>(given["steps"]);
-    return param;
+    return nb::cast<bool>(given["landmarks_only"]) ? param.LandmarksAlone() : param;
 }
 
 /// Of rows that outlive it; empty without any.
@@ -74,22 +74,31 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
 
 nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places,
                        const nb::object &report) const {
-    const auto vertices = nb::cast<Rows>(given["vertices"]);
-    const auto faces = nb::cast<std::optional<Corners>>(given["faces"]);
-    const auto normals = nb::cast<std::optional<Rows>>(given["normals"]);
+    const bool isAlone = given.empty();
+    std::optional<Rows> vertices, normals;
+    std::optional<Corners> faces;
     FitGoal goal;
-    goal.surface.position = vertices.data();
-    goal.surface.vertexSlots = vertices.shape(0);
-    if (faces) {
-        goal.surface.corner = faces->data();
-        goal.surface.faces = faces->shape(0);
+    if (!isAlone) {
+        vertices = nb::cast<Rows>(given["vertices"]);
+        faces = nb::cast<std::optional<Corners>>(given["faces"]);
+        normals = nb::cast<std::optional<Rows>>(given["normals"]);
+        goal.surface.position = vertices->data();
+        goal.surface.vertexSlots = vertices->shape(0);
+        if (faces) {
+            goal.surface.corner = faces->data();
+            goal.surface.faces = faces->shape(0);
+        }
+        goal.surface.isCloud = goal.surface.faces == 0;
+        goal.normal = normalsOf(normals);
     }
-    goal.surface.isCloud = goal.surface.faces == 0;
-    goal.normal = normalsOf(normals);
     FitReport found;
     vcg::fcd::SurfacePose pose;
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        if (isAlone) {
+            pose = fitter->Follow(landmarksOf(points, places), found, progress);
+            return;
+        }
         goal.surface.Validate(progress.Slice(0, 0.02));
         const auto target = fitter->Prepare(goal, progress.Slice(0.02, 0.3));
         pose = fitter->Solve(*target, landmarksOf(points, places), found, progress.Slice(0.3, 1));

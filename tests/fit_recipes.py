@@ -143,6 +143,35 @@ def armadillo_half_cgal():
 
 
 @pair("training")
+def igea_half():
+    """a head of 10 k, bent all over; nothing left of half of it"""
+    source = simplified(loaded("scans/igea_134k.ply.xz"), 10000)
+    truth = bent(9, 0.5, base=source[0])(source[0])
+    return against(source, truth, beyond=lambda p: p[:, 0] - np.median(truth[:, 0]))
+
+
+@pair("training")
+def bunny_half():
+    """a bunny of 12 k, bent all over; nothing left of half of it"""
+    points, faces = loaded("dirty/bunny_zipper_isolated_36k.ply")
+    used, faces = np.unique(faces, return_inverse=True)
+    source = simplified((points[used], faces.reshape(-1, 3).astype(np.int32)), 12000)
+    truth = bent(10, 0.5, base=source[0])(source[0])
+    return against(source, truth, beyond=lambda p: np.median(truth[:, 2]) - p[:, 2])
+
+
+@pair("training")
+def bunny_half_cgal():
+    """a bunny of 12 k, its head bent by CGAL; nothing left below, which stays where it is"""
+    points, faces = loaded("dirty/bunny_zipper_isolated_36k.ply")
+    used, faces = np.unique(faces, return_inverse=True)
+    source = simplified((points[used], faces.reshape(-1, 3).astype(np.int32)), 12000)
+    truth = swung(*source, 0.55, 0.8, [0, 0.3, 1], 15)
+    middle = source[0][:, 1].min() + 0.45 * np.ptp(source[0][:, 1])
+    return against(source, truth, beyond=lambda p: p[:, 1] - middle)
+
+
+@pair("training")
 def armadillo_landmarks():
     """an armadillo of 11 k, bent by CGAL as far as it goes; 8 landmarks"""
     source = simplified(loaded("scans/armadillo_43k.ply"), 11000)

@@ -49,12 +49,15 @@ struct FitParam : DeformationParam {
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
-    int fitSteps = 50;                   ///< from stiff to soft, >= 2
+    int fitSteps = 50;                   ///< from stiff to soft at most, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
     int samples = 6000;                  ///< places of the source that are matched, >= 100
     bool bothWays = false;               ///< places of the target that none of the source is near draw the nearest one
     double landmarkTolerance = 0;        ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
 
+    /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Nothing has to be matched
+    /// step by step then, and the surface comes to rest in far fewer steps.
+    FitParam LandmarksAlone() const;
     /// \throw BadInput naming the value that is out of range
     void ValidateFit() const;
 };
@@ -74,7 +77,8 @@ struct FitReport {
     double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     int steps = 0;
-    bool converged = false; ///< the last step moved no node by more than a thousandth of the diagonal
+    bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,
+                            ///< or further ones would, all together
 };
 
 /// A surface that is prepared to be fitted, with its regions: fixed vertices stay, handles move as they are told.
@@ -95,6 +99,11 @@ class Fitter {
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 
+    /// The pose in which it follows its landmarks as rigidly as possible, and nothing else.
+    /// \pre made with FitParam::LandmarksAlone \throw BadInput, Unsolvable, Cancelled as Solve
+    Deformer::Pose Follow(const std::vector<Landmark> &landmark, FitReport &report,
+                          const Progress &progress = {}) const;
+
     /// The distance of each vertex slot from the target, world units, and whether it lies on it, as \p report of the
     /// fit tells; 0 and false for deleted ones. \param position 3 x slots, mesh units \throw Cancelled
     void Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
@@ -109,7 +118,6 @@ class Fitter {
 
   private:
     Eigen::Affine3d ToFrame(const Eigen::Affine3d &world) const;
-    std::vector<double> StiffnessOf(const FitMatches &matches, const FitSamples &samples, double soft) const;
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
                           const std::vector<Eigen::Vector3d> &place, unsigned threads) const;
     void Measure(const FitMatches &matches, FitReport &report) const;

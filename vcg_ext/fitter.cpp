@@ -2,6 +2,7 @@
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
@@ -42,20 +43,16 @@ bool IsInParts(const Deformer &deformer) {
 constexpr double stiffest = 1e-2, softest = 1e-6;
 // The last steps, of all: it has arrived, and is as soft as it gets.
 constexpr double lastSteps = 0.2;
-// What has no counterpart is carried along if it is wider than this many nodes; what is narrower, as a hole is, bends
-// as what is on both sides of it does. One more node of what has a counterpart is as stiff, so that it leads by all of
-// its patch. Chosen on the half armadillos and the heads with holes (tests/fit_recipes.py): of gaps of 0, 1 and 2, 0
-// spoils the holes, and 1 and 2 are the same.
-constexpr int widestGap = 2, margin = 1;
-
-/// The greatest, or with less = true the least, that each node and those beside it have.
-std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &value, bool less) {
-    std::vector<double> result = value;
-    for (std::size_t j = 0; j < value.size(); ++j)
-        for (Index i : adjacency[Index(j)])
-            result[j] = less ? std::min(result[j], value[std::size_t(i)]) : std::max(result[j], value[std::size_t(i)]);
-    return result;
-}
+// It is at rest when this is left to move, of the diagonal, root mean square: a tenth of what fits of clean scans are
+// off by; or when a step moves it by no more: a smooth shape may slide along itself for hundreds of steps.
+constexpr double rest = 1e-4;
+// It gets softer by a step's share, and up to so many times that, the less it moves: what moves by more than that, of
+// the diagonal, is still on its way, and so to be found by what is stiff.
+constexpr double hurry = 2, onItsWay = 1e-3;
+// A gap may be as stiff as leaves what lies around it no farther from the target than this often what it is without
+// (Morozov's discrepancy principle): its own noise, and hardly more.
+constexpr double mostMisfit = 1.2;
+constexpr int gapSteps = 6;
 
 } // namespace
 
@@ -64,6 +61,14 @@ FitParam::FitParam() {
     influence = 3;
     graph.initialPatches = 150; // the data say where it bends; twice as many fit no better and take four times as long
     bendsUnheld = true;
+}
+
+FitParam FitParam::LandmarksAlone() const {
+    FitParam alone = *this;
+    alone.largestDistance = std::numeric_limits<double>::min();
+    alone.samples = 100;
+    alone.fitSteps = std::min(fitSteps, 20);
+    return alone;
 }
 
 void FitParam::ValidateFit() const {
@@ -109,30 +114,6 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
     return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress);
-}
-
-/// Of each node of the graph in the last steps: what has no counterpart, as far as it is no small gap, is as stiff as
-/// the fit began.
-std::vector<double> Fitter::StiffnessOf(const FitMatches &matches, const FitSamples &samples, double soft) const {
-    const Graph &graph = deformer->graph.graph;
-    std::vector<double> all(std::size_t(graph.Size()), 0), share = all;
-    bool isMatched = false;
-    for (std::size_t s = 0; s < samples.Size(); ++s) {
-        isMatched = isMatched || matches.Counts(s);
-        for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
-            all[std::size_t(samples.term[t].node)] += samples.term[t].weight;
-            share[std::size_t(samples.term[t].node)] += matches.Counts(s) ? samples.term[t].weight : 0;
-        }
-    }
-    if (!isMatched) // landmarks alone
-        return std::vector<double>(all.size(), soft);
-    for (std::size_t j = 0; j < all.size(); ++j)
-        share[j] = all[j] > 0 ? share[j] / all[j] : 0;
-    for (int i = 0; i < 2 * widestGap + margin; ++i)
-        share = Beside(graph.adjacency, share, i >= widestGap);
-    for (double &each : share) // from none to a half
-        each = soft * detail::Power(std::max(stiffest / soft, 1.0), std::clamp(2 * (1 - each), 0.0, 1.0));
-    return share;
 }
 
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
@@ -185,10 +166,9 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
                         param.bothWays});
     const double tolerance = param.landmarkTolerance / frame.scale;
     std::vector<FitSystem::Pull> pull(drawn.Size());
-    for (int step = 0; step < param.fitSteps; ++step) {
-        const double a = std::min(1.0, step / ((1 - lastSteps) * (param.fitSteps - 1)));
-        progress.Slice(0.05, 1)(double(step) / param.fitSteps, "Fitting");
-        matches.Find(graph, a, progress.threads, pull);
+    // One step. Root mean square of the nodes' moves.
+    const auto move = [&](double part, const std::vector<double> &stiffness) {
+        matches.Find(graph, part, progress.threads, pull);
         for (std::size_t s = matched; s < drawn.Size(); ++s) {
             const Eigen::Vector3d x = drawn.At(s, graph);
             const Eigen::Vector3d off = x - Within(tolerance, place[s - matched], x);
@@ -199,17 +179,39 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
                 weight * (tolerance > 0 ? Eigen::Matrix3d(way * way.transpose()) : Eigen::Matrix3d::Identity());
             pull[s].gradient = weight * off;
         }
-        const double stiffness = stiffest * detail::Power(softest * param.stiffness / stiffest, a);
-        const auto change = system.Step(graph, pull,
-                                        a < 1 ? std::vector<double>(isFree.size(), stiffness)
-                                              : StiffnessOf(matches, samples, stiffness),
-                                        progress.threads);
+        const auto change = system.Step(graph, pull, stiffness, progress.threads);
         for (Index j = 0; j < deformer->graph.Size(); ++j) {
             graph.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];
             graph.position.col(j) += change.col(j).tail<3>();
         }
+        return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
+    };
+    const double soft = softest * param.stiffness, pace = 1 / ((1 - lastSteps) * (param.fitSteps - 1));
+    double part = 0, last = 0; // how far from stiff to soft; the move before
+    for (int step = 0; step < param.fitSteps && !report.converged; ++step) {
+        progress.Slice(0.05, 0.9)(double(step) / param.fitSteps, "Fitting");
+        const double moved =
+            move(part, std::vector<double>(isFree.size(), stiffest * detail::Power(soft / stiffest, part)));
         report.steps = step + 1;
-        report.converged = change.bottomRows<3>().colwise().norm().maxCoeff() < 1e-3;
+        // As a geometric series, the moves that are left add up to moved^2 / (last - moved).
+        report.converged = part >= 1 && (moved <= rest || moved * moved <= rest * (last - moved));
+        last = moved;
+        part = std::min(1.0, part + pace * std::clamp(onItsWay / std::max(moved, 1e-12), 1.0, hurry));
+    }
+    matches.Find(graph, 1, progress.threads, pull); // where it is now
+    const FitGaps gaps(*deformer, matches, samples);
+    const double bearable = std::max(mostMisfit * gaps.Misfit(matches), FitMatches::least);
+    const GraphPose without = graph;
+    bool isStiff = !gaps.Any();
+    for (double stiff = stiffest; !isStiff; stiff /= 10) {
+        graph = without;
+        if (stiff > 2 * soft) { // else it stays as it is
+            const std::vector<double> stiffness = gaps.Stiffness(soft, stiff);
+            for (int step = 0; step < gapSteps && move(1, stiffness) > rest / 10; ++step)
+                progress(0.95, "Fitting");
+        }
+        matches.Find(graph, 1, progress.threads, pull);
+        isStiff = stiff <= 2 * soft || gaps.Misfit(matches) <= bearable;
     }
     report.insideOut = matches.IsInsideOut();
     std::vector<Eigen::Vector3d> goal = place;
@@ -227,6 +229,19 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     report.beyond = std::max(report.landmarks - param.landmarkTolerance, 0.0);
     progress(1, "Fitting");
     return pose;
+}
+
+Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &report,
+                              const Progress &progress) const {
+    std::vector<double> place;
+    for (const Landmark &each : landmark)
+        place.insert(place.end(), each.target.data(), each.target.data() + 3);
+    FitGoal goal; // no place of the surface is near enough to these to be matched
+    goal.surface.position = place.data();
+    goal.surface.vertexSlots = landmark.size();
+    goal.surface.isCloud = true;
+    goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
+    return Solve(*Prepare(goal), landmark, report, progress);
 }
 
 Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,

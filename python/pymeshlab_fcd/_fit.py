@@ -58,7 +58,7 @@ class Fitted(Pose):
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
         info, told = self._core.info(), dict(self._report)
-        del told["diagonal"], told["beyond"]
+        del told["diagonal"], told["beyond"], told["alone"]
         return FitInfo(nodes=info["nodes"], iterations=info["iterations"], converged=info["converged"], energy=math.nan,
                        discretisation_error=math.nan, folded=self._check()["folded"], strained=self._check()["strained"],
                        largest_stretch=float(self.stretch().max(initial=1)), seconds=info["seconds_solve"] + info["seconds_map"], **told)
@@ -66,7 +66,7 @@ class Fitted(Pose):
     def _words(self, folded: int) -> list[str]:
         """What is not to be trusted, in words."""
         told, texts = self._report, []
-        if told["matched"] < 0.3:  # then most of the shape is a guess
+        if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
             texts.append(f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay the surfaces "
                          "onto each other first, give landmarks, or raise largest_distance or largest_angle.")
         if folded > 0:
@@ -98,6 +98,7 @@ class Fitter:
         stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
         largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
         largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+        landmarks_only: The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
         both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
             reached. Not where the target has parts that the surface lacks.
         landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
@@ -105,7 +106,7 @@ class Fitter:
         smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
         seed: Chooses where the first patches are.
         samples: How many places of the surface are matched, from 100.
-        steps: The surface gets softer over so many, 2 to 10000.
+        steps: The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
         threads: How many to use; 0 is one a core.
         progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -130,6 +131,7 @@ class Fitter:
         stiffness: float = 1.0,
         largest_distance: float = 0.0,
         largest_angle: float = 70.0,
+        landmarks_only: bool = False,
         both_ways: bool = False,
         landmark_tolerance: float = 0.0,
         patches: int = 150,
@@ -144,10 +146,13 @@ class Fitter:
             "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.single("stiffness", stiffness),
             "largest_distance": _inputs.single("largest_distance", largest_distance),
             "largest_angle": _inputs.single("largest_angle", largest_angle), "both_ways": _inputs.flag("both_ways", both_ways),
-            "landmark_tolerance": _inputs.single("landmark_tolerance", landmark_tolerance), "patches": _inputs.whole("patches", patches, 1),
+            "landmark_tolerance": _inputs.single("landmark_tolerance", landmark_tolerance),
+            "landmarks_only": _inputs.flag("landmarks_only", landmarks_only), "patches": _inputs.whole("patches", patches, 1),
             "smoothness": _inputs.single("smoothness", smoothness), "seed": _inputs.whole("seed", seed, 0),
             "samples": _inputs.whole("samples", samples, 0), "steps": _inputs.whole("steps", steps, 0),
         }
+
+        self._alone: bool = param["landmarks_only"]
 
         def prepare(positions: Points, corners: NDArray[np.uint32] | None, directions: Points | None) -> _core.Prepared:
             n = len(positions)
@@ -162,7 +167,7 @@ class Fitter:
 
     def fit(
         self,
-        target_vertices: ArrayLike | object,
+        target_vertices: ArrayLike | object | None,
         target_faces: ArrayLike | None = None,
         *,
         landmarks: Sequence[ArrayLike] | None = None,
@@ -172,7 +177,7 @@ class Fitter:
         """Lays the surface onto another one, from rest.
 
         Args:
-            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed.
+            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
             target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
             landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
                 and the points of the target where they belong. These are exact, or within `landmark_tolerance`.
@@ -196,14 +201,13 @@ class Fitter:
 
     def _fit(self, target: object, faces: ArrayLike | None, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
              told: Progress, level: int) -> Fitted:
-        _, positions, corners = _surface(target, faces, "target_")
-        if len(positions) == 0:
-            raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
-        goal = {"vertices": _finite("target_vertices", positions), "faces": corners,
-                "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
         points, places = self._pairs(landmarks)
+        if self._alone and len(points) == 0:
+            raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
+        goal = {} if self._alone else self._goal(target, faces, normals)
         solved, found = self._fitting.fit(goal, points, places, report(told, 0, 70))
-        if found["matched"] == 0:
+        found["alone"] = self._alone
+        if found["matched"] == 0 and not self._alone:
             raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, or raise "
                              "largest_distance or largest_angle")
         made = Fitted(self.deformer, solved, np.empty_like(self.deformer.vertices))
@@ -213,6 +217,13 @@ class Fitter:
         for text in made._words(made._check(report(told, 90, 100))["folded"]):
             warnings.warn(text, DeformationWarning, level)
         return made
+
+    def _goal(self, target: object, faces: ArrayLike | None, normals: ArrayLike | None) -> dict[str, Any]:
+        positions, corners = (np.zeros((0, 3)), None) if target is None else _surface(target, faces, "target_")[1:]
+        if len(positions) == 0:
+            raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
+        return {"vertices": _finite("target_vertices", positions), "faces": corners,
+                "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
         """Numbers of vertices, and where they belong."""
@@ -237,7 +248,7 @@ class Fitter:
 def fit(
     vertices: ArrayLike | object,
     faces: ArrayLike | None,
-    target_vertices: ArrayLike | object,
+    target_vertices: ArrayLike | object | None,
     target_faces: ArrayLike | None = None,
     *,
     landmarks: Sequence[ArrayLike] | None = None,
@@ -249,6 +260,7 @@ def fit(
     stiffness: float = 1.0,
     largest_distance: float = 0.0,
     largest_angle: float = 70.0,
+    landmarks_only: bool = False,
     both_ways: bool = False,
     landmark_tolerance: float = 0.0,
     patches: int = 150,
@@ -277,13 +289,14 @@ def fit(
         stiffness: 1 is the default, 10 is stiff.
         largest_distance: What is farther from the target has no counterpart there. 0: no limit.
         largest_angle: Of the normals of counterparts, in degrees.
+        landmarks_only: The surface follows its landmarks alone; `target_vertices` may be None.
         both_ways: The target draws the surface where nothing of it is near, too.
         landmark_tolerance: So far a landmark may stay from where it belongs. 0: it is exact.
         patches: How many patches to begin with.
         smoothness: 0.001 is loose, 0.1 is stiff.
         seed: Chooses where the first patches are.
         samples: How many places are matched.
-        steps: From stiff to soft.
+        steps: From stiff to soft, at most.
         threads: How many to use; 0 is one a core.
         progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -302,6 +315,6 @@ def fit(
     """
     told = shared(progress)
     fitter = Fitter(vertices, faces, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
-                    largest_angle=largest_angle, both_ways=both_ways, landmark_tolerance=landmark_tolerance, patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps,
-                    threads=threads, progress=report(told, 0, 40))
+                    largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
+                    patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
     return fitter._fit(target_vertices, target_faces, landmarks, target_normals, report(told, 40, 100), 3)

@@ -2,7 +2,10 @@
 """fit and Fitter: one surface laid onto another, without MeshLab."""
 import concurrent.futures
 import dataclasses
+import subprocess
+import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -62,7 +65,7 @@ def test_it_comes_near_the_truth(laid):
     assert isinstance(laid, Fitted) and isinstance(laid, Pose) and isinstance(laid.info, FitInfo)
     assert rms(laid.vertices, TRUTH) < 0.6 < 5 < rms(VERTICES, TRUTH)
     info = laid.info
-    assert info.matched > 0.9 and info.converged and info.folded == 0 and info.steps == info.iterations == QUICK["steps"]
+    assert info.matched > 0.9 and info.converged and info.folded == 0 and info.steps == info.iterations <= QUICK["steps"]
     assert 0 < info.median <= info.percentile_95 < 0.01 * DIAGONAL and 0 < info.rms < 0.004 * DIAGONAL
     assert info.landmarks == 0 and info.landmark_residual == info.landmark_pull == 0
     assert info.nodes == laid.deformer.info.nodes >= QUICK["patches"] and 1 < info.largest_stretch < 1.5 and info.seconds > 0
@@ -162,16 +165,36 @@ def test_meshes_of_other_libraries(laid):
         fit(mesh, None, target, TARGET_FACES)
 
 
-def test_the_same_bits_as_the_filter():
+def test_landmarks_alone():
+    places = VERTICES[CHOSEN] + [0.3, 0, 0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        led = fit(VERTICES, FACES, None, landmarks=(CHOSEN, places), landmarks_only=True, **QUICK)
+    assert rms(led.vertices, VERTICES + [0.3, 0, 0]) < 1e-3 and same(led.vertices[CHOSEN], places)
+    assert led.info.matched == 0 and led.info.landmarks == len(CHOSEN)
+    # A target changes nothing; without landmarks there is nothing to follow, and without landmarks_only, a target is needed.
+    assert same(fit(VERTICES, FACES, TARGET, landmarks=(CHOSEN, places), landmarks_only=True, **QUICK).vertices, led.vertices)
+    with pytest.raises(ValueError, match="there are no landmarks that the surface could follow"):
+        fit(VERTICES, FACES, None, landmarks_only=True, **QUICK)
+    with pytest.raises(ValueError, match="the target has no vertices"):
+        fit(VERTICES, FACES, None, landmarks=(CHOSEN, places), **QUICK)
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_the_same_bits_as_the_filter(tmp_path, alone):
     pymeshlab = pytest.importorskip("pymeshlab")
     if pymeshlab_fcd._meshlab.missing:
         pytest.skip(pymeshlab_fcd._meshlab.missing)
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(TARGET, TARGET_FACES))
     ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))
+    given, file = {}, ""
+    if alone:
+        given, file = {"landmarks": (CHOSEN, TRUTH[CHOSEN]), "landmarks_only": True}, str(tmp_path / "landmarks.csv")
+        np.savetxt(file, np.column_stack([CHOSEN, TRUTH[CHOSEN]]), ["%d"] + ["%.17g"] * 3)
     ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"],
-                    samples=QUICK["samples"], fit_steps=QUICK["steps"])
-    assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
+                    samples=QUICK["samples"], fit_steps=QUICK["steps"], landmarks_file=file, landmarks_only=alone)
+    assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **given, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
 
 
 FIXED = np.where(VERTICES[:, 2] < 0.3, 0, 1)
@@ -212,3 +235,19 @@ def test_what_cannot_be_taken(target, given, message):
 def test_landmarks_are_a_pair(fitter, landmarks):
     with pytest.raises(TypeError, match="landmarks must be a pair"):
         fitter.fit(TARGET, TARGET_FACES, landmarks=landmarks)
+
+
+def test_the_example_lays_a_template_onto_a_scan(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+
+    def there(points):
+        return 1.2 * points[:, [1, 2, 0]] + [3, -2, 1]  # a third of a turn, and larger
+    trimesh.Trimesh(VERTICES, FACES, process=False).export(tmp_path / "template.ply")
+    trimesh.PointCloud(there(TARGET)).export(tmp_path / "scan.ply")
+    np.savetxt(tmp_path / "landmarks.csv", np.hstack([VERTICES[CHOSEN], there(TRUTH[CHOSEN])]), delimiter=",", header="template, scan")
+    example = Path(__file__).resolve().parents[2] / "examples" / "fit_template.py"
+    done = subprocess.run([sys.executable, str(example), "template.ply", "scan.ply", "landmarks.csv", "fitted.ply"], cwd=tmp_path, text=True,
+                          capture_output=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("100 % have a counterpart")
+    assert rms(trimesh.load(tmp_path / "fitted.ply", process=False).vertices, there(TRUTH)) < 0.5 * 1.2

@@ -212,6 +212,18 @@ TEST(Fit, WhatHasNoCounterpartIsStiff) {
     EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
 }
 
+// Half of the target is not there, and the source has bent there, too: being carried along stiffly, that must not hold
+// back what is on the target.
+TEST(Fit, WhatHasNoCounterpartHoldsNothingBack) {
+    Shape half = Grid(29, 33);
+    const double curvature = 0.15;
+    for (Vector3d &p : half.position)
+        p = Rolled(Bumpy(p[0] * 10 / 56, p[1] * 6 / 32), curvature);
+    const Fitted fitted = Fit(source, half);
+    EXPECT_LT(Rms(fitted, Rolled(source, curvature), [](std::size_t i) { return source.position[i][0] < 4.8; }),
+              0.0024);
+}
+
 // A thin tongue that is shorter than that of the target: nothing of it is nearest to the far end.
 TEST(Fit, MatchesBothWaysReachWhatIsThin) {
     const auto tongue = [](double length, int n) {

@@ -12,8 +12,6 @@ namespace fcd {
 
 namespace {
 
-// Nearer than this, of the diagonal, is as good as on it.
-constexpr double least = 1e-4;
 // The width of the weights over the ninth decile of the distances that count: a limb that comes late is among the last
 // tenth, and still drawn. Of 2, 4 and 8, the more the better on an armadillo, a bunny and a head posed by CGAL.
 constexpr double wide = 8;
@@ -22,6 +20,11 @@ constexpr double narrow = 0.05;
 // A match that is this often as far as its way back (and the samples' spacing farther) is another's. A round number:
 // from 1.2 to 2 there was no rule in what it changed.
 constexpr double mostDetour = 2;
+// How much a match holds along the surface, of what it holds across: at first so much that it draws to a place, and by
+// the end a 250th of that. More, and it takes many steps to slide to its place; less, and a smooth shape slides along
+// itself (the tube of tests/host_fit.py). What the target draws back is far from its place to the end, as all is at
+// first.
+constexpr double firstAlong = 0.5, alongFalls = 0.004;
 
 } // namespace
 
@@ -88,8 +91,17 @@ double FitMatches::Angular(const FitTarget::Match &place, std::size_t s, Eigen::
     return std::clamp((cosine - param.edge) / (full - param.edge), 0.0, 1.0);
 }
 
+/// From point to plane, and with a share \p along of it, from point to point; all of it where there is no plane.
+FitSystem::Pull FitMatches::PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
+                                   double along) const {
+    FitSystem::Pull pull;
+    pull.form = weight / double(Size()) * (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
+    pull.gradient = pull.form * (at[s] - place);
+    return pull;
+}
+
 /// All that one sample is drawn to counts as one match together, and no less where it is far: that is what it is for.
-void FitMatches::DrawBack(double along, std::vector<FitSystem::Pull> &pull) const {
+void FitMatches::DrawBack(std::vector<FitSystem::Pull> &pull) const {
     std::vector<double> sum(Size(), 0), weight(reach.size(), 0);
     std::vector<Eigen::Vector3d> mean(reach.size());
     for (std::size_t r = 0; r < reach.size(); ++r) {
@@ -104,11 +116,10 @@ void FitMatches::DrawBack(double along, std::vector<FitSystem::Pull> &pull) cons
         if (weight[r] <= 0)
             continue;
         const std::size_t s = std::size_t(reaches[r]);
-        const Eigen::Vector3d &n = mean[r];
-        const Eigen::Matrix3d form = weight[r] * std::min(1.0, 1 / sum[s]) / double(Size()) *
-                                     (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
-        pull[s].form += form;
-        pull[s].gradient += form * (at[s] - reach[r].point);
+        const FitSystem::Pull each =
+            PullOf(weight[r] * std::min(1.0, 1 / sum[s]), s, reach[r].point, mean[r], firstAlong);
+        pull[s].form += each.form;
+        pull[s].gradient += each.gradient;
     }
 }
 
@@ -132,18 +143,12 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     if (first < 0)
         first = std::max(2 * median, 2e-6);
     const double width = std::max({first * detail::Power(narrow, part), wide * Quantile(good, 0.9), least});
-    // How much a match holds along the surface: little, or it takes many steps to slide to its place; but not less, or
-    // a smooth shape slides along itself (the tube of tests/host_fit.py).
-    const double along = 0.5 * detail::Power(0.004, part);
+    const double along = firstAlong * detail::Power(alongFalls, part);
     for (std::size_t s = 0; s < Size(); ++s) {
-        const double w =
-            counts[s] ? angular[s] * detail::Exponential(-0.5 * detail::Squared(distance[s] / width)) / double(Size())
-                      : 0;
-        const Eigen::Vector3d &n = normal[s];
-        pull[s].form = w * (n * n.transpose() + (n.isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
-        pull[s].gradient = pull[s].form * (at[s] - match[s].point);
+        const double w = counts[s] ? angular[s] * detail::Exponential(-0.5 * detail::Squared(distance[s] / width)) : 0;
+        pull[s] = PullOf(w, s, match[s].point, normal[s], along);
     }
-    DrawBack(0.5, pull);
+    DrawBack(pull);
 }
 
 } // namespace fcd

@@ -33,6 +33,9 @@ struct MatchParam {
 /// same side, so that what is thin and long is reached (both directions, as Zinsser and others match).
 class FitMatches {
   public:
+    /// Nearer than this, of the diagonal, is as good as on the target.
+    static constexpr double least = 1e-4;
+
     FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param);
 
     /// \param part how much of the fit has passed, [0, 1]
@@ -51,7 +54,9 @@ class FitMatches {
   private:
     double Side() const;
     void Search(const GraphPose &pose, unsigned threads);
-    void DrawBack(double along, std::vector<FitSystem::Pull> &pull) const;
+    FitSystem::Pull PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
+                           double along) const;
+    void DrawBack(std::vector<FitSystem::Pull> &pull) const;
     double Angular(const FitTarget::Match &match, std::size_t s, Eigen::Vector3d &normal) const;
 
     const FitTarget &target;

@@ -60,50 +60,47 @@ FitSystem::FitSystem(const Deformer &deformer, const std::vector<char> &isFree, 
         factor.analyzePattern(matrix);
 }
 
-std::size_t FitSystem::Place(Index row, Index column) const {
-    const std::vector<Index> &list = beside[std::size_t(row)];
-    return std::size_t(std::lower_bound(list.begin(), list.end(), column) - list.begin());
-}
-
 /// x_s moves by weight (w x (R lever) + d).
-void FitSystem::AddSamples(Index row, const GraphPose &pose, const std::vector<Pull> &pull, std::vector<Matrix6> &block,
-                           Vector6 &gradient) const {
-    const Eigen::Matrix3d &turn = pose.linear[std::size_t(node[std::size_t(row)])];
+void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
+                           std::vector<Matrix6> &block, Vector6 &gradient) const {
     for (const Use &use : uses[std::size_t(row)]) {
         const Pull &p = pull[use.sample];
         if (p.form.isZero(0))
             continue;
-        const FitSamples::Term &own = samples.term[use.term];
-        const Eigen::Vector3d arm = turn * own.lever;
-        gradient.head<3>() += own.weight * arm.cross(p.gradient);
-        gradient.tail<3>() += own.weight * p.gradient;
-        // Its Jacobian is weight [-[arm]x, I]; the transposed times the form:
-        Eigen::Matrix<double, 6, 3> drawn;
-        drawn.topRows<3>() = own.weight * detail::CrossMatrix(arm) * p.form;
-        drawn.bottomRows<3>() = own.weight * p.form;
+        const double weight = samples.term[use.term].weight;
+        const Eigen::Vector3d &own = arm[use.term];
+        gradient.head<3>() += weight * own.cross(p.gradient);
+        gradient.tail<3>() += weight * p.gradient;
+        // Its Jacobian is weight [-[arm]x, I]; the transposed times the form, column by column:
+        Vector6 drawn[3];
+        for (int d = 0; d < 3; ++d) {
+            const Eigen::Vector3d column = weight * p.form.col(d);
+            drawn[d] << own.cross(column), column;
+        }
         for (std::uint32_t t = samples.begin[use.sample]; t < samples.begin[use.sample + 1]; ++t) {
             const FitSamples::Term &other = samples.term[t];
             const Index column = unknown[std::size_t(other.node)];
             if (column < row)
                 continue;
-            const Eigen::Vector3d its = pose.linear[std::size_t(other.node)] * other.lever;
-            Matrix6 &b = block[Place(row, column)];
-            for (int i = 0; i < 6; ++i) {
-                const Eigen::Vector3d each = other.weight * drawn.row(i).transpose();
-                b.block<1, 3>(i, 0) += its.cross(each).transpose(); // each^T (-[its]x)
-                b.block<1, 3>(i, 3) += each.transpose();
-            }
+            const double its = other.weight;
+            const Eigen::Vector3d a = its * arm[t];
+            Matrix6 &b = block[std::size_t(place[std::size_t(column)])];
+            b.col(0) += a[1] * drawn[2] - a[2] * drawn[1];
+            b.col(1) += a[2] * drawn[0] - a[0] * drawn[2];
+            b.col(2) += a[0] * drawn[1] - a[1] * drawn[0];
+            for (int d = 0; d < 3; ++d)
+                b.col(3 + d) += its * drawn[d];
         }
     }
 }
 
 /// Eq. 2: of each edge, from both ends, |c_i + R_i e - c_j|^2, and alpha A |R_i - R_j|^2.
 void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
-                         std::vector<Matrix6> &block, Vector6 &gradient) const {
+                         const std::vector<Index> &place, std::vector<Matrix6> &block, Vector6 &gradient) const {
     const DeformationGraph &graph = deformer.graph;
     const Index i = node[std::size_t(row)];
     const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
-    Matrix6 &own = block[Place(row, row)];
+    Matrix6 &own = block[std::size_t(place[std::size_t(row)])];
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
     for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
          item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
@@ -122,16 +119,16 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         own.bottomLeftCorner<3, 3>() -= mu * ax;
         own.bottomRightCorner<3, 3>() += 2 * mu * one;
         const double bend = mu * smoothness * area;
-        own.topLeftCorner<3, 3>() += 2 * bend * one;
         Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
         for (int d = 0; d < 3; ++d) {
             gradient.head<3>() -= bend * ri.col(d).cross(rj.col(d));
+            own.topLeftCorner<3, 3>() += bend * (ri.col(d).squaredNorm() * one - ri.col(d) * ri.col(d).transpose());
             turns += ri.col(d).dot(rj.col(d)) * one - rj.col(d) * ri.col(d).transpose();
         }
         const Index column = unknown[std::size_t(j)];
         if (column <= row)
             continue;
-        Matrix6 &between = block[Place(row, column)];
+        Matrix6 &between = block[std::size_t(place[std::size_t(column)])];
         between.topLeftCorner<3, 3>() -= bend * turns;
         between.topRightCorner<3, 3>() -= mu * ax;   // (-[a]x)^T (-I)
         between.bottomLeftCorner<3, 3>() += mu * bx; // (-I)^T (-[b]x)
@@ -171,13 +168,19 @@ Eigen::VectorXd FitSystem::Solve(const Eigen::VectorXd &right) {
 Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, const std::vector<Pull> &pull,
                                                          const std::vector<double> &stiffness, unsigned threads) {
     Eigen::VectorXd gradient(Eigen::Index(6 * node.size()));
+    arm.resize(samples.term.size());
+    for (std::size_t t = 0; t < arm.size(); ++t)
+        arm[t] = pose.linear[std::size_t(samples.term[t].node)] * samples.term[t].lever;
     ParallelFor(threads, node.size(), 8, [&](std::size_t first, std::size_t last) {
         std::vector<Matrix6> block;
+        std::vector<Index> place(node.size(), 0); // of each unknown, among those of a row
         for (std::size_t a = first; a < last; ++a) {
             block.assign(beside[a].size(), Matrix6::Zero());
+            for (std::size_t b = 0; b < beside[a].size(); ++b)
+                place[std::size_t(beside[a][b])] = Index(b);
             Vector6 its = Vector6::Zero();
-            AddSamples(Index(a), pose, pull, block, its);
-            AddEdges(Index(a), pose, stiffness, block, its);
+            AddSamples(Index(a), pull, place, block, its);
+            AddEdges(Index(a), pose, stiffness, place, block, its);
             // Nodes that nothing holds and no sample is drawn by stay.
             block[0].diagonal().array() += 1e-12;
             gradient.segment<6>(Eigen::Index(6 * a)) = its;

@@ -35,12 +35,11 @@ class FitSystem {
                                                   const std::vector<double> &stiffness, unsigned threads = 0);
 
   private:
-    void AddSamples(Index row, const GraphPose &pose, const std::vector<Pull> &pull, std::vector<Matrix6> &block,
-                    Vector6 &gradient) const;
-    void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness, std::vector<Matrix6> &block,
-                  Vector6 &gradient) const;
+    void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
+                    std::vector<Matrix6> &block, Vector6 &gradient) const;
+    void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
+                  const std::vector<Index> &place, std::vector<Matrix6> &block, Vector6 &gradient) const;
     Eigen::VectorXd Solve(const Eigen::VectorXd &right);
-    std::size_t Place(Index row, Index column) const;
 
     const Deformer &deformer;
     const FitSamples &samples;
@@ -52,6 +51,7 @@ class FitSystem {
         std::uint32_t sample, term;
     };
     std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples that it is in
+    std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose
     Eigen::SparseMatrix<double> matrix; ///< the lower half
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
     bool isFactored = false;
