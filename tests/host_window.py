@@ -161,9 +161,16 @@ class Window:
         self.keys("ctrl+a")
         self.type(text)
 
+    def windows(self):
+        return set(self.x("search", "--onlyvisible", "--class", ".").split())
+
     def choose(self, window, x, y, *keys):
+        """From a list that opens on a click."""
+        before = self.windows()
         self.click(window, x, y)
+        self.until("list", lambda: self.windows() - before)
         self.keys(*keys, "Return")
+        self.until("end of the list", lambda: not self.windows() - before)
 
     def picture(self, name):
         if "FCD_PICTURES" in os.environ:
