@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 /// Begins to read memory that is needed soon.
@@ -36,12 +35,10 @@ struct FlaggedFaces {
         std::uint16_t face[facesOfRange]; ///< counted from the first of the range
         int count;
     };
-    std::vector<char> isClear;      ///< flags of the vertices' slots: the sum of the normals is begun
-    std::unique_ptr<Range[]> range; ///< as ParallelForAdding uses them
+    std::vector<char> isClear; ///< flags of the vertices' slots: the sum of the normals is begun
+    vcg::fcd::RangeResults<Range> range;
 
-    FlaggedFaces(std::size_t vertices, std::size_t faces)
-        : isClear(vertices, 0),
-          range(new Range[std::min((faces + facesOfRange - 1) / facesOfRange, vcg::fcd::rangesAhead)]) {}
+    FlaggedFaces(std::size_t vertices, std::size_t faces) : isClear(vertices, 0), range(faces, facesOfRange) {}
 };
 
 /// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
@@ -52,11 +49,8 @@ void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, Flagg
     using Scalar = typename MeshType::ScalarType;
     using Face = typename MeshType::FaceType;
     using Point = typename MeshType::CoordType;
-    const auto rangeOf = [&](std::size_t f) -> FlaggedFaces::Range & {
-        return memory.range[f / facesOfRange % vcg::fcd::rangesAhead];
-    };
     const auto compute = [&](std::size_t first, std::size_t last) {
-        FlaggedFaces::Range &range = rangeOf(first);
+        FlaggedFaces::Range &range = memory.range.Of(first);
         int count = 0;
         for (std::size_t f = first; f < last; ++f) {
             Face &each = mesh.face[f];
@@ -92,7 +86,7 @@ void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, Flagg
     };
     const auto add = [&](std::size_t first, std::size_t last) {
         for (std::size_t begin = first; begin < last; begin += facesOfRange) {
-            const FlaggedFaces::Range &range = rangeOf(begin);
+            const FlaggedFaces::Range &range = memory.range.Of(begin);
             for (int i = 0; i < range.count; ++i) {
                 const Point normal = mesh.face[begin + range.face[i]].cN();
                 for (int k = 0; k < 3; ++k) {
@@ -122,11 +116,8 @@ void computeAngleNormals(MeshType &mesh, unsigned threads) {
     using Point = typename MeshType::CoordType;
     using Angles = typename MeshType::ScalarType[facesOfRange][3];
     std::vector<char> isClear(mesh.vert.size(), 0);
-    const std::size_t ranges = (mesh.face.size() + facesOfRange - 1) / facesOfRange;
-    const std::unique_ptr<Angles[]> angles(new Angles[std::min(ranges, vcg::fcd::rangesAhead)]);
-    const auto angleOf = [&](std::size_t f) {
-        return angles[f / facesOfRange % vcg::fcd::rangesAhead][f % facesOfRange];
-    };
+    const vcg::fcd::RangeResults<Angles> angles(mesh.face.size(), facesOfRange);
+    const auto angleOf = [&](std::size_t f) { return angles.Of(f)[f % facesOfRange]; };
     const auto compute = [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             Face &face = mesh.face[f];

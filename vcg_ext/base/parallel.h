@@ -2,8 +2,10 @@
 #ifndef VCG_FCD_PARALLEL_H
 #define VCG_FCD_PARALLEL_H
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace vcg {
 namespace fcd {
@@ -20,12 +22,26 @@ constexpr std::size_t rangesAhead = 32;
 
 /// For what is computed in any order and added up in one: compute(first, last) as ParallelFor's body, and for each
 /// range after it add(first, last), one after the other in their order, by whichever thread has computed the next one.
-/// Their results need room for rangesAhead ranges, those of the i-th in place i % rangesAhead. No thread waits for a
-/// slow one but where it is as far ahead as that: where other programs keep the cores busy, each wait lasts a time
-/// slice.
+/// Their results are in RangeResults. No thread waits for a slow one but where it is as far ahead as these have room:
+/// where other programs keep the cores busy, each wait lasts a time slice.
 void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
                        const std::function<void(std::size_t, std::size_t)> &compute,
                        const std::function<void(std::size_t, std::size_t)> &add);
+
+/// Room for what ParallelForAdding computes of each range, from then until it is added; not initialised.
+template <class Result>
+class RangeResults {
+  public:
+    RangeResults(std::size_t n, std::size_t grain)
+        : grain(grain), results(new Result[std::min((n + grain - 1) / grain, rangesAhead)]) {}
+
+    /// Of the range that the item \p i is in.
+    Result &Of(std::size_t i) const { return results[i / grain % rangesAhead]; }
+
+  private:
+    std::size_t grain;
+    std::unique_ptr<Result[]> results;
+};
 
 } // namespace fcd
 } // namespace vcg

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <memory>
 
 namespace vcg {
 namespace fcd {
@@ -51,17 +50,15 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
     ParallelFor(threads, n, 1 << 16,
                 [&](std::size_t first, std::size_t last) { std::fill(normal + 3 * first, normal + 3 * last, 0.0); });
     // Added up in the order of the faces: the same bits for any number of threads.
-    const std::size_t ranges = (surface.faces + grainOfFaces - 1) / grainOfFaces;
-    const std::unique_ptr<FacesOfRange[]> faces(new FacesOfRange[std::min(ranges, rangesAhead)]);
-    const auto rangeOf = [&](std::size_t f) -> FacesOfRange & { return faces[f / grainOfFaces % rangesAhead]; };
+    const RangeResults<FacesOfRange> faces(surface.faces, grainOfFaces);
     ParallelForAdding(
         threads, surface.faces, grainOfFaces,
-        [&](std::size_t first, std::size_t last) { rangeOf(first).Compute(surface, position, first, last - first); },
+        [&](std::size_t first, std::size_t last) { faces.Of(first).Compute(surface, position, first, last - first); },
         [&](std::size_t first, std::size_t last) {
             for (std::size_t f = first; f < last; ++f)
                 for (std::size_t k = 0; surface.IsFace(f) && k < 3; ++k)
                     Eigen::Map<Eigen::Vector3d>(normal + 3 * std::size_t(surface.corner[3 * f + k])) +=
-                        rangeOf(f).normal[f % grainOfFaces] * double(rangeOf(f).angle[k][f % grainOfFaces]);
+                        faces.Of(f).normal[f % grainOfFaces] * double(faces.Of(f).angle[k][f % grainOfFaces]);
         });
     ParallelFor(threads, n, 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
