@@ -103,12 +103,9 @@ void BendTool::stopPreparing() {
     if (!layer())
         return;
     session->cancel();
-    display->rest();
     if (wasBeside)
         view->unsetCursor();
-    solve(true);
-    refresh();
-    view->update();
+    comeToRest();
 }
 
 void BendTool::dragWhenPrepared() {
@@ -156,8 +153,12 @@ void BendTool::endDrag(bool keep) {
     drag.reset();
     isStepWanted = false;
     sinceEvent.start();
-    if (!layer())
-        return;
+    if (layer())
+        comeToRest();
+}
+
+/// What has moved step by step is solved to the end. \pre there is a layer
+void BendTool::comeToRest() {
     display->rest();
     solve(true);
     refresh();

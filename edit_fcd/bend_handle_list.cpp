@@ -3,20 +3,16 @@
 
 #include "tool_list.h"
 
-#include <QHeaderView>
 #include <QPixmap>
 #include <QSignalBlocker>
 
-BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(0, 5, parent) {
-    setHorizontalHeaderLabels({"Handle", "seen", "lock", "Motion", ""});
-    const char *const tips[] = {"Click selects: the gizmo is on it, and G, R and S move it. Double click: its name",
-                                "Whether its marks and its gizmo are shown",
-                                "A locked handle is not moved by the mouse",
-                                "Its motion as the filters take it; double click to type, empty for none",
-                                "Removes the handle: what it held is free"};
-    for (int i = 0; i < 5; ++i)
-        horizontalHeaderItem(i)->setToolTip(tips[i]);
-    setUpList(*this, Motion, {{Name, 104}, {Shown, 38}, {Locked, 38}, {Remove, 22}});
+BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(parent) {
+    setUpList(*this,
+              {{"Handle", "Click selects: the gizmo is on it, and G, R and S move it. Double click: its name", 104},
+               {"seen", "Whether its marks and its gizmo are shown", 38},
+               {"lock", "A locked handle is not moved by the mouse", 38},
+               {"Motion", "Its motion as the filters take it; double click to type, empty for none", 0},
+               {"", "Removes the handle: what it held is free", 22}});
     setWordWrap(false);
     setFixedHeight(116);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int) { onChanged(row); });

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include <QHeaderView>
 #include <QLocale>
 #include <QSignalBlocker>
 
@@ -16,15 +15,13 @@ const int easingCount = 3;
 
 } // namespace
 
-BendKeyList::BendKeyList(QWidget *parent) : QTableWidget(0, 4, parent) {
-    setHorizontalHeaderLabels({"time, s", "then", "key frame", ""});
-    const char *const tips[] = {
-        "When it is reached; double click to type",
-        "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one",
-        "The poses that it has; a click shows it", "Removes the key frame"};
-    for (int i = 0; i < 4; ++i)
-        horizontalHeaderItem(i)->setToolTip(tips[i]);
-    setUpList(*this, Weights, {{Time, 56}, {Easing, 62}, {Remove, 22}});
+BendKeyList::BendKeyList(QWidget *parent) : QTableWidget(parent) {
+    setUpList(*this,
+              {{"time, s", "When it is reached; double click to type", 56},
+               {"then",
+                "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one", 62},
+               {"key frame", "The poses that it has; a click shows it", 0},
+               {"", "Removes the key frame", 22}});
     setFixedHeight(100);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
         const BendKeyRow before = shown[std::size_t(row)];

@@ -177,12 +177,8 @@ void BendTool::stopPlaying() {
     session->endAnimation();
     if (panel)
         panel->poses().showPlaying(false);
-    if (!layer())
-        return;
-    display->rest();
-    solve(true);
-    refresh();
-    view->update();
+    if (layer())
+        comeToRest();
 }
 
 void BendTool::showPoses() {

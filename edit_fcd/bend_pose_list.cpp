@@ -6,19 +6,15 @@
 
 #include <cmath>
 
-#include <QHeaderView>
 #include <QLocale>
 #include <QSignalBlocker>
 #include <QSlider>
 
-BendPoseList::BendPoseList(QWidget *parent) : QTableWidget(0, 4, parent) {
-    setHorizontalHeaderLabels({"Pose", "how much", "%", ""});
-    const char *const tips[] = {
-        "Click shows this pose alone; double click: its name", "How much of it is shown, mixed with the others",
-        "The same as a number, also below 0 or above 100; double click to type", "Removes the pose"};
-    for (int i = 0; i < 4; ++i)
-        horizontalHeaderItem(i)->setToolTip(tips[i]);
-    setUpList(*this, Name, {{Weight, 110}, {Percent, 44}, {Remove, 22}});
+BendPoseList::BendPoseList(QWidget *parent) : QTableWidget(parent) {
+    setUpList(*this, {{"Pose", "Click shows this pose alone; double click: its name", 0},
+                      {"how much", "How much of it is shown, mixed with the others", 110},
+                      {"%", "The same as a number, also below 0 or above 100; double click to type", 44},
+                      {"", "Removes the pose", 22}});
     setFixedHeight(100);
     connect(this, &QTableWidget::cellChanged, this, &BendPoseList::onChanged);
     connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {

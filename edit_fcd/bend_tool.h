@@ -72,6 +72,7 @@ class BendTool : public LayerTool {
     void play();
     void stopPlaying();
     void playFrame();
+    void comeToRest();
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
     QString stateText() const;
     void beginApply();

@@ -3,16 +3,13 @@
 
 #include "tool_list.h"
 
-#include <QHeaderView>
 #include <QSignalBlocker>
 
-FitPairList::FitPairList(QWidget *parent) : QTableWidget(0, 4, parent) {
-    setHorizontalHeaderLabels({"Pair", "this", "target", ""});
-    const char *const tips[] = {"Click selects, double click: its name", "Whether its place on this layer is given",
-                                "Whether its place on the target is given", "Removes the pair"};
-    for (int i = 0; i < 4; ++i)
-        horizontalHeaderItem(i)->setToolTip(tips[i]);
-    setUpList(*this, Name, {{Source, 44}, {Target, 52}, {Remove, 22}});
+FitPairList::FitPairList(QWidget *parent) : QTableWidget(parent) {
+    setUpList(*this, {{"Pair", "Click selects, double click: its name", 0},
+                      {"this", "Whether its place on this layer is given", 44},
+                      {"target", "Whether its place on the target is given", 52},
+                      {"", "Removes the pair", 22}});
     setFixedHeight(160);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
         if (column == Name)

@@ -4,7 +4,8 @@
 #include <QHeaderView>
 #include <QScrollArea>
 
-void setUpList(QTableWidget &list, int stretched, std::initializer_list<std::pair<int, int>> widths) {
+void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
+    list.setColumnCount(int(columns.size()));
     list.verticalHeader()->hide();
     list.verticalHeader()->setDefaultSectionSize(22);
     list.setSelectionBehavior(QTableWidget::SelectRows);
@@ -13,10 +14,13 @@ void setUpList(QTableWidget &list, int stretched, std::initializer_list<std::pai
     list.setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     QHeaderView &header = *list.horizontalHeader();
     header.setMinimumSectionSize(16);
-    header.setSectionResizeMode(stretched, QHeaderView::Stretch);
-    for (const auto &[column, width] : widths) {
-        header.setSectionResizeMode(column, QHeaderView::Fixed);
-        list.setColumnWidth(column, width);
+    for (int i = 0; i < list.columnCount(); ++i) {
+        const ListColumn &column = columns[std::size_t(i)];
+        list.setHorizontalHeaderItem(i, new QTableWidgetItem(column.title));
+        list.horizontalHeaderItem(i)->setToolTip(column.tip);
+        header.setSectionResizeMode(i, column.width ? QHeaderView::Fixed : QHeaderView::Stretch);
+        if (column.width)
+            list.setColumnWidth(i, column.width);
     }
 }
 

@@ -3,19 +3,24 @@
 #define FCD_TOOL_LIST_H
 
 #include <functional>
-#include <initializer_list>
-#include <utility>
+#include <vector>
 
 #include <QDockWidget>
 #include <QSlider>
+#include <QString>
 #include <QTableWidget>
 
 /// \file
 /// What the panels of the tools, and the lists in them, have in common.
 
-/// Gives a list its looks: a row is selected at a click and edited at a double one. \param stretched the column that
-/// takes what is left by those of \p widths (column, pixels)
-void setUpList(QTableWidget &list, int stretched, std::initializer_list<std::pair<int, int>> widths);
+/// A column of a list.
+struct ListColumn {
+    QString title, tip;
+    int width; ///< pixels; 0: what the others leave
+};
+
+/// The looks of a list in a panel: one row is selected, a double click edits.
+void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns);
 
 /// Calls \p begins before a slider changes what it is for, once for each way of it, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);

@@ -267,6 +267,16 @@ def keep_pose(w, name):
     w.key("Return")
 
 
+def tube_with_poses(window, tmp_path):
+    """A window with the tool, the list of poses and two marked regions; and what they are on."""
+    points, faces, tags = tube_with_ends()
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    mark_two_regions(w, 310)
+    return w, points, faces, tags
+
+
 def row_of_poses(w, i):
     x, y, width, _ = w.box("poses")
     return x, y + 35 + 22 * i, width
@@ -293,11 +303,7 @@ def sequenced(folder, points, faces, tags, poses):
 
 def test_poses_have_names(window, tmp_path):
     """They are kept, shown, blended, undone, saved and loaded; the filter makes the same of them, to the bit."""
-    points, faces, tags = tube_with_ends()
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    w.click(w.place("poses_fold"))
-    mark_two_regions(w, 310)
+    w, points, faces, tags = tube_with_poses(window, tmp_path)
     w.click(w.place("keep"))
     w.wait("Nothing was moved, so there is no pose to keep.")
     w.click(w.place("saveposes"))
@@ -360,11 +366,7 @@ def test_poses_have_names(window, tmp_path):
 
 def test_an_animation_is_played(window, tmp_path):
     """Key frames are made of what is shown, have times and easings, and are played in the view until something else is done."""
-    points, faces, _ = tube_with_ends()
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    w.click(w.place("poses_fold"))
-    mark_two_regions(w, 310)
+    w = tube_with_poses(window, tmp_path)[0]
     w.click(w.place("play"))
     w.wait("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.")
     w.drag((X + 225, Y), (X + 165, Y - 150))
@@ -404,11 +406,7 @@ def test_an_animation_is_played(window, tmp_path):
 @the_dialogs_are_those_of_2020
 def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     """What the one keeps with the layer, the other finds there."""
-    points, faces, _ = tube_with_ends()
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    w.click(w.place("poses_fold"))
-    mark_two_regions(w, 310)
+    w = tube_with_poses(window, tmp_path)[0]
     w.drag((X + 225, Y), (X + 165, Y - 150))
     bent = load(w.save("bent.ply"))[0]
     keep_pose(w, "bent")
