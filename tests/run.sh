@@ -145,7 +145,7 @@ host() {
 faults() {
     nice ninja -C "$build/cmake/$1" -j 1 host_faults >"$results/host_faults-$1.log" 2>&1 || fail "building host_faults for $1"
 }
-# pymeshlab VERSION PYTHON
+# pymeshlab VERSION PYTHON ARGUMENT...: and more tests, or pytest's arguments
 pymeshlab() {
     export FCD_PLUGIN=$build/plugins/pymeshlab-$1/libfilter_fcd.so
     if [ ! -e "$FCD_PLUGIN" ]; then
@@ -153,11 +153,13 @@ pymeshlab() {
     elif ! "$2" -c 'import pymeshlab' 2>"$results/$name.log"; then
         without "$(tail -n 1 "$results/$name.log")"
     else
-        faults "pymeshlab-$1"
-        local pairs=()
-        [ "$1" != 2025.7 ] || pairs=(tests/host_fit_pairs.py) # the method is the same in the other
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_fit.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${pairs[@]}"
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${@:3}"
     fi
+}
+# The newest one, and what asks the method more than the host: the fits, and faults at each report and each step of memory.
+newest() {
+    faults pymeshlab-2025.7
+    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py
 }
 # sanitized_plugin HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/sanitized/HOST.
 sanitized_plugin() {
@@ -309,8 +311,8 @@ start fuzz fuzz
 (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
 
 start python-package python_package
-start pymeshlab-2025.7 pymeshlab 2025.7 "$build/venv/bin/python"
-start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
+start pymeshlab-2025.7 newest
+start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python" -k "not little_memory"
 start meshlab-2020.09 meshlabserver
 wait "$plugins"
 wait_beside sanitized-window sanitized_window
