@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/words.h> // before Qt
+#include <vcg_ext/base/words.h> // these before Qt
+#include <vcg_ext/fit/fit_start.h>
 
 #include "distance_colors.h"
 #include "fit_session.h"
@@ -12,7 +13,6 @@
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 
 using vcg::fcd::Error;
@@ -145,18 +145,13 @@ FitStart FitSession::start(bool byLandmarksOnly) const {
     if (!isFree || (wanted == FitStart::TriedAxes && byLandmarksOnly))
         return FitStart::AsItLies;
     if (wanted == FitStart::Rigid || wanted == FitStart::Similar) {
-        const std::vector<vcg::fcd::Landmark> given = landmarks();
-        Eigen::Matrix3Xd places(3, Eigen::Index(given.size()));
-        for (std::size_t i = 0; i < given.size(); ++i)
-            places.col(Eigen::Index(i)) = rest.world() * rest.at(given[i].vertex);
+        std::vector<Eigen::Vector3d> places;
+        for (const vcg::fcd::Landmark &each : landmarks())
+            places.emplace_back(rest.world() * rest.at(each.vertex));
         // Near a line, how far it turns about that is what clicks are off by: about a hundredth of the length, which
         // is six degrees at a tenth of it.
         const double leastAcross = 0.1;
-        if (given.size() < 3)
-            return FitStart::AsItLies;
-        places.colwise() -= places.rowwise().mean().eval();
-        const auto spread = Eigen::JacobiSVD<Eigen::MatrixXd>(places).singularValues();
-        if (!(spread[1] > leastAcross * spread[0]))
+        if (!(vcg::fcd::AcrossALine(places) > leastAcross))
             return FitStart::AsItLies;
     }
     return wanted;

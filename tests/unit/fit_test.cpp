@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_system.h>
 #include <vcg_ext/fit/fit_target.h>
 #include "test_support.h"
@@ -308,6 +309,16 @@ TEST(Fit, MatricesOfBothLayersCount) {
 TEST(Fit, TheSameBitsForAnyNumberOfThreads) {
     const Fitted one = Fit(source, target, Small(), {}, {}, {}, 1), four = Fit(source, target, Small(), {}, {}, {}, 4);
     EXPECT_TRUE(SameBits(one.position, four.position));
+}
+
+TEST(Fit, TellsALineFromAPlane) {
+    std::vector<Vector3d> points{{1e6, 2, 3}, {1e6 + 4, 2, 3}};
+    EXPECT_EQ(AcrossALine(points), 0);
+    points.emplace_back(1e6 + 2, 2, 3);
+    EXPECT_LT(AcrossALine(points), 1e-9);
+    points = {{1e6 + 1, 1, 1}, {1e6 - 1, 1, -1}, {1e6 - 1, -1, -1}, {1e6 + 1, -1, 1}};
+    EXPECT_NEAR(AcrossALine(points), std::sqrt(0.5), 1e-9); // a rectangle of 2 by the root of 8
+    EXPECT_EQ(AcrossALine({3, Vector3d(1, 1, 1)}), 0);
 }
 
 TEST(Fit, SaysWhatCannotBe) {

@@ -4,12 +4,26 @@
 #include <vcg_ext/fit/fit_start.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <Eigen/SVD> // umeyama needs it
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace vcg {
 namespace fcd {
+
+double AcrossALine(const std::vector<Eigen::Vector3d> &points) {
+    if (points.size() < 3)
+        return 0;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d &p : points)
+        middle += p / double(points.size());
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    for (const Eigen::Vector3d &p : points)
+        second += (p - middle) * (p - middle).transpose();
+    const Eigen::Vector3d squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvalues();
+    return squared[2] > 0 ? std::sqrt(std::max(squared[1], 0.0) / squared[2]) : 0;
+}
 
 Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, const std::vector<Eigen::Vector3d> &to,
                                    bool similar) {
@@ -18,12 +32,8 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
         a.col(i) = from[std::size_t(i)];
         b.col(i) = to[std::size_t(i)];
     }
-    if (a.cols() >= 3) {
-        Eigen::Matrix3Xd way = a.colwise() - a.rowwise().mean();
-        const Eigen::Vector3d spread = Eigen::JacobiSVD<Eigen::MatrixXd>(way).singularValues().head<3>();
-        if (spread[1] > 1e-6 * spread[0])
-            return Eigen::Affine3d(Eigen::umeyama(a, b, similar));
-    }
+    if (AcrossALine(from) > 1e-6) // more than what rounding leaves
+        return Eigen::Affine3d(Eigen::umeyama(a, b, similar));
     throw BadInput("A start from landmarks needs three of them that are not on a line, better four or more. Give more "
                    "landmarks, or start from where the layers lie.");
 }

@@ -11,6 +11,10 @@
 namespace vcg {
 namespace fcd {
 
+/// How far points are from lying on a line: their extent across over that along it, root mean squares, 0 to 1. 0 for
+/// fewer than three.
+double AcrossALine(const std::vector<Eigen::Vector3d> &points);
+
 /// The rigid, or similar, motion that takes points nearest to where they belong (Umeyama 1991).
 /// \throw BadInput fewer than three, or all on a line
 Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, const std::vector<Eigen::Vector3d> &to,
