@@ -59,8 +59,8 @@ QPushButton *FitPanel::button(const char *name, const QString &text, const QStri
 }
 
 /// A row of buttons of which one is pressed.
-static QButtonGroup *choice(QObject *owner, QBoxLayout &row,
-                            const std::vector<std::array<const char *, 3>> &namesTextsTips) {
+static QButtonGroup *choiceOf(QObject *owner, QBoxLayout &row,
+                              const std::vector<std::array<const char *, 3>> &namesTextsTips) {
     auto *group = new QButtonGroup(owner);
     for (std::size_t i = 0; i < namesTextsTips.size(); ++i) {
         auto *made = new QToolButton;
@@ -86,11 +86,11 @@ void FitPanel::addLayers(QBoxLayout &column) {
     connect(targets, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::targetChosen);
     form->addRow("Target", targets);
     auto *row = new QHBoxLayout;
-    seenButtons = choice(this, *row,
-                         {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked"},
-                          {"both", "Both", "Shows this layer and the target (2)"},
-                          {"source", "This", "Shows this layer alone (3)"},
-                          {"other", "Target", "Shows the target alone (4)"}});
+    seenButtons = choiceOf(this, *row,
+                           {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked"},
+                            {"both", "Both", "Shows this layer and the target (2)"},
+                            {"source", "This", "Shows this layer alone (3)"},
+                            {"other", "Target", "Shows the target alone (4)"}});
     connect(seenButtons, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::seenChosen);
     seenButtons->button(InTurn)->setToolTip("Shows the layer whose turn it is to be clicked (1)");
     form->addRow("Show", row);
@@ -115,10 +115,10 @@ void FitPanel::addPairs(QBoxLayout &column) {
 
 void FitPanel::addShape(QBoxLayout &column) {
     auto *row = new QHBoxLayout;
-    shapes = choice(this, *row,
-                    {{"rest", "As it was", "This layer as it is without a fit (Backspace)"},
-                     {"follow", "By the pairs", "This layer as the pairs take it, as rigidly as possible"},
-                     {"pull", "Pull onto the target", "This layer laid onto the target, with the pairs kept (P)"}});
+    shapes = choiceOf(this, *row,
+                      {{"rest", "As it was", "This layer as it is without a fit (Backspace)"},
+                       {"follow", "By the pairs", "This layer as the pairs take it, as rigidly as possible"},
+                       {"pull", "Pull onto the target", "This layer laid onto the target, with the pairs kept (P)"}});
     connect(shapes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::shapeChosen);
     column.addLayout(row);
     auto *working = new QHBoxLayout;

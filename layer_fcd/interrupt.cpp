@@ -4,11 +4,11 @@
 #ifdef _WIN32
 
 // A C library of its own holds Python's handler there, and the console's own thread calls it.
-static vcg::CallBackPos *wanted;
-Interruptible::Interruptible(vcg::CallBackPos *callback) { wanted = callback; }
+static vcg::CallBackPos *toHost;
+Interruptible::Interruptible(vcg::CallBackPos *callback) { toHost = callback; }
 Interruptible::~Interruptible() = default;
 vcg::CallBackPos *Interruptible::callback() const {
-    return wanted;
+    return toHost;
 } // NOLINT(readability-convert-member-functions-to-static)
 
 #else
@@ -18,7 +18,7 @@ vcg::CallBackPos *Interruptible::callback() const {
 
 namespace {
 
-vcg::CallBackPos *wanted;
+vcg::CallBackPos *toHost;
 struct sigaction before;
 std::atomic<bool> hasCome;
 static_assert(std::atomic<bool>::is_always_lock_free, "a handler of signals may use it");
@@ -31,12 +31,12 @@ void note(int signal, siginfo_t *info, void *context) {
         before.sa_handler(signal);
 }
 
-bool goOn(const int percent, const char *stage) { return (!wanted || wanted(percent, stage)) && !hasCome; }
+bool goOn(const int percent, const char *stage) { return (!toHost || toHost(percent, stage)) && !hasCome; }
 
 } // namespace
 
 Interruptible::Interruptible(vcg::CallBackPos *callback) {
-    wanted = callback;
+    toHost = callback;
     hasCome = false;
     isSet = sigaction(SIGINT, nullptr, &before) == 0 &&
             ((before.sa_flags & SA_SIGINFO) != 0 || (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN));
@@ -53,6 +53,6 @@ Interruptible::~Interruptible() {
         sigaction(SIGINT, &before, nullptr);
 }
 
-vcg::CallBackPos *Interruptible::callback() const { return isSet ? goOn : wanted; }
+vcg::CallBackPos *Interruptible::callback() const { return isSet ? goOn : toHost; }
 
 #endif

@@ -319,8 +319,9 @@ wait_beside sanitized-window sanitized_window
 start sanitized-host sanitized_host
 start package check package bash tests/package.sh
 start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
+for folder in layer_fcd filter_fcd edit_fcd; do printf '#include "%s"\n' "$folder"/*.cpp >"$results/$folder.cpp"; done # as they are compiled
 start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
-    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp layer_fcd/*.cpp filter_fcd/*.cpp edit_fcd/*.cpp
+    --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp "$results"/{layer,filter,edit}_fcd.cpp
 start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
 start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
 start clang-tidy-edit tidy edit_fcd meshlab-2025.07
