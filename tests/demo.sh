@@ -6,5 +6,5 @@
 #   bash tests/demo.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-bash tests/setup.sh
+bash tests/setup.sh demo
 PYTHONDONTWRITEBYTECODE=1 exec build/venv/bin/python tests/demo.py "$@"

