@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/nearest_others.h>
+#include <vcg_ext/surface/cloud_neighbourhood.h>
 #include "test_support.h"
 
 #include <random>
@@ -83,5 +84,48 @@ TEST(NearestOthers, AnswerAloneAsInBlocks) {
             for (std::size_t k = 0; k < 12; ++k)
                 ASSERT_EQ(alone.Of(at)[k].number, block.Of(at)[k].number);
         }
+    }
+}
+
+TEST(CloudNeighbourhood, LooksFartherExactlyWhereItsNearestLieAlongALine) {
+    // Twelve points in an ellipsoid around one, flatter and narrower from each to the next, and an even ring far away.
+    std::mt19937 random(8);
+    constexpr int nearest = vcg::fcd::detail::cloudNeighbours, ring = 300;
+    int along = 0;
+    for (int i = 0; i < 3000; ++i) {
+        Eigen::Matrix3Xf points(3, 1 + nearest + ring);
+        points.col(0).setZero();
+        Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+        for (int k = 1; k <= nearest; ++k) {
+            Eigen::Vector3d way = RandomVector(random).cwiseProduct(Eigen::Vector3d(1, i / 3000.0, i % 100 / 100.0));
+            points.col(k) = (0.1 * way).cast<float>();
+            way = points.col(k).cast<double>();
+            moments += way * way.transpose() / way.squaredNorm();
+        }
+        for (int k = 0; k < ring; ++k)
+            points.col(1 + nearest + k) << float(std::cos(k)), float(std::sin(k)), 0;
+        const PointBlocks<float> blocks(points, 1);
+        vcg::fcd::detail::CloudNeighbourhood<float> neighbourhood(blocks);
+        for (std::size_t at = 0; at < blocks.Size(); ++at)
+            if (blocks.Number(at) == 0)
+                neighbourhood.Look(at);
+        const Eigen::Vector3d values = vcg::fcd::detail::SymmetricEigen(moments).values;
+        EXPECT_EQ(neighbourhood.isWide, values[1] < 0.25 * values[2]) << values.transpose();
+        along += neighbourhood.isWide;
+    }
+    EXPECT_GT(along, 300);
+    EXPECT_LT(along, 2700);
+}
+
+TEST(SortDiffering, IsAsStdSort) {
+    std::mt19937 random(9);
+    for (int i = 0; i < 100; ++i) {
+        std::vector<Index> from(12), to(12);
+        for (int k = 0; k < 12; ++k)
+            from[std::size_t(k)] = 12 * Index(random() % 1000) + k;
+        std::shuffle(from.begin(), from.end(), random);
+        vcg::fcd::detail::SortDiffering<12>(from.data(), to.data());
+        std::sort(from.begin(), from.end());
+        EXPECT_EQ(to, from);
     }
 }

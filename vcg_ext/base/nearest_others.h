@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 namespace vcg {
@@ -36,10 +37,18 @@ class NearestOthers {
         if (each != std::min(count, points.Size() - 1)) {
             each = std::min(count, points.Size() - 1);
             reach = usual = std::numeric_limits<Scalar>::infinity();
+            most = 8 * (each + few);
+            const std::size_t room = most + 2 * PointBlocks<Scalar>::most; // some are written before they are counted
+            for (auto *buffer : {&square, &x, &y, &z, &key})
+                buffer->resize(room);
+            which.resize(room);
+            place.resize(room);
         }
         from = first;
         to = last;
-        found.clear();
+        told = 0;
+        if (found.size() < (last - first) * each)
+            found.resize((last - first) * each);
         if (each > 0)
             Answer(first, last);
     }
@@ -53,40 +62,42 @@ class NearestOthers {
 
   private:
     using Box = typename PointBlocks<Scalar>::Box;
+    using Rank = std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>; // as wide, to count in vectors
     static constexpr std::size_t few = 64;
+    static constexpr std::size_t lanes = 8;                                         // few is a multiple of it
     static constexpr Scalar more = 1 + 16 * std::numeric_limits<Scalar>::epsilon(); // than what is rounded
 
     static Scalar Square(Scalar a) { return a * a * more; }
 
-    /// Appends what is found of the points [first, last).
+    /// Tells what is found of the points [first, last).
     void Answer(std::size_t first, std::size_t last) {
         if (last - first == 1) {
             Alone(first);
             return;
         }
         const Box box = points.BoxOf(first, last);
-        const std::size_t begin = found.size();
+        const std::size_t begin = told;
         // About as far as those of the last ones; never farther than those of one of them, and the others from it.
         Scalar within = std::min(reach * Scalar(1.5), Square(std::sqrt(Beside(first)) + box.Diagonal()));
         for (;;) {
-            found.resize(begin);
+            told = begin;
             if (!Collect(box, within)) { // some of them are far from the others
                 const std::size_t middle = (first + last) / 2;
                 Answer(first, middle);
                 Answer(middle, last);
                 return;
             }
-            if (which.size() <= each) {
+            if (candidates <= each) {
                 within = std::max(4 * within, std::numeric_limits<Scalar>::min());
                 continue;
             }
             reach = 0;
             for (std::size_t i = first; i < last; ++i) {
                 Choose(i, i > first);
-                usual = found.back().square;
+                usual = found[told - 1].square;
                 reach = std::max(reach, usual);
             }
-            if (reach <= within || which.size() == points.Size())
+            if (reach <= within || candidates == points.Size())
                 return;
             within = reach * more;
         }
@@ -94,7 +105,6 @@ class NearestOthers {
 
     /// Squares of distances from a point to those of some arrays.
     void Measure(std::size_t i, const Scalar *x, const Scalar *y, const Scalar *z, std::size_t count) {
-        square.resize(count);
         const Scalar px = points.X()[i], py = points.Y()[i], pz = points.Z()[i];
         Scalar *const s = square.data();
         for (std::size_t c = 0; c < count; ++c) {
@@ -107,7 +117,7 @@ class NearestOthers {
     Scalar Beside(std::size_t i) {
         const std::size_t first = std::min(i - std::min(i, each / 2), points.Size() - each - 1);
         Measure(i, points.X() + first, points.Y() + first, points.Z() + first, each + 1);
-        return *std::max_element(square.begin(), square.end());
+        return *std::max_element(square.begin(), square.begin() + std::ptrdiff_t(each + 1));
     }
 
     /// As any k-d tree answers.
@@ -130,96 +140,105 @@ class NearestOthers {
             return near.size() < each ? std::numeric_limits<Scalar>::infinity() : near.front().square * more;
         });
         std::sort_heap(near.begin(), near.end());
-        found.insert(found.end(), near.begin(), near.end());
+        Tell();
     }
 
     /// Takes the points near \p box. \param within square of how far \return false where they are so many that those of
     /// the box had better ask for themselves
     bool Collect(const Box &box, Scalar within) {
-        const std::size_t most = 8 * (each + few);
-        which.clear();
+        candidates = 0;
         points.ForEachNear(box, within * more, [&](std::size_t first, std::size_t last) {
+            Scalar far[PointBlocks<Scalar>::most] = {};
             for (std::size_t i = first; i < last; ++i)
-                if (box.SquareTo(points.X()[i], points.Y()[i], points.Z()[i]) <= within * more)
-                    which.push_back(Index(i));
-            return which.size() <= most;
+                far[i - first] = box.SquareTo(points.X()[i], points.Y()[i], points.Z()[i]);
+            std::size_t n = candidates;
+            for (std::size_t i = first; i < last; ++i) { // without a branch that cannot be foreseen
+                which[n] = Index(i);
+                x[n] = points.X()[i];
+                y[n] = points.Y()[i];
+                z[n] = points.Z()[i];
+                n += far[i - first] <= within * more;
+            }
+            candidates = n;
+            return n <= most;
         });
-        if (which.size() > most)
-            return false;
-        x.resize(which.size());
-        y.resize(which.size());
-        z.resize(which.size());
-        hit.resize(which.size() + 1);
-        for (std::size_t c = 0; c < which.size(); ++c) {
-            x[c] = points.X()[which[c]];
-            y[c] = points.Y()[which[c]];
-            z[c] = points.Z()[which[c]];
-        }
-        return true;
+        return candidates <= most;
     }
 
-    /// How many of what was collected are within a distance (its square), the point itself included: sets hit.
-    std::size_t Within(Scalar bound) {
-        hits = 0;
-        for (std::size_t c = 0; c < square.size(); ++c) {
-            hit[hits] = std::uint32_t(c);
-            hits += square[c] <= bound;
+    /// The others among what was collected and last measured, within a distance (its square): sets key and place.
+    /// \return how many
+    std::size_t Within(std::size_t i, Scalar bound) {
+        std::size_t hits = 0;
+        for (std::size_t c = 0; c < candidates; ++c) {
+            key[hits] = square[c];
+            place[hits] = which[c];
+            hits += std::size_t(square[c] <= bound) & std::size_t(std::size_t(which[c]) != i);
         }
         return hits;
     }
 
-    /// Appends the nearest of what was collected. \param follows the point before it was the last one
+    /// Tells the nearest of what was collected. \param follows the point before it was the last one
     void Choose(std::size_t i, bool follows) {
-        Measure(i, x.data(), y.data(), z.data(), x.size());
+        Measure(i, x.data(), y.data(), z.data(), candidates);
         // Mostly about as far as those of the last one; never farther than from there.
-        if (Within(usual * Scalar(1.25)) <= each &&
-            (!follows || Within(Square(std::sqrt(usual) + (points.At(i) - points.At(i - 1)).norm())) <= each))
-            Within(std::numeric_limits<Scalar>::infinity());
+        std::size_t hits = Within(i, usual * Scalar(1.25));
+        if (hits < each && follows)
+            hits = Within(i, Square(std::sqrt(usual) + (points.At(i) - points.At(i - 1)).norm()));
+        if (hits < each)
+            hits = Within(i, std::numeric_limits<Scalar>::infinity());
+        assert(hits >= each);
+        if (hits <= few && Count(hits))
+            return;
         near.clear();
         for (std::size_t h = 0; h < hits; ++h)
-            if (const Index at = which[hit[h]]; std::size_t(at) != i)
-                near.push_back({square[hit[h]], points.Number(std::size_t(at)), at});
-        assert(near.size() >= each);
-        if (near.size() <= few && Rank())
-            return;
-        if (near.size() > 2 * each) {
+            near.push_back({key[h], points.Number(std::size_t(place[h])), place[h]});
+        if (hits > 2 * each) {
             std::nth_element(near.begin(), near.begin() + std::ptrdiff_t(each), near.end());
             near.resize(each);
         }
         detail::SortShort(near.data(), near.data() + near.size());
-        found.insert(found.end(), near.begin(), near.begin() + std::ptrdiff_t(each));
+        Tell();
     }
 
-    /// Sorts by counting how many are nearer, for each of a few: without a branch that cannot be foreseen.
-    /// \return false where some are equally near
-    bool Rank() {
-        const std::size_t n = near.size(), begin = found.size();
-        Scalar key[few];
-        for (std::size_t h = 0; h < n; ++h)
-            key[h] = near[h].square;
-        found.resize(begin + each);
-        std::size_t sum = 0;
-        for (std::size_t h = 0; h < n; ++h) {
-            int rank = 0;
-            for (std::size_t g = 0; g < n; ++g)
-                rank += key[g] < key[h];
-            sum += std::size_t(rank);
-            if (std::size_t(rank) < each)
-                found[begin + std::size_t(rank)] = near[h];
+    /// Tells the first ones of `near`.
+    void Tell() {
+        std::copy(near.begin(), near.begin() + std::ptrdiff_t(each), found.begin() + std::ptrdiff_t(told));
+        told += each;
+    }
+
+    /// Sorts the first few of key and place by counting how many are nearer than each: without a branch that cannot be
+    /// foreseen. \return false where some are equally near
+    bool Count(std::size_t hits) {
+        std::fill_n(key.begin() + std::ptrdiff_t(hits), lanes, std::numeric_limits<Scalar>::infinity());
+        Index at[few];
+        Rank sum = 0;
+        for (std::size_t begin = 0; begin < hits; begin += lanes) {
+            Rank rank[lanes] = {};
+            for (std::size_t h = 0; h < hits; ++h)
+                for (std::size_t k = 0; k < lanes; ++k)
+                    rank[k] += key[h] < key[begin + k];
+            for (std::size_t k = 0; k < std::min(lanes, hits - begin); ++k) {
+                at[rank[k]] = Index(begin + k);
+                sum += rank[k];
+            }
         }
-        if (sum == n * (n - 1) / 2)
-            return true;
-        found.resize(begin);
-        return false;
+        if (std::size_t(sum) != hits * (hits - 1) / 2)
+            return false;
+        for (std::size_t k = 0; k < each; ++k) {
+            const Index p = place[at[k]];
+            found[told++] = {key[at[k]], points.Number(std::size_t(p)), p};
+        }
+        return true;
     }
 
     const PointBlocks<Scalar> &points;
-    std::size_t each = std::size_t(-1), from = 0, to = 0, hits = 0;
-    Scalar reach = 0, usual = 0; // squares of how far those of the last ones, and of the last one, were found
-    std::vector<Scalar> square, x, y, z;
-    std::vector<Index> which;
-    std::vector<std::uint32_t> hit;
+    std::size_t each = std::size_t(-1), from = 0, to = 0;
+    std::size_t most = 0, candidates = 0; // how many may be collected, and how many are
+    Scalar reach = 0, usual = 0;          // squares of how far those of the last ones, and of the last one, were found
+    std::vector<Scalar> square, x, y, z, key; // of what is collected; key: of what is chosen from
+    std::vector<Index> which, place;
     std::vector<Found> near, found;
+    std::size_t told = 0; // of found
 };
 
 } // namespace fcd

@@ -24,6 +24,18 @@ void SortShort(T *first, T *last) {
     }
 }
 
+/// Sorts so many items that all differ, from one array into another: how many are smaller than each tells its place,
+/// without a branch that cannot be foreseen.
+template <int n, class T>
+void SortDiffering(const T *from, T *to) {
+    int place[n] = {};
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k)
+            place[k] += from[i] < from[k];
+    for (int k = 0; k < n; ++k)
+        to[place[k]] = from[k];
+}
+
 } // namespace detail
 } // namespace fcd
 } // namespace vcg

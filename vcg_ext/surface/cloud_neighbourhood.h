@@ -43,8 +43,13 @@ class CloudNeighbourhood {
         const std::size_t fewest = std::min<std::size_t>(cloudNeighbours, others), last = std::min(most, others);
         std::size_t wanted = fewest, first = 0; // that is enough
         double reached = 0;
+        Find(wanted);
+        isOneSided = isWide = false;
+        if (IsSurelyAcross()) // as mostly
+            return;
         for (;; wanted = std::min(4 * wanted, last)) {
-            Find(wanted);
+            if (wanted > fewest)
+                Find(wanted);
             reached = Across();
             if (!first && reached >= leastAcross)
                 first = wanted;
@@ -79,6 +84,11 @@ class CloudNeighbourhood {
         } else {
             for (const Other &other : ways)
                 step(other.square);
+        }
+        if (around.size() == std::size_t(cloudNeighbours)) {
+            neighbour.resize(cloudNeighbours);
+            SortDiffering<cloudNeighbours>(around.data(), neighbour.data());
+            return neighbour;
         }
         neighbour.clear();
         if (isWide)
@@ -129,14 +139,45 @@ class CloudNeighbourhood {
             const std::size_t block = points.BlockOf(at);
             inBlock.Ask(points.Begin(block), points.Begin(block + 1), wanted);
         }
-        around.clear();
-        ways.clear();
+        around.resize(nearest.Each());
+        ways.resize(nearest.Each());
         const typename PointBlocks<Scalar>::Point x = points.At(at);
-        std::for_each(nearest.Of(at), nearest.Of(at) + nearest.Each(), [&](const auto &each) {
-            const Eigen::Vector3d way = (points.At(std::size_t(each.at)) - x).template cast<double>();
-            around.push_back(each.number);
-            ways.push_back({way.squaredNorm(), each.number, way});
-        });
+        const auto *each = nearest.Of(at);
+        for (std::size_t k = 0; k < ways.size(); ++k, ++each) {
+            const Eigen::Vector3d way = (points.At(std::size_t(each->at)) - x).template cast<double>();
+            around[k] = each->number;
+            ways[k] = {way.squaredNorm(), each->number, way};
+        }
+    }
+
+    /// Whether Across() is at least leastAcross for sure, without the eigenvalues a, b, c, ascending: none of them is
+    /// above the one that the moments would have if a and b were equal. If b is above leastAcross times that, and a is
+    /// not, as mostly, the characteristic polynomial tells it.
+    bool IsSurelyAcross() const {
+        if (ways.size() != std::size_t(cloudNeighbours))
+            return false;
+        double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+        for (int k = 0; k < cloudNeighbours; ++k) {
+            const double w = 1 / ways[k].square, x = ways[k].way[0], y = ways[k].way[1], z = ways[k].way[2];
+            const double wx = w * x, wy = w * y, wz = w * z;
+            xx += wx * x;
+            yy += wy * y;
+            zz += wz * z;
+            xy += wx * y;
+            xz += wx * z;
+            yz += wy * z;
+        }
+        const double mean = (xx + yy + zz) / 3;
+        xx -= mean;
+        yy -= mean;
+        zz -= mean;
+        const double spread = std::sqrt((xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)) / 6);
+        const double from = mean - leastAcross * (mean + 2 * spread);
+        xx += from;
+        yy += from;
+        zz += from;
+        const double polynomial = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+        return polynomial < -1e-4 * (mean * mean * mean); // what is rounded is far less
     }
 
     Eigen::Matrix3d Moments() const {

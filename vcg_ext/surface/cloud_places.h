@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -46,16 +47,16 @@ class HeldPlaces {
   public:
     /// \param isHeld isHeld(place)
     template <class IsHeld>
-    HeldPlaces(const std::vector<Eigen::Vector3d> &point, const IsHeld &isHeld) {
-        for (std::size_t place = 0; place < point.size(); ++place)
+    HeldPlaces(const Eigen::Matrix3Xd &point, const IsHeld &isHeld) {
+        for (std::size_t place = 0; place < std::size_t(point.cols()); ++place)
             if (isHeld(place)) {
                 if (held.size() % some == 0)
                     small.emplace_back();
                 if (held.size() % (some * some) == 0)
                     large.emplace_back();
-                held.push_back(point[place]);
-                small.back().extend(point[place]);
-                large.back().extend(point[place]);
+                held.emplace_back(point.col(Eigen::Index(place)));
+                small.back().extend(held.back());
+                large.back().extend(held.back());
             }
     }
     /// Whether one is no farther from \p box than \p distance.
@@ -84,41 +85,55 @@ class HeldPlaces {
 /// Places in Morton order, run by run, each of two parts, as the order jumps here and there.
 struct PlaceRuns {
     static constexpr std::size_t size = 64;
-    static_assert(CloudNeighbourhood<double>::most <= 3 * size, "three runs are all that is looked at");
 
-    PlaceRuns(const std::vector<Eigen::Vector3d> &point, unsigned threads)
-        : places(point.size()), box((places + size - 1) / size), part(2 * box.size()), cut(box.size()) {
+    PlaceRuns(const Eigen::Matrix3Xd &point, unsigned threads)
+        : places(std::size_t(point.cols())), box((places + size - 1) / size), part(2 * box.size()), cut(box.size()),
+          some(places / each) {
         ParallelFor(threads, box.size(), 256, [&](std::size_t first, std::size_t last) {
+            const auto at = [&](std::size_t i) { return Eigen::Vector3d(point.col(Eigen::Index(i))); };
             for (std::size_t r = first; r < last; ++r) {
                 double longest = -1;
                 for (std::size_t i = r * size; i < End(r); ++i)
-                    if (const double way = i > r * size ? (point[i] - point[i - 1]).squaredNorm() : 0; way > longest) {
+                    if (const double way = i > r * size ? (at(i) - at(i - 1)).squaredNorm() : 0; way > longest) {
                         longest = way;
                         cut[r] = i;
                     }
-                for (std::size_t i = r * size; i < End(r); ++i)
-                    part[PartOf(i)].extend(point[i]);
+                for (std::size_t i = r * size; i < End(r); ++i) {
+                    part[PartOf(i)].extend(at(i));
+                    if (i / each < some.size())
+                        some[i / each].extend(at(i));
+                }
                 box[r] = part[2 * r].merged(part[2 * r + 1]);
             }
         });
     }
     std::size_t End(std::size_t r) const { return std::min(places, (r + 1) * size); }
     std::size_t PartOf(std::size_t place) const { return 2 * (place / size) + (place >= cut[place / size]); }
-    /// How far from a part what is looked at is at most: no farther than the three runs before or behind reach.
+    /// How far from a part what is looked at is at most: no farther than as many places, those nearest to it among the
+    /// ones before and behind.
     double Reach(std::size_t p) const {
+        constexpr std::size_t beside = 4, perRun = size / each; // runs
         const std::size_t r = p / 2;
-        double reach = std::numeric_limits<double>::infinity();
-        for (std::size_t first : {r - 3, r + 1}) // below 0: a very large number
-            if (first < box.size() && (first + 3) * size <= places) {
-                const Eigen::AlignedBox3d all = box[first].merged(box[first + 1]).merged(box[first + 2]);
-                reach = std::min(reach, 1.001 * all.merged(part[p]).diagonal().norm()); // and what is rounded
-            }
-        return reach;
+        double square[(2 * beside + 1) * perRun]; // of how far some of them are at most
+        std::size_t found = 0;
+        for (std::size_t s = perRun * (r - std::min(r, beside)); s < std::min(some.size(), perRun * (r + beside + 1));
+             ++s)
+            square[found++] = (part[p].max() - some[s].min()).cwiseMax(some[s].max() - part[p].min()).squaredNorm();
+        constexpr std::size_t wanted = CloudNeighbourhood<double>::most / each + 1; // and the point itself
+        static_assert(wanted <= beside * perRun, "as many are there");
+        if (found < wanted)
+            return std::numeric_limits<double>::infinity();
+        std::nth_element(square, square + wanted - 1, square + found);
+        return 1.001 * std::sqrt(square[wanted - 1]); // and what is rounded
     }
 
     const std::size_t places;
     std::vector<Eigen::AlignedBox3d> box, part;
     std::vector<std::size_t> cut; // the first place of each second part
+
+  private:
+    static constexpr std::size_t each = 16; // a run is a multiple of it
+    std::vector<Eigen::AlignedBox3d> some;  // of so many places that follow each other
 };
 
 } // namespace detail

@@ -54,44 +54,64 @@ class RegionFinder {
     /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
     /// looked at to find them. Points at one place, or a hair from it, are one.
     void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
-        std::vector<std::uint32_t> slotOf;
+        struct Chunk {
+            Eigen::AlignedBox3d box, ofFree;
+            std::size_t begin = 0; // in the order
+        };
+        std::vector<Chunk> chunks((slots + grain - 1) / grain);
+        ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
+            Chunk here;
+            for (std::size_t i = first; i < last; ++i)
+                if (Is(i, live)) {
+                    const Eigen::Vector3d p = metric * mesh.At(i);
+                    here.box.extend(p);
+                    if (Is(i, free))
+                        here.ofFree.extend(p);
+                    ++here.begin;
+                }
+            chunks[first / grain] = here;
+        });
         Eigen::AlignedBox3d box, ofFree;
-        for (std::size_t i = 0; i < slots; ++i)
-            if (Is(i, live)) {
-                slotOf.push_back(std::uint32_t(i));
-                box.extend(metric * mesh.At(i));
-                if (Is(i, free))
-                    ofFree.extend(metric * mesh.At(i));
-            }
-        if (slotOf.size() < 2 || ofFree.isEmpty())
+        std::size_t n = 0;
+        for (Chunk &chunk : chunks) {
+            box.extend(chunk.box);
+            ofFree.extend(chunk.ofFree);
+            n += std::exchange(chunk.begin, n);
+        }
+        if (n < 2 || ofFree.isEmpty())
             return;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
         const double cell = std::max(8 * defaultWeldDistance * ofFree.diagonal().norm(), 1e-300);
         // In Morton order, so that queries that follow each other visit the same memory.
-        const std::size_t n = slotOf.size();
         const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
         std::unique_ptr<std::uint64_t[]> order = LargeArray<std::uint64_t>(n);
-        ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) {
-                const Eigen::Vector3d p = (metric * mesh.At(slotOf[k]) - (box.min() * 0.5 + box.max() * 0.5));
-                const Eigen::Vector3f x = p.cwiseProduct(scale).cast<float>();
-                order[k] = std::uint64_t(detail::MortonCode(x[0], x[1], x[2])) << 32 | slotOf[k];
-            }
+        ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
+            std::size_t k = chunks[first / grain].begin;
+            for (std::size_t i = first; i < last; ++i)
+                if (Is(i, live)) {
+                    const Eigen::Vector3d p = (metric * mesh.At(i) - (box.min() * 0.5 + box.max() * 0.5));
+                    const Eigen::Vector3f x = p.cwiseProduct(scale).cast<float>();
+                    order[k++] = std::uint64_t(detail::MortonCode(x[0], x[1], x[2])) << 32 | i;
+                }
         });
         detail::RadixSortUpper30(order, n, progress.Slice(0, 0.1), "Finding neighbours");
-        struct Places {
-            std::vector<std::size_t> begin; // of each place's points in slotOf
-            std::vector<Eigen::Vector3d> point;
-        };
-        std::vector<Places> found((n + grain - 1) / grain); // of the codes that begin in a chunk
+        const std::unique_ptr<std::uint32_t[]> slotOf = LargeArray<std::uint32_t>(n); // in an order by places
+        std::vector<std::vector<std::uint32_t>> begins((n + grain - 1) / grain);      // of places, by chunks
         const auto codeAt = [&](std::size_t i) { return order[i] >> 32; };
         ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
-            Places &here = found[first / grain];
+            std::vector<std::uint32_t> here; // of the codes that begin in the chunk
+            here.reserve(last - first);
             std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // of one code
             std::size_t i = first, next;
             while (i > 0 && i < last && codeAt(i) == codeAt(i - 1))
                 ++i;
             for (; i < last; i = next) {
+                next = i + 1;
+                if (next == n || codeAt(next) != codeAt(i)) {
+                    slotOf[i] = std::uint32_t(order[i]);
+                    here.push_back(std::uint32_t(i));
+                    continue;
+                }
                 same.clear();
                 for (next = i; next < n && codeAt(next) == codeAt(i); ++next) {
                     const Eigen::Vector3d p = metric * mesh.At(std::uint32_t(order[next]));
@@ -101,36 +121,43 @@ class RegionFinder {
                 std::sort(same.begin(), same.end());
                 for (std::size_t j = 0; j < same.size(); ++j) {
                     slotOf[i + j] = same[j].second;
-                    if (j == 0 || same[j].first != same[j - 1].first) {
-                        here.begin.push_back(i + j);
-                        here.point.emplace_back(metric * mesh.At(same[j].second));
-                    }
+                    if (j == 0 || same[j].first != same[j - 1].first)
+                        here.push_back(std::uint32_t(i + j));
                 }
             }
+            begins[first / grain] = std::move(here);
         });
-        std::vector<std::size_t> begin;
-        std::vector<Eigen::Vector3d> point;
-        for (const Places &here : found) {
-            begin.insert(begin.end(), here.begin.begin(), here.begin.end());
-            point.insert(point.end(), here.point.begin(), here.point.end());
-        }
-        begin.push_back(n);
         order.reset();
+        std::vector<std::size_t> before(1, 0); // the places of the chunks before
+        for (const auto &here : begins)
+            before.push_back(before.back() + here.size());
+        const std::size_t places = before.back();
+        const std::unique_ptr<std::uint32_t[]> begin = LargeArray<std::uint32_t>(places + 1); // of each one's slots
+        begin[places] = std::uint32_t(n);
+        ParallelFor(progress.threads, begins.size(), 1, [&](std::size_t c, std::size_t) {
+            std::copy(begins[c].begin(), begins[c].end(), begin.get() + before[c]);
+        });
         const auto reachPlace = [&](std::size_t place) {
             for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
                 Reach(slotOf[k]);
         };
-        if (point.size() < 2) {
+        if (places < 2) {
             reachPlace(0);
             return;
         }
-        std::vector<char> has(point.size(), 0);
-        ParallelFor(progress.threads, point.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t place = first; place < last; ++place)
+        Eigen::Matrix3Xd point(3, Eigen::Index(places)); // the first of each place
+        PreferLargePages(point.data(), places * sizeof(Eigen::Vector3d));
+        const std::unique_ptr<char[]> has = LargeArray<char>(places);
+        ParallelFor(progress.threads, places, grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t place = first; place < last; ++place) {
+                point.col(Eigen::Index(place)) = metric * mesh.At(slotOf[begin[place]]);
+                char of = 0;
                 for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
-                    has[place] = char(has[place] | (Is(slotOf[k], free) ? hasFree : hasHeld));
+                    of = char(of | (Is(slotOf[k], free) ? hasFree : hasHeld));
+                has[place] = of;
+            }
         });
-        ReachAround(point, has, reachPlace, progress.Slice(0.1, 1));
+        ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 1));
     }
 
     /// Reaches the vertices of faces and edge elements that have a free one.
@@ -204,8 +231,8 @@ class RegionFinder {
     /// reaches itself; only what is near the others is searched.
     /// \param point of each place, in Morton order \param has flags of each place
     template <class ReachPlace>
-    static void ReachAround(const std::vector<Eigen::Vector3d> &point, const std::vector<char> &has,
-                            const ReachPlace &reachPlace, const Progress &progress) {
+    static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
+                            const Progress &progress) {
         const detail::HeldPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
         const detail::PlaceRuns runs(point, progress.threads);
         std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
@@ -218,8 +245,9 @@ class RegionFinder {
                         reachPlace(place);
                     }
                 for (std::size_t p : {2 * r, 2 * r + 1})
-                    if (const double reach = runs.Reach(p); hasAny[p % 2] && held.IsNear(runs.part[p], reach))
-                        around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
+                    if (hasAny[p % 2])
+                        if (const double reach = runs.Reach(p); held.IsNear(runs.part[p], reach))
+                            around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
             }
         });
         const detail::BoxGroups searched(around);
@@ -232,7 +260,7 @@ class RegionFinder {
             return;
         Eigen::Matrix3Xd position(3, there.size());
         for (std::size_t k = 0; k < there.size(); ++k)
-            position.col(Eigen::Index(k)) = point[there[k]];
+            position.col(Eigen::Index(k)) = point.col(Eigen::Index(there[k]));
         const PointBlocks<double> blocks(position, progress.threads);
         ParallelFor(progress, detail::findingNeighbours, blocks.Blocks(), 64, [&](std::size_t first, std::size_t last) {
             detail::CloudNeighbourhood<double> neighbourhood(blocks);
