@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
+#include <vcg_ext/base/words.h>
+
 #include <layer_fcd/marks.h>
 #include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
-#include <charconv>
 
 // How a bend becomes what a filter would have made of it.
 
-namespace {
-
-std::string digits(double number) {
-    char text[32];
-    return std::string(text, std::to_chars(text, text + sizeof text, number).ptr);
-}
-
-} // namespace
+using vcg::fcd::detail::ToText;
 
 HandleParam BendSession::handleParam() const {
     HandleParam param;
@@ -45,7 +39,7 @@ std::string BendSession::filterCall(const std::string &script, const std::string
                        "', transforms='" + motionText() + "'";
     const BendOptions defaults;
     if (options.pose != defaults.pose)
-        call += ", pose=" + digits(double(Scalarm(options.pose)));
+        call += ", pose=" + ToText(double(Scalarm(options.pose)));
     if (options.weights != defaults.weights)
         call += ", weights=" + std::to_string(int(options.weights));
     return call + shapeCall() + more + ")";
@@ -56,7 +50,7 @@ std::string BendSession::shapeCall() const {
     std::string call;
     const BendOptions defaults;
     if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + digits(double(Scalarm(options.smoothness)));
+        call += ", smoothness=" + ToText(double(Scalarm(options.smoothness)));
     if (options.initialPatches != defaults.initialPatches)
         call += ", initial_patches=" + std::to_string(options.initialPatches);
     return call;

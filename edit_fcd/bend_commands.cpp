@@ -20,6 +20,8 @@ void BendTool::makePanel() {
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
     connectHandles();
     connectPoses();
+    connect(&panel->line(), &BendLineBox::command, this, [this](int which) { guarded([&] { onLineCommand(which); }); });
+    connect(&panel->line(), &BendLineBox::changed, this, [this] { refresh(); });
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
@@ -215,6 +217,8 @@ QString BendTool::stateText() const {
         return "Playing the key frames: Esc, or a click, ends it.";
     if (!hint.isEmpty())
         return hint;
+    if (panel->mode() == BendPanel::Line)
+        return lineText();
     QString text;
     if (session->handleTags().empty())
         text = session->isMarked() ? "Mark a handle (red), then drag it."
@@ -248,12 +252,13 @@ void BendTool::refresh() {
         panel->showState(
             preparing->cancelled()
                 ? "Stopping ..."
-                : QString("Preparing the layer: %1 %. Esc or a right click stops that.").arg(preparing->percent()));
+                : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing->percent()));
         return;
     }
     panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();
     showPoses();
+    showLines();
     panel->showState(stateText());
 }

@@ -51,65 +51,19 @@ void BendTool::beginDrag(const Grip &what) {
             grip.tag = session->addPoint(grip.slot, radius);
         tookToPrepare = session->prepare(progress);
     };
-    if (model->cm.vn <= preparedAtOnce) {
-        try {
-            prepare({});
-        } catch (...) {
-            stopPreparing();
-            throw;
-        }
-        dragWhenPrepared();
-        return;
-    }
-    preparing = std::make_unique<BendWork>(prepare, [this] {
-        QMetaObject::invokeMethod(
-            this,
-            [this] {
-                if (!preparing)
-                    return; // it was stopped
-                guarded([&] {
-                    try {
-                        preparing->finish();
-                        preparing.reset();
-                    } catch (const vcg::fcd::Cancelled &) {
-                        stopPreparing();
-                        return;
-                    } catch (...) {
-                        stopPreparing();
-                        throw;
-                    }
-                    preparingTimer.stop();
-                    view->unsetCursor();
-                    dragWhenPrepared();
-                });
-            },
-            Qt::QueuedConnection);
-    });
-    view->setCursor(Qt::BusyCursor);
-    preparingTimer.callOnTimeout(this, [this] { refresh(); });
-    preparingTimer.start(100);
-    refresh();
-    if (std::getenv("FCD_TRACE"))
+    const bool isAtOnce = model->cm.vn <= preparedAtOnce;
+    beside(
+        "Preparing the layer", prepare, [this] { dragWhenPrepared(); },
+        [this] {
+            session->cancel();
+            comeToRest();
+        });
+    if (!isAtOnce && std::getenv("FCD_TRACE"))
         std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
                      double(sinceEvent.nsecsElapsed()) / 1e6);
 }
 
-/// What has been begun for a drag is taken back.
-void BendTool::stopPreparing() {
-    const bool wasBeside = preparing != nullptr;
-    preparing.reset(); // waits for it
-    preparingTimer.stop();
-    preparingTimer.disconnect(this);
-    if (!layer())
-        return;
-    session->cancel();
-    if (wasBeside)
-        view->unsetCursor();
-    comeToRest();
-}
-
 void BendTool::dragWhenPrepared() {
-    preparingTimer.disconnect(this);
     const int tag = active = grip.tag;
     drag = std::make_unique<BendDrag>();
     drag->tag = tag;

@@ -73,6 +73,10 @@ void BendTool::press(QMouseEvent *event) {
             beginMarking(BendMarking::Polygon);
         marking->corners.push_back(corner);
         break;
+    case BendPanel::Line:
+        if (!pressLine())
+            toCamera(event);
+        break;
     }
     refresh();
     view->update();
@@ -107,6 +111,8 @@ void BendTool::move(QMouseEvent *event) {
         brush();
     } else if (marking && (event->buttons() & Qt::LeftButton)) {
         marking->corners.back() = mouseInWindow().head<2>();
+    } else if (linePoint) {
+        dragLinePoint();
     } else if (panel && panel->mode() == BendPanel::Brush) {
         view->update();
     } else if (panel && panel->mode() == BendPanel::Bend && event->buttons() == Qt::NoButton) {
@@ -115,6 +121,7 @@ void BendTool::move(QMouseEvent *event) {
 }
 
 void BendTool::release(QMouseEvent *event) {
+    linePoint.reset();
     if (!isForLayer(event))
         return;
     if (drag && !drag->modal)

@@ -7,13 +7,20 @@
 
 using vcg::fcd::Error;
 
+/// What a key does now, null where it is none of ours.
+const BendKey *BendTool::keyOf(const QKeyEvent &event) const {
+    const BendKey *key = bendKeyOf(event);
+    const bool isOfLines = key && key->action == BendAction::RemovePoint;
+    return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
+}
+
 bool BendTool::eventFilter(QObject *object, QEvent *event) {
     if (object == view && view && !view->suspendedEditor && session) {
         if (event->type() == QEvent::Enter)
             view->setFocus();                            // keys belong to what is under the mouse
         if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
             const auto &pressed = *static_cast<QKeyEvent *>(event);
-            const BendKey *key = bendKeyOf(pressed);
+            const BendKey *key = keyOf(pressed);
             // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
             if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
                 event->accept();
@@ -99,6 +106,8 @@ void BendTool::act(BendAction action) {
     case BendAction::Brush: setMode(BendPanel::Brush); break;
     case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
     case BendAction::Polyline: setMode(BendPanel::Polyline); break;
+    case BendAction::Line: setMode(BendPanel::Line); break;
+    case BendAction::RemovePoint: removeLinePoint(); break;
     case BendAction::Fixed: panel->setRole(BendPanel::Fixed, 2); break;
     case BendAction::Free: panel->setRole(BendPanel::Free, 2); break;
     case BendAction::Outside: panel->setRole(BendPanel::Outside, 2); break;
@@ -139,7 +148,7 @@ void BendTool::pressKey(QKeyEvent *event) {
         pressKeyWhileDragging(event);
         return;
     }
-    const BendKey *key = bendKeyOf(*event);
+    const BendKey *key = keyOf(*event);
     if (!key)
         event->ignore();
     else if (isReady())

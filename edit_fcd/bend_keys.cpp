@@ -10,6 +10,10 @@ const std::vector<BendKey> &bendKeys() {
         {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
         {BendAction::Rectangle, "V", "mark what is in a rectangle"},
         {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
+        {BendAction::Line, "N",
+         "straighten the layer along a line: click points along it, drag them; a layer, or a file, may be the line, "
+         "too"},
+        {BendAction::RemovePoint, "Del", "remove the point of the line under the mouse, or else the last one"},
         {BendAction::Fixed, "F", "what is marked becomes fixed"},
         {BendAction::Free, "U", "free"},
         {BendAction::Handle, "H", "part of the selected handle, or a new one after that was moved"},

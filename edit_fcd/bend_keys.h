@@ -13,6 +13,8 @@ enum class BendAction {
     Brush,
     Rectangle,
     Polyline,
+    Line,
+    RemovePoint,
     Fixed,
     Free,
     Handle,

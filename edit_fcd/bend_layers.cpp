@@ -79,15 +79,18 @@ void BendTool::open(MeshModel &newModel) {
     isLive = isShownChanged = false;
 }
 
+/// What the layer shows is what a filter finds.
+void BendTool::keepShown() {
+    if (const std::string calls = session->leave({}); !calls.empty())
+        say("The layer '" + model->label().toStdString() +
+            "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
+}
+
 /// What the layer shows is what it is, whatever comes next.
 void BendTool::leave() {
     if (!layer() || !(isLive || session->isUpToDate()))
         return;
-    guarded([&] {
-        if (const std::string calls = session->leave({}); !calls.empty())
-            say("The layer '" + model->label().toStdString() +
-                "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
-    });
+    guarded([&] { keepShown(); });
     display->rest();
     display->updateShape(true);
     usual = session->options;
@@ -104,6 +107,7 @@ void BendTool::close() {
     if (marking && layer())
         session->cancel();
     marking.reset();
+    linePoint.reset();
     isStepWanted = false;
     leave();
     isPainted = false;

@@ -2,6 +2,7 @@
 #include "bend_overlay.h"
 
 #include <layer_fcd/edit_host.h>
+#include <vcg_ext/line/framed_line.h>
 
 #include <cmath>
 
@@ -126,6 +127,32 @@ void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, c
     if (lit && lit->axis < 0)
         glColor3ubv(litColor);
     drawPoint(gizmo.center, 14);
+}
+
+void drawLine(const Eigen::Matrix3Xd &points) {
+    const FlatDrawing flat;
+    Eigen::Matrix3Xd way = points;
+    try {
+        const vcg::fcd::FramedLine line(points);
+        const int parts = 200;
+        way.resize(3, parts + 1);
+        for (int i = 0; i <= parts; ++i)
+            way.col(i) = line.At(line.Length() * i / parts).point;
+    } catch (const vcg::fcd::Error &) { // it is none yet
+    }
+    for (const bool isInner : {false, true}) { // dark around light: seen on any ground
+        glLineWidth(isInner ? 2 : 4);
+        if (isInner)
+            glColor3ubv(litColor);
+        else
+            glColor3ub(20, 20, 20);
+        glBegin(GL_LINE_STRIP);
+        for (const auto &place : way.colwise())
+            put(place);
+        glEnd();
+        for (Eigen::Index i = 0; i < points.cols(); ++i)
+            drawPoint(points.col(i), (i == 0 ? 12.f : 9.f) - (isInner ? 3.f : 0.f));
+    }
 }
 
 void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon) {

@@ -28,6 +28,8 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
 /// Draws the gizmo. \param drag may be null \param lit the part under the mouse
 void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit);
+/// Draws the smooth line through points, 3 x n, in the world, and these: the first one larger.
+void drawLine(const Eigen::Matrix3Xd &points);
 /// Draws a polygon in the window.
 void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon);
 

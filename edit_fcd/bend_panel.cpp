@@ -28,7 +28,11 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     column->setContentsMargins(6, 4, 6, 4);
     column->setSpacing(4);
     addModes(*column);
-    addMarking(*column);
+    marking = new QWidget;
+    addMarking(*marking);
+    column->addWidget(marking);
+    lineBox = new BendLineBox;
+    column->addWidget(lineBox);
     list = new BendHandleList;
     list->setObjectName("handles");
     column->addWidget(list);
@@ -47,6 +51,7 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     setScrolled(*this, *content);
     moreOptions->hide(); // the width is that of all
     poseBox->hide();
+    lineBox->hide();
     connectOptions();
     tracePlaces(*this);
 }
@@ -62,13 +67,15 @@ void BendPanel::addModes(QBoxLayout &column) {
         row->addWidget(button);
         return button;
     };
-    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline"};
+    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Line"};
     const QString tips[] = {
         withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
         withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
         withKeys("Mark what is in a rectangle", BendAction::Rectangle),
-        withKeys("Mark what is in a polygon: click its corners, double-click the last", BendAction::Polyline)};
-    for (int i = 0; i < 4; ++i) {
+        withKeys("Mark what is in a polygon: click its corners, double-click the last", BendAction::Polyline),
+        withKeys("Straighten the layer along a line, or bend it along one: click points, or choose a layer",
+                 BendAction::Line)};
+    for (int i = 0; i < 5; ++i) {
         QToolButton *button = add(names[i], tips[i]);
         button->setCheckable(true);
         modes->addButton(button, i);
@@ -81,8 +88,9 @@ void BendPanel::addModes(QBoxLayout &column) {
     column.addLayout(row);
 }
 
-void BendPanel::addMarking(QBoxLayout &column) {
-    auto *form = new QFormLayout;
+void BendPanel::addMarking(QWidget &place) {
+    auto *form = new QFormLayout(&place);
+    form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
     const auto withTip = [](auto *widget, const QString &tip) {
         widget->setToolTip(tip);
@@ -151,98 +159,6 @@ void BendPanel::addMarking(QBoxLayout &column) {
     stretched->addWidget(withTip(new QLabel(legend), "How long the surface is there, of its length at rest"));
     stretched->addStretch();
     form->addRow(stretched);
-    column.addLayout(form);
-}
-
-void BendPanel::addCommands(QBoxLayout &column) {
-    auto *grid = new QGridLayout;
-    grid->setSpacing(3);
-    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place) {
-        auto *button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
-        grid->addWidget(button, row, place);
-    };
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 1);
-    add("Undo", withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0);
-    add("Redo", withKeys("Redo", BendAction::Redo), Redo, 1, 1);
-    add("Apply in place",
-        withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace), ApplyInPlace,
-        2, 0);
-    add("Apply to new layer",
-        withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer), ApplyToNewLayer,
-        2, 1);
-    add("Reset", withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
-    auto *folds = new QHBoxLayout;
-    folds->addWidget(fold("poses_fold", "Poses", "Poses that have names, blended by sliders", poseBox));
-    folds->addWidget(fold("more", "More", "What shapes a deformation, motions as text, graph layers", moreOptions));
-    grid->addLayout(folds, 3, 1);
-    column.addLayout(grid);
-}
-
-/// A button that shows, or hides, a part of the panel.
-QToolButton *BendPanel::fold(const char *name, const char *text, const QString &tip, QWidget *part) {
-    auto *button = new QToolButton;
-    button->setObjectName(name);
-    button->setText(text);
-    button->setToolTip(tip);
-    button->setCheckable(true);
-    button->setFocusPolicy(Qt::NoFocus);
-    button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    button->setArrowType(Qt::RightArrow);
-    button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-    connect(button, &QToolButton::toggled, this, [this, button, part](bool shown) {
-        button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
-        part->setVisible(shown);
-        if (shown)
-            QTimer::singleShot(50, this, [this, part] { // once it has a place
-                static_cast<QScrollArea *>(widget())->ensureWidgetVisible(part);
-            });
-        tracePlaces(*this);
-    });
-    return button;
-}
-
-void BendPanel::addMore(QBoxLayout &column) {
-    auto *form = new QFormLayout(moreOptions);
-    form->setContentsMargins(0, 0, 0, 0);
-    form->setVerticalSpacing(3);
-    smoothnessValue = new QDoubleSpinBox;
-    smoothnessValue->setToolTip("How evenly turns are spread over the surface: higher is stiffer");
-    smoothnessValue->setDecimals(4);
-    smoothnessValue->setRange(0, 10);
-    smoothnessValue->setSingleStep(0.002);
-    smoothnessValue->setValue(0.0058);
-    form->addRow("Smoothness", smoothnessValue);
-    patchCount = new QSpinBox;
-    patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer");
-    patchCount->setRange(1, 20000);
-    patchCount->setValue(300);
-    form->addRow("Initial patches", patchCount);
-    const EnumText words = weightsText();
-    weightsChoice = new QComboBox;
-    weightsChoice->setObjectName("distances");
-    weightsChoice->addItems(words.values);
-    weightsChoice->setToolTip(words.help);
-    form->addRow(words.label, weightsChoice);
-    motionText = new QPlainTextEdit;
-    motionText->setObjectName("motions");
-    motionText->setFixedHeight(58);
-    motionText->setPlaceholderText("Motions as text");
-    motionText->setToolTip("The motions of the handles as the filters take them ('Motions as text'); type or paste, "
-                           "then press 'Take motions'");
-    form->addRow(motionText);
-    auto *take = new QPushButton("Take motions");
-    take->setObjectName("take");
-    take->setToolTip("Moves the handles as the text says");
-    take->setFocusPolicy(Qt::NoFocus);
-    connect(take, &QPushButton::clicked, this, [this] { emit command(TakeMotions); });
-    graphs = new QCheckBox("with graph layers");
-    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
-    form->addRow(graphs, take);
-    column.addWidget(moreOptions);
 }
 
 void BendPanel::connectOptions() {
@@ -260,6 +176,14 @@ void BendPanel::connectOptions() {
     for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
     connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
+    connect(modes, QOverload<QAbstractButton *, bool>::of(&QButtonGroup::buttonToggled), this, [this] {
+        const bool isLine = mode() == Line;
+        if (lineBox->isHidden() != isLine)
+            return;
+        marking->setVisible(!isLine);
+        lineBox->setVisible(isLine);
+        tracePlaces(*this);
+    });
     connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, [this] {
         emit optionsChanged();
         emit modeChosen();

@@ -5,6 +5,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
 
 #include "bend_handle_list.h"
+#include "bend_line_box.h"
 #include "bend_pose_box.h"
 
 #include <QButtonGroup>
@@ -26,7 +27,7 @@ class BendPanel : public QDockWidget {
     Q_OBJECT
 
   public:
-    enum Mode { Bend, Brush, Rectangle, Polyline };
+    enum Mode { Bend, Brush, Rectangle, Polyline, Line };
     enum Role { Fixed, Free, Handle, Outside };
     enum Command { MarkSelection, ClearMarks, TakeMotions, Undo, Redo, Reset, ApplyInPlace, ApplyToNewLayer };
 
@@ -66,6 +67,7 @@ class BendPanel : public QDockWidget {
     void showKeys();
     BendHandleList &handles() { return *list; }
     BendPoseBox &poses() { return *poseBox; }
+    BendLineBox &line() { return *lineBox; }
 
   signals:
     void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
@@ -75,10 +77,11 @@ class BendPanel : public QDockWidget {
 
   private:
     void addModes(QBoxLayout &column);
-    void addMarking(QBoxLayout &column);
+    void addMarking(QWidget &place);
     void addCommands(QBoxLayout &column);
     void addMore(QBoxLayout &column);
     QToolButton *fold(const char *name, const char *text, const QString &tip, QWidget *part);
+    void scrollTo(QWidget *part);
     void connectOptions();
 
     QButtonGroup *modes;
@@ -91,7 +94,8 @@ class BendPanel : public QDockWidget {
     QLabel *state, *poseLabel;
     BendHandleList *list;
     BendPoseBox *poseBox;
-    QWidget *moreOptions;
+    BendLineBox *lineBox;
+    QWidget *marking, *moreOptions;
     QPointer<QLabel> page; ///< of keys
 };
 

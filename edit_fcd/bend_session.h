@@ -136,6 +136,20 @@ class BendSession {
     /// \pre there are some \throw vcg::fcd::Error the file cannot be written
     void savePoses(const QString &file) const;
 
+    // --- the line that the layer is straightened along (bend_lines.cpp) ---
+
+    /// The line's points where they are in the pose, 3 x n, in the world, as a layer would have them.
+    Eigen::Matrix3Xd line() const;
+    void setLine(std::vector<BendLinePoint> line) { now.line = std::move(line); }
+    /// \throw vcg::fcd::Error as readLine
+    void loadLine(const QString &file);
+    /// \throw vcg::fcd::Error there are not two points, or the file cannot be written
+    void saveLine(const QString &file) const;
+    /// What the line() is given as. \throw vcg::fcd::Error there are not two points
+    void takeLine(StraightenMeshParam &param) const;
+    /// The filter call that straightens the layer like that. \param line of these points, or null
+    static std::string straightenCall(const StraightenMeshParam &param, const MeshModel *line);
+
     // --- the pose ---
 
     /// Milliseconds.

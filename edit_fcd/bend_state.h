@@ -7,6 +7,7 @@
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -32,6 +33,17 @@ struct BendHandle {
     }
 };
 
+/// A point of the line that a layer is straightened along: a place of its surface, which goes with it.
+struct BendLinePoint {
+    std::array<std::size_t, 3> corner{};              ///< slots of vertices
+    Eigen::Vector3d weight = Eigen::Vector3d::Zero(); ///< of these, whose mean it is; all 0: it is none of the layer's,
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< and is here, in the world
+
+    bool operator==(const BendLinePoint &other) const {
+        return corner == other.corner && weight == other.weight && place == other.place;
+    }
+};
+
 using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
 
 /// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
@@ -52,8 +64,9 @@ struct BendState {
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     double pose = 100;                                       ///< percent of the motions
     std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< that have names; null: none
-    std::vector<double> weights; ///< percent of each of these, where the motions are their blend; else empty
-    std::size_t applies = 0;     ///< since the session began: each made the shape of then the rest shape
+    std::vector<double> weights;     ///< percent of each of these, where the motions are their blend; else empty
+    std::vector<BendLinePoint> line; ///< in its order
+    std::size_t applies = 0;         ///< since the session began: each made the shape of then the rest shape
 
     bool operator==(const BendState &other) const;
 };

@@ -145,6 +145,8 @@ void BendTool::drawOverlay() const {
     drawPoints(*session, drag.get(), isBending && !drag ? hovered : 0);
     if (!panel || isSuspended)
         return;
+    if (panel->mode() == BendPanel::Line && panel->line().lineLayer() < 0)
+        drawLine(session->line());
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag.get(), lit);
     if (panel->mode() == BendPanel::Brush) {

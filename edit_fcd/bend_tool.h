@@ -54,6 +54,7 @@ class BendTool : public LayerTool {
     void open(MeshModel &model);
     void close() override;
     void leave();
+    void keepShown();
     void forgetLayers();
     bool isReady();
     void makePanel();
@@ -73,6 +74,16 @@ class BendTool : public LayerTool {
     void stopPlaying();
     void playFrame();
     void comeToRest();
+
+    void onLineCommand(int which);
+    void showLines();
+    QString lineText() const;
+    std::optional<std::size_t> linePointAt(const Eigen::Vector2d &window) const;
+    bool pressLine();
+    void dragLinePoint();
+    void removeLinePoint();
+    void straighten();
+
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
     QString stateText() const;
     void beginApply();
@@ -87,6 +98,7 @@ class BendTool : public LayerTool {
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);
     void placePivot();
+    const BendKey *keyOf(const QKeyEvent &event) const;
     void act(BendAction action);
     bool grab();
     int pointAt(const Eigen::Vector2d &window) const;
@@ -106,6 +118,9 @@ class BendTool : public LayerTool {
     };
     void beginDrag(const Grip &grip);
     void dragWhenPrepared();
+    void beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
+                std::function<void()> stopped);
+    void whenDone();
     void stopPreparing();
     void endDrag(bool keep);
     void requestStep();
@@ -137,9 +152,13 @@ class BendTool : public LayerTool {
     double tookToPrepare = 0;            ///< milliseconds
     bool isReleased = false;             ///< the button, before the layer was prepared
     std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
-    QTimer preparingTimer;               ///< to say how far that is
+    QString preparingWhat;
+    std::function<void()> whenPrepared, whenStopped;
+    std::size_t preparingNumber = 0; ///< of the last
+    QTimer preparingTimer;           ///< to say how far that is
     std::unique_ptr<BendMarking> marking;
-    QTimer playing; ///< of the next frame of the animation, while it is played
+    std::optional<std::size_t> linePoint; ///< that is dragged
+    QTimer playing;                       ///< of the next frame of the animation, while it is played
     QElapsedTimer sincePlay;
     double playLength = 0; ///< seconds
     QPointF mouse;

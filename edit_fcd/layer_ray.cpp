@@ -70,7 +70,8 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, c
         });
         if (!hit.isFound())
             return {};
-        return LayerHit{world * toVector(mesh.vert[hit.element].cP()), hit.element};
+        const std::size_t slot = hit.element;
+        return LayerHit{world * toVector(mesh.vert[slot].cP()), slot, {slot, slot, slot}, {1, 0, 0}};
     }
     const Eigen::Affine3d toLayer = world.inverse();
     const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
@@ -85,10 +86,21 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, c
     if (!hit.isFound())
         return {};
     const CFaceO &face = mesh.face[hit.element];
-    const Eigen::Vector3d place = from + hit.depth * way;
-    int nearest = 0;
-    for (int k = 1; k < 3; ++k)
-        if ((toVector(face.cP(k)) - place).norm() < (toVector(face.cP(nearest)) - place).norm())
-            nearest = k;
-    return LayerHit{world * place, std::size_t(face.cV(nearest) - mesh.vert.data())};
+    const Eigen::Vector3d place = from + hit.depth * way, origin = toVector(face.cP(0)),
+                          a = toVector(face.cP(1)) - origin, b = toVector(face.cP(2)) - origin, normal = a.cross(b);
+    LayerHit found;
+    found.place = world * place;
+    found.weight[1] = (place - origin).cross(b).dot(normal) / normal.squaredNorm();
+    found.weight[2] = a.cross(place - origin).dot(normal) / normal.squaredNorm();
+    found.weight[0] = 1 - found.weight[1] - found.weight[2];
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        found.corner[std::size_t(k)] = std::size_t(face.cV(k) - mesh.vert.data());
+        const double distance = (toVector(face.cP(k)) - place).norm();
+        if (distance < nearest) {
+            nearest = distance;
+            found.slot = found.corner[std::size_t(k)];
+        }
+    }
+    return found;
 }

@@ -6,13 +6,16 @@
 
 #include <layer_fcd/meshlab_host.h>
 
+#include <array>
 #include <cstddef>
 #include <optional>
 
 /// A place of a layer that is seen.
 struct LayerHit {
-    Eigen::Vector3d place; ///< world
-    std::size_t slot = 0;  ///< of the nearest vertex of its triangle
+    Eigen::Vector3d place;               ///< world
+    std::size_t slot = 0;                ///< of the nearest vertex of its triangle
+    std::array<std::size_t, 3> corner{}; ///< of the triangle, slots; thrice the vertex where there is none
+    Eigen::Vector3d weight;              ///< of the corners, whose mean the place is; they add up to 1
 };
 
 /// The place of a layer that is nearest to the eye at a place of the window, whatever else is before it; of a layer

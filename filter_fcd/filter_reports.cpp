@@ -227,18 +227,6 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
     return warnings;
 }
 
-std::string describe(const StraightenedLayers &made) {
-    const vcg::fcd::StraightenReport &report = made.report;
-    std::ostringstream line;
-    line << "The line is " << report.length << " long, and " << report.newLength << " now; " << report.following
-         << " of " << report.following + report.released << " nodes go with it. The surface is off from where its "
-         << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
-    if (report.twist != 0)
-        line << " A twist of " << report.twist << " degrees from end to end was taken out.";
-    line << " " << made.seconds << " s.";
-    return line.str();
-}
-
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
@@ -254,30 +242,6 @@ HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
                    {"converged", made.result.converged},
                    {"seconds", made.seconds}});
     return values;
-}
-
-std::vector<std::string> warningsOf(const StraightenedLayers &made) {
-    const vcg::fcd::StraightenReport &report = made.report;
-    std::vector<std::string> warnings;
-    if (report.released > 0) {
-        std::ostringstream line;
-        line << "Beside the line from ";
-        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i)
-            line << (i > 0 ? ", from " : "") << report.releasedAt[i].first << " to " << report.releasedAt[i].second;
-        line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
-             << " of its length, going with its cross-sections would fold the surface, or make it twice or half as "
-                "long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
-                "through the middle, or raise line_smoothing.";
-        warnings.push_back(line.str());
-    }
-    if (made.result.check.flipped > 0)
-        warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
-                           " turned over: the surface is folded there. Lay the line through the middle, or raise "
-                           "line_smoothing.");
-    if (!made.result.converged)
-        warnings.emplace_back("What does not go with the line did not come to rest there.");
-    return warnings;
 }
 
 std::string describe(const SequenceLayers &made) {

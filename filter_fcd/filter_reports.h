@@ -51,10 +51,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
 /// A sentence for each thing for which a fit is not to be trusted.
 std::vector<std::string> warningsOf(const FittedLayers &made);
 
-/// How a layer was straightened, in words and in numbers.
-std::string describe(const StraightenedLayers &made);
+/// How a layer was straightened, in numbers.
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
-std::vector<std::string> warningsOf(const StraightenedLayers &made);
 
 /// What was made of poses, in words and in numbers.
 std::string describe(const SequenceLayers &made);

@@ -157,3 +157,22 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
     computeBoxAndNormals(layer.cm);
     return layer;
 }
+
+MeshModel &NewLayers::addLine(const QString &what, const Eigen::Matrix3Xd &points) {
+    MeshModel &layer = add(what);
+    CMeshO &mesh = layer.cm;
+    mesh.Tr.SetIdentity();
+    const auto count = std::size_t(points.cols());
+    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, count);
+    for (std::size_t i = 0; i < count; ++i) {
+        mesh.vert[i].P() = toPoint(points.col(Eigen::Index(i)));
+        mesh.vert[i].N() = Point3m(0, 0, 1); // without a normal, MeshLab draws it black
+    }
+    auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, count - 1);
+    for (std::size_t i = 1; i < count; ++i, ++edge) {
+        edge->V(0) = &mesh.vert[i - 1];
+        edge->V(1) = &mesh.vert[i];
+    }
+    computeBoxAndNormals(mesh);
+    return layer;
+}

@@ -9,6 +9,7 @@
 #include "results.h"
 
 #include <memory>
+#include <sstream>
 
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
@@ -17,11 +18,11 @@ using vcg::fcd::LineMotion;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-namespace {
-
-LineGoal goalOf(const MeshModel &layer, const StraightenMeshParam &param) {
+LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
     LineGoal goal;
-    if (!param.lineFile.isEmpty())
+    if (param.line.cols() > 0)
+        goal.line = param.line;
+    else if (!param.lineFile.isEmpty())
         goal.line = readLine(param.lineFile);
     else if (!param.lineLayer || param.lineLayer == &layer)
         throw Error("There is no line. Choose a layer with its edges as 'line_layer', or give a file with its points "
@@ -43,19 +44,16 @@ LineGoal goalOf(const MeshModel &layer, const StraightenMeshParam &param) {
         goal.arc.direction = param.direction;
         goal.arc.towards = param.towards;
     }
+    vcg::fcd::MotionTo(goal); // what is wrong with the lines is told at once
     return goal;
 }
 
-} // namespace
-
-StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
-                                   const Remark &remark, const Progress &progress) {
-    const vcg::fcd::Stopwatch watch;
-    StraightenedLayers made;
+StraightenedShape straightened(const MeshModel &layer, const LineGoal &goal, const StraightenMeshParam &param,
+                               const Progress &progress) {
+    StraightenedShape shape;
+    StraightenedLayers &made = shape.made;
     vcg::fcd::DeformationResult &result = made.result;
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
-    const LineGoal goal = goalOf(layer, param);
-    vcg::fcd::MotionTo(goal); // what is wrong with the lines is told at once
     const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
     const SurfaceView view = surface.View();
     const vcg::fcd::Handles handles = vcg::fcd::AllFree(view.vertexSlots, world);
@@ -66,25 +64,75 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
     const auto prepared = std::make_shared<Prepared>();
     prepared->deformer = vcg::fcd::PrepareDeformer(view, handles, bend, progress.Slice(0.02, 0.6));
     prepared->tags = result.tags;
+    shape.prepared = prepared;
     const Deformer &deformer = *prepared->deformer;
     const LineMotion motion = vcg::fcd::MotionTo(goal, deformer, world, made.report);
-    result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.6, 0.7));
+    result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.6, 0.75));
     result.converged = result.pose.solved.converged;
     result.position = view.Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
-    vcg::fcd::CarryPose(view, normal, handles, deformer, bend, progress.Slice(0.7, 0.9), result);
-    std::vector<float> quality;
+    vcg::fcd::CarryPose(view, normal, handles, deformer, bend, progress.Slice(0.75, 0.95), result);
     if (param.quality == StraightenMeshParam::Place)
-        quality = vcg::fcd::PlacesOfVertices(view, deformer, world, motion.From(), progress.Slice(0.9, 0.95));
+        shape.quality = vcg::fcd::PlacesOfVertices(view, deformer, world, motion.From(), progress.Slice(0.95, 1));
+    return shape;
+}
 
-    const Progress adding = progress.Slice(0.95, 1);
-    adding(0, "Adding layers...");
+StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
+                                   StraightenedShape shape, const Remark &remark, const Progress &progress) {
+    StraightenedLayers made = std::move(shape.made);
+    progress(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    made.layers = layers.addResult("straightened", result, quality, param.graphLayers ? prepared : nullptr);
-    adding(1, "Done");
+    if (param.line.cols() > 0)
+        made.line = &layers.addLine("line", param.line);
+    made.layers =
+        layers.addResult("straightened", made.result, shape.quality, param.graphLayers ? shape.prepared : nullptr);
+    progress(1, "Done");
     layers.keep(*made.layers.back());
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, made.layers);
-    made.seconds = watch.Seconds();
+    made.seconds = shape.watch.Seconds();
     return made;
+}
+
+StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
+                                   const Remark &remark, const Progress &progress) {
+    return addStraightened(document, layer, param,
+                           straightened(layer, lineGoalOf(layer, param), param, progress.Slice(0, 0.95)), remark,
+                           progress.Slice(0.95, 1));
+}
+
+std::string describe(const StraightenedLayers &made) {
+    const vcg::fcd::StraightenReport &report = made.report;
+    std::ostringstream line;
+    line << "The line is " << report.length << " long, and " << report.newLength << " now; " << report.following
+         << " of " << report.following + report.released << " nodes go with it. The surface is off from where its "
+         << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
+    if (report.twist != 0)
+        line << " A twist of " << report.twist << " degrees from end to end was taken out.";
+    line << " " << made.seconds << " s.";
+    return line.str();
+}
+
+std::vector<std::string> warningsOf(const StraightenedLayers &made) {
+    const vcg::fcd::StraightenReport &report = made.report;
+    std::vector<std::string> warnings;
+    if (report.released > 0) {
+        std::ostringstream line;
+        line << "Beside the line from ";
+        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i)
+            line << (i > 0 ? ", from " : "") << report.releasedAt[i].first << " to " << report.releasedAt[i].second;
+        line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
+             << " of its length, going with its cross-sections would fold the surface, or make it twice or half as "
+                "long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
+                "through the middle, or raise line_smoothing.";
+        warnings.push_back(line.str());
+    }
+    if (made.result.check.flipped > 0)
+        warnings.push_back(std::to_string(made.result.check.flipped) +
+                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the surface is folded there. Lay the line through the middle, or raise "
+                           "line_smoothing.");
+    if (!made.result.converged)
+        warnings.emplace_back("What does not go with the line did not come to rest there.");
+    return warnings;
 }

@@ -3,7 +3,10 @@
 #define FCD_LAYER_STRAIGHTENER_H
 
 #include "parameters.h"
+#include "prepared_layers.h"
 
+#include <memory>
+#include <string>
 #include <vector>
 
 /// What FCD: Straighten Mesh did.
@@ -11,13 +14,39 @@ struct StraightenedLayers {
     vcg::fcd::DeformationResult result;
     vcg::fcd::StraightenReport report;
     std::vector<MeshModel *> layers; ///< that are new, the straightened one last
+    MeshModel *line = nullptr;       ///< new, too: of points that were given
     double seconds = 0;
 };
 
-/// FCD: Straighten Mesh: straightens \p layer along a line, or bends it; the result is in new layers. \param remark may
-/// be empty
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
+/// A layer along a line, before it is a layer.
+struct StraightenedShape {
+    StraightenedLayers made; ///< without layers
+    std::vector<float> quality;
+    std::shared_ptr<const Prepared> prepared;
+    vcg::fcd::Stopwatch watch;
+};
+
+/// Which line goes where, from the layers and files that \p param names.
+/// \throw vcg::fcd::Error each message says what to do
+vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);
+
+/// What becomes of \p layer, which is only read, with that goal.
+/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
+StraightenedShape straightened(const MeshModel &layer, const vcg::fcd::LineGoal &goal, const StraightenMeshParam &param,
+                               const vcg::fcd::Progress &progress);
+
+/// Puts that into new layers. A line that was given as points becomes one, too, in front of them. \param remark may be
+/// empty \throw vcg::fcd::Cancelled; the document is then as it was
+StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
+                                   StraightenedShape shape, const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// FCD: Straighten Mesh: both.
 StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
                                    const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// How a layer was straightened, in words.
+std::string describe(const StraightenedLayers &made);
+/// A sentence for each thing that is probably not meant.
+std::vector<std::string> warningsOf(const StraightenedLayers &made);
 
 #endif

@@ -26,6 +26,9 @@ class NewLayers {
     /// "energy" if there is any) and its edges.
     MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
 
+    /// "NAME what" with \p points, 3 x n in the world, and edges from each to the next.
+    MeshModel &addLine(const QString &what, const Eigen::Matrix3Xd &points);
+
     /// "NAME what": \p graph as a surface, which every format keeps: a ball for each node, a tube for each edge.
     MeshModel &addGraphSurface(const QString &what, const vcg::fcd::GraphGeometry &graph);
 

@@ -92,8 +92,9 @@ struct StraightenMeshParam {
 
     const MeshModel *lineLayer = nullptr; ///< with edges; the layer that is straightened, or null: not used
     QString lineFile;                     ///< .pp, .csv or .txt, may be empty; goes before lineLayer
-    double smoothing = 0;                 ///< as FramedLine takes it
-    bool middle = false;                  ///< through the middles of the cross-sections instead
+    Eigen::Matrix3Xd line; ///< 3 x n, its points, as a layer would have them; goes before both, where there are any
+    double smoothing = 0;  ///< as FramedLine takes it
+    bool middle = false;   ///< through the middles of the cross-sections instead
     Shape shape = Straight;
     double angle = 90;                                   ///< of the arc, degrees
     Eigen::Vector3d direction = Eigen::Vector3d::Zero(); ///< of its middle; 0: from end to end

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_tool.h"
+
+// Work on a large layer, beside the window.
+
+/// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says meanwhile
+/// \param stopped called instead of \p done when it is cancelled, or fails
+void BendTool::beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
+                      std::function<void()> stopped) {
+    preparingWhat = what;
+    whenPrepared = std::move(done);
+    whenStopped = std::move(stopped);
+    if (model->cm.vn <= preparedAtOnce) {
+        try {
+            work({});
+        } catch (...) {
+            stopPreparing();
+            throw;
+        }
+        whenDone();
+        return;
+    }
+    const auto ended = [this, number = ++preparingNumber] {
+        if (!preparing || number != preparingNumber)
+            return; // it was stopped
+        guarded([&] {
+            try {
+                preparing->finish();
+                preparing.reset();
+            } catch (const vcg::fcd::Cancelled &) {
+                stopPreparing();
+                return;
+            } catch (...) {
+                stopPreparing();
+                throw;
+            }
+            preparingTimer.stop();
+            preparingTimer.disconnect(this);
+            view->unsetCursor();
+            whenDone();
+        });
+    };
+    preparing = std::make_unique<BendWork>(
+        work, [this, ended] { QMetaObject::invokeMethod(this, ended, Qt::QueuedConnection); });
+    view->setCursor(Qt::BusyCursor);
+    preparingTimer.callOnTimeout(this, [this] { refresh(); });
+    preparingTimer.start(100);
+    refresh();
+}
+
+void BendTool::whenDone() {
+    const std::function<void()> done = std::move(whenPrepared); // which may begin other work
+    done();
+}
+
+/// What has been begun is taken back.
+void BendTool::stopPreparing() {
+    const bool wasBeside = preparing != nullptr;
+    preparing.reset(); // waits for it
+    preparingTimer.stop();
+    preparingTimer.disconnect(this);
+    if (wasBeside && view)
+        view->unsetCursor();
+    const std::function<void()> stopped = std::move(whenStopped);
+    if (layer())
+        stopped();
+}
