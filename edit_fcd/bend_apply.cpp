@@ -56,6 +56,25 @@ std::string BendSession::shapeCall() const {
     return call;
 }
 
+/// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
+LayerDeformer BendSession::applying(const Remark &remark) {
+    LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
+    if (!now.weights.empty())
+        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(), weights = now.weights](
+                             const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param) {
+            return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights);
+        });
+    return deformer;
+}
+
+/// A remark on the call where the motions are a blend, which text has but for rounding.
+std::string BendSession::blendCall() const {
+    const auto isShown = [](double weight) { return weight != 0; };
+    if (std::count_if(now.weights.begin(), now.weights.end(), isShown) < 2)
+        return {};
+    return " (a blend of poses, but for rounding; to the bit it is a key frame of FCD: Pose Sequence)";
+}
+
 /// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
 std::string BendSession::poseByFilter(const Remark &remark) {
     PoseParam param;
@@ -67,8 +86,8 @@ std::string BendSession::poseByFilter(const Remark &remark) {
         resetPose(layer, {true, ResetPoseParam::LastShape}, {}); // poses begin with the shape that it has here
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
-    LayerDeformer(document, layer, solver.preparedLayers(), remark).pose(param, vcg::fcd::Progress());
-    return calls + filterCall("apply_coord_fcd_deformation", "");
+    applying(remark).pose(param, vcg::fcd::Progress());
+    return calls + filterCall("apply_coord_fcd_deformation", "") + blendCall();
 }
 
 std::string BendSession::leave(const Remark &remark) {
@@ -157,10 +176,10 @@ std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark)
     param.handles = handleParam();
     param.deformation = deformationOf(options);
     param.graphLayers = graphLayers;
-    const std::string call = filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False");
+    const std::string call =
+        filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False") + blendCall();
     handOver();
-    LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
-    deformer.deform(std::move(param), false, vcg::fcd::Progress());
+    applying(remark).deform(std::move(param), false, vcg::fcd::Progress());
     motionByHand().clear();
     if (!now.marks && !now.poses)
         now.points.clear();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
+#include <cstdio>
+#include <cstdlib>
+
 // Work on a large layer, beside the window.
 
 /// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says meanwhile
@@ -46,6 +49,9 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
     preparingTimer.callOnTimeout(this, [this] { refresh(); });
     preparingTimer.start(100);
     refresh();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
+                     sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
 }
 
 void BendTool::whenDone() {

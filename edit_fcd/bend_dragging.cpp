@@ -51,16 +51,14 @@ void BendTool::beginDrag(const Grip &what) {
             grip.tag = session->addPoint(grip.slot, radius);
         tookToPrepare = session->prepare(progress);
     };
-    const bool isAtOnce = model->cm.vn <= preparedAtOnce;
     beside(
         "Preparing the layer", prepare, [this] { dragWhenPrepared(); },
-        [this] {
+        [this] { // the layer has the shape of before
             session->cancel();
-            comeToRest();
+            showOverlay();
+            refresh();
+            view->update();
         });
-    if (!isAtOnce && std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
-                     double(sinceEvent.nsecsElapsed()) / 1e6);
 }
 
 void BendTool::dragWhenPrepared() {

@@ -44,23 +44,19 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     angle->setRange(-359, 359);
     angle->setValue(StraightenMeshParam().angle);
     form->addRow("Angle", angle);
-    auto *onto = new QHBoxLayout;
     target = named(new QComboBox, "target", "A layer with edges, along whose line this one is laid from its beginning");
-    reverse = named(new QCheckBox("from its other end"), "reverse", "Lays it along that line from its other end");
-    onto->addWidget(target, 1);
-    onto->addWidget(reverse);
-    form->addRow("Along", onto);
-    auto *row = new QHBoxLayout;
+    form->addRow("Along", target);
+    reverse = named(new QCheckBox("From its other end"), "reverse", "Lays it along that line from its other end");
+    form->addRow(reverse);
     length = named(new QDoubleSpinBox, "length",
                    "How long the line gets, in world units: the layer is stretched along it; 0: as long as it is");
-    length->setRange(0, 1e9);
+    length->setRange(0, 1e6);
     length->setDecimals(4);
     length->setSpecialValueText("kept");
-    untwist = named(new QCheckBox("take the twist out"), "untwist",
+    form->addRow("Length", length);
+    untwist = named(new QCheckBox("Take the twist out"), "untwist",
                     "Turns the cross-sections about the line so that their longest axes lie alike");
-    row->addWidget(length, 1);
-    row->addWidget(untwist);
-    form->addRow("Length", row);
+    form->addRow(untwist);
     auto *last = new QHBoxLayout;
     add(*last, "straighten", "Straighten to new layer",
         "A new layer gets the shape, as 'FCD: Straighten Mesh' gives it; the line becomes a layer, too", Straighten);

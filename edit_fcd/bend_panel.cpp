@@ -59,6 +59,7 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
 void BendPanel::addModes(QBoxLayout &column) {
     modes = new QButtonGroup(this);
     auto *row = new QHBoxLayout;
+    row->setSpacing(3);
     const auto add = [&](const char *text, const QString &tip) {
         auto *button = new QToolButton;
         button->setText(text);

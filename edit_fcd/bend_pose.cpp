@@ -30,8 +30,14 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
     if (solver.isPrepared(effective, options))
         return 0;
     const vcg::fcd::Stopwatch watch;
+    const BendRest::Shown shown = rest.shown();
     rest.restoreVertices();
-    solver.prepare(effective, options, progress);
+    try {
+        solver.prepare(effective, options, progress);
+    } catch (...) {
+        rest.show(shown);
+        throw;
+    }
     return 1000 * watch.Seconds();
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include <QFileDialog>
+#include <QMessageBox>
 
 // What the panel does with poses that have names.
 
@@ -33,9 +34,8 @@ void BendTool::connectPoses() {
         });
     });
     connect(list, &BendPoseList::renamed, this, [this](int row, const QString &name) {
-        changePoses([&] {
-            session->change();
-            session->renamePose(std::size_t(row), name.trimmed().toStdString());
+        QTimer::singleShot(0, this, [=] { // once the list has done with it: this may ask
+            changePoses([&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
         });
     });
     connect(list, &BendPoseList::removed, this, [this](int row) {
@@ -79,6 +79,30 @@ void BendTool::changePoses(const std::function<void()> &change) {
     QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
     if (view)
         view->update();
+}
+
+/// A pose gets a name. If another one has it, that can be replaced, which undo takes back.
+void BendTool::renamePose(std::size_t number, const std::string &name) {
+    const std::optional<std::size_t> other = session->poseOfName(name, number);
+    if (!other) {
+        session->change();
+        session->renamePose(number, name);
+        return;
+    }
+    const std::size_t poses = session->namedPoses().size();
+    const bool isWanted =
+        QMessageBox::question(view->window(), "Replace pose",
+                              "There is a pose '" + QString::fromStdString(name) +
+                                  "' already. Does this one take its place?",
+                              QMessageBox::Yes | QMessageBox::No, QMessageBox::Yes) == QMessageBox::Yes;
+    if (!isReady() || session->namedPoses().size() != poses)
+        return;
+    if (!isWanted)
+        throw vcg::fcd::Error("The name '" + name + "' is that of another pose, which stays.");
+    session->change();
+    session->replacePose(*other, number);
+    solve(true);
+    say("The pose '" + name + "' is another one now. Undo takes that back.");
 }
 
 void BendTool::showBlend(const std::vector<double> &weights) {
@@ -139,18 +163,26 @@ void BendTool::onPoseCommand(int which) {
 // --- the animation ---
 
 void BendTool::play() {
-    playLength = session->beginAnimation();
-    display->move();
-    isLive = true;
-    playing.disconnect(this);
-    playing.callOnTimeout(this, [this] {
-        if (!guarded([&] { playFrame(); }))
-            guarded([&] { stopPlaying(); });
-    });
-    playing.start(5);
-    sincePlay.start();
-    panel->poses().showPlaying(true);
-    refresh();
+    beside(
+        "Preparing the layer",
+        [this](const vcg::fcd::Progress &progress) { playLength = session->beginAnimation(progress); },
+        [this] {
+            display->move();
+            isLive = true;
+            playing.disconnect(this);
+            playing.callOnTimeout(this, [this] {
+                if (!guarded([&] { playFrame(); }))
+                    guarded([&] { stopPlaying(); });
+            });
+            playing.start(5);
+            sincePlay.start();
+            panel->poses().showPlaying(true);
+            refresh();
+        },
+        [this] {
+            refresh();
+            view->update();
+        });
 }
 
 /// One for each that is drawn.

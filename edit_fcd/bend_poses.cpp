@@ -117,6 +117,26 @@ std::string BendSession::keepPose() {
            shapeCall() + ")";
 }
 
+std::optional<std::size_t> BendSession::poseOfName(const std::string &name, std::size_t number) const {
+    for (std::size_t i = 0; now.poses && i < now.poses->pose.size(); ++i)
+        if (i != number && now.poses->pose[i].name == name)
+            return i;
+    return {};
+}
+
+void BendSession::replacePose(std::size_t other, std::size_t number) {
+    PoseSequence poses = *now.poses;
+    poses.pose[other].motions = poses.pose[number].motions;
+    const bool wasAlone = weightsOfPoses()[number] == 100;
+    now.poses = std::make_shared<const PoseSequence>(std::move(poses));
+    removePose(number);
+    if (!wasAlone)
+        return;
+    std::vector<double> alone(now.poses->pose.size(), 0);
+    alone[other < number ? other : other - 1] = 100;
+    blend(alone); // what is shown is what it was
+}
+
 void BendSession::renamePose(std::size_t number, const std::string &name) {
     PoseSequence poses = *now.poses;
     poses.pose[number].name = name;
@@ -212,11 +232,11 @@ void BendSession::removeKeyFrame(std::size_t number) {
     setKeyFrames(std::move(frames));
 }
 
-double BendSession::beginAnimation() {
+double BendSession::beginAnimation(const vcg::fcd::Progress &progress) {
     if (!now.poses || now.poses->key.size() < 2)
         throw Error("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.");
     std::vector<std::map<int, Motion>> motions = motionsOfPoses();
-    prepare();
+    prepare(progress);
     solver.beginBlends(std::move(motions), rest.world(), options);
     return now.poses->key.back().time - now.poses->key.front().time;
 }

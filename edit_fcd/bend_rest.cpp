@@ -46,6 +46,27 @@ void BendRest::restoreVertices() {
     posed = false;
 }
 
+BendRest::Shown BendRest::shown() const {
+    Shown all(posed ? layer.cm.vert.size() : 0);
+    ParallelFor(0, all.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            all[i] = {layer.cm.vert[i].cP(), layer.cm.vert[i].cN()};
+    });
+    return all;
+}
+
+void BendRest::show(const Shown &shown) {
+    if (shown.empty())
+        return;
+    ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            layer.cm.vert[i].P() = shown[i].first;
+            layer.cm.vert[i].N() = shown[i].second;
+        }
+    });
+    posed = true;
+}
+
 void BendRest::restore() {
     if (!fits())
         return; // another mesh by now

@@ -7,6 +7,7 @@
 #include <layer_fcd/parameters.h>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 /// The rest shape of a layer while the tool bends it, and whether the layer has it.
@@ -24,6 +25,12 @@ class BendRest {
     void leave() { posed = true; }
     void know(std::uint64_t newShape) { shape = newShape; }
     std::uint64_t known() const { return shape; } ///< the shape that the layer was given last, as shapeOf tells it
+
+    /// Positions and normals of the vertices in a pose; none at rest.
+    using Shown = std::vector<std::pair<Point3m, Point3m>>;
+    Shown shown() const;
+    /// The vertices have that pose again.
+    void show(const Shown &shown);
 
     /// Gives the vertices of the layer their positions and normals at rest, where they have others.
     void restoreVertices();

@@ -110,8 +110,12 @@ class BendSession {
     /// The motions become a pose, shown alone. \return the filter call that makes it
     /// \throw vcg::fcd::Error there are no motions
     std::string keepPose();
+    /// The pose of a name, other than \p number, none where there is none.
+    std::optional<std::size_t> poseOfName(const std::string &name, std::size_t number) const;
     /// \throw vcg::fcd::Error no name, or that of another pose
     void renamePose(std::size_t number, const std::string &name);
+    /// A pose takes the place of another one, whose name it gets, and which is gone.
+    void replacePose(std::size_t other, std::size_t number);
     void removePose(std::size_t number);
     /// The motions become the blend of the poses. \throw vcg::fcd::Error a pose moves what is no handle here
     void blend(const std::vector<double> &weights);
@@ -127,7 +131,7 @@ class BendSession {
     void removeKeyFrame(std::size_t number);
     /// Begins to show the animation, which is no change, as long as nothing else is posed. \return seconds that it
     /// takes \throw vcg::fcd::Error there is none, as blend(), or as prepare()
-    double beginAnimation();
+    double beginAnimation(const vcg::fcd::Progress &progress);
     /// \param time seconds since it began
     void showAnimation(double time);
     void endAnimation() { solver.endBlends(); }
@@ -162,7 +166,7 @@ class BendSession {
     /// \param faces normals of faces in any case \throw vcg::fcd::Error
     Times pose(bool full, bool faces = false);
     /// Prepares the deformer if it is not; until that is done, the layer is at rest. \throw vcg::fcd::Error
-    /// \throw vcg::fcd::Cancelled \return milliseconds
+    /// \throw vcg::fcd::Cancelled; after either, the layer has the shape of before \return milliseconds
     double prepare(const vcg::fcd::Progress &progress = {});
     bool moves() const; ///< whether anything leads away from rest
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->graph.Size()) : 0; }
@@ -209,6 +213,8 @@ class BendSession {
     void setPoses(vcg::fcd::PoseSequence poses);
     void writePoses();
     void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);
+    LayerDeformer applying(const Remark &remark);
+    std::string blendCall() const;
     void writePose(const vcg::fcd::Deformer::Pose &pose);
     void writeAppliedTags();
     std::vector<std::map<int, vcg::fcd::Motion>> motionsOfPoses() const;

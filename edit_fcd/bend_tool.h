@@ -67,6 +67,7 @@ class BendTool : public LayerTool {
     void showHandles();
     void connectPoses();
     void changePoses(const std::function<void()> &change);
+    void renamePose(std::size_t number, const std::string &name);
     void showBlend(const std::vector<double> &weights);
     void onPoseCommand(int which);
     void showPoses();

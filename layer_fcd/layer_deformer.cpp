@@ -99,7 +99,7 @@ bool LayerDeformer::readMotions(const HandleParam &param) {
 }
 
 Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progress &progress) const {
-    return found->deformer->Solve(handles, param, progress);
+    return solveOtherwise ? solveOtherwise(*found->deformer, param) : found->deformer->Solve(handles, param, progress);
 }
 
 Deformer::Pose LayerDeformer::solveFrom(const Deformer::Pose *last, const DeformationParam &param) const {
@@ -130,8 +130,15 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
             "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix, a layer that lies "
             "elsewhere or a motion as text, and a pose that is not 0.");
     result.position = surface.View().Copy();
-    vcg::fcd::PoseSurface(surface.View(), vcg::tri::NormalsOf(layer.cm), handles, *found->deformer, param.deformation,
-                          progress.Slice(0.7, 0.9), result);
+    const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
+    if (solveOtherwise) {
+        result.pose = solve(param.deformation);
+        vcg::fcd::CarryPose(surface.View(), normal, handles, *found->deformer, param.deformation,
+                            progress.Slice(0.8, 0.9), result);
+    } else {
+        vcg::fcd::PoseSurface(surface.View(), normal, handles, *found->deformer, param.deformation,
+                              progress.Slice(0.7, 0.9), result);
+    }
     surface = {};
     result.secondsGraph = found->seconds;
     result.tags = found->tags;

@@ -6,6 +6,7 @@
 #include "pose_in_place.h"
 #include "prepared_layers.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -67,6 +68,11 @@ class LayerDeformer {
     /// Takes the motions of handles, in world coordinates.
     void takeMotions(std::map<vcg::fcd::Index, vcg::fcd::Motion> motion) { handles.motion = std::move(motion); }
 
+    /// What is to solve poses from rest in the place of the deformer's own way from the motions that were read.
+    using Solve =
+        std::function<vcg::fcd::Deformer::Pose(const vcg::fcd::Deformer &, const vcg::fcd::DeformationParam &)>;
+    void solveBy(Solve other) { solveOtherwise = std::move(other); }
+
     /// The pose from rest to the end.
     vcg::fcd::Deformer::Pose solve(const vcg::fcd::DeformationParam &param,
                                    const vcg::fcd::Progress &progress = {}) const;
@@ -89,6 +95,7 @@ class LayerDeformer {
     vcg::fcd::SurfaceArrays surface; ///< of the layer at rest, once it has been read
     vcg::fcd::Handles handles;
     std::shared_ptr<Prepared> found;
+    Solve solveOtherwise; ///< may be empty
 };
 
 #endif

@@ -364,6 +364,74 @@ def test_poses_have_names(window, tmp_path):
     assert np.array_equal(load(w.save("loaded.ply"))[0], shapes["blend"])
 
 
+def test_a_pose_takes_the_place_of_another(window, tmp_path):
+    """If that is wanted; and a blend that is applied is the blend that was shown, to the bit."""
+    w = tube_with_poses(window, tmp_path)[0]
+    poses = lambda name: (answer(w, "saveposes", "Save poses", str(tmp_path / name)), w.wait(f"{name}."), (tmp_path / name).read_text())[2]
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    first = poses("first.csv")
+    w.key("BackSpace")
+    w.do("mousemove", X + 225, Y)
+    w.key("r", "x", "9", "0", "Return")
+    turned = load(w.save("turned.ply"))[0]
+    keep_pose(w, "bent")
+    w.wait_for_title("Replace pose")
+    w.shot("asks")
+    w.key("Return")
+    w.wait("The pose 'bent' is another one now.")
+    second = poses("second.csv")
+    assert second.splitlines()[0] == first.splitlines()[0] and second != first and second.endswith("\n0,smooth,0\n1,smooth,100\n")
+    assert np.array_equal(load(w.save("replaced.ply"))[0], turned)
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+z")
+    undone = poses("undone.csv")
+    assert undone.startswith("time,easing,bent,Pose 2\n")
+    x, y, _ = row_of_poses(w, 1)
+    w.click((x + 30, y), count=2)
+    w.do("type", "--delay", 5, "bent")
+    w.key("Return")
+    w.wait_for_title("Replace pose")
+    w.key("Escape")
+    w.wait("The name 'bent' is that of another pose, which stays.")
+    assert poses("kept.csv") == undone
+
+    show_percent(w, 0, 40)
+    show_percent(w, 1, 75)
+    blend = load(w.save("blend.ply"))[0]
+    w.do("mousemove", X, Y + 200)
+    w.key("ctrl+Return")
+    w.wait("to the bit it is a key frame of FCD: Pose Sequence")
+    assert np.array_equal(load(w.save("in_place.ply"))[0], blend)
+    w.key("ctrl+z", "ctrl+shift+Return")
+    w.wait("to the bit it is a key frame of FCD: Pose Sequence", 2)
+    assert np.array_equal(load(w.save("new_layer.ply"))[0], blend)
+
+
+def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tmp_path):
+    """Which Esc stops; the layer then has the shape of before."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    w.start_tool()
+    w.click(w.place("poses_fold"))
+    full = w.text().count("trace: full")
+    w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "mouseup", 1)
+    w.wait("trace: full", full + 1)
+    keep_pose(w, "pulled")
+    pulled = load(w.save("pulled.ply"))[0]
+    w.toggle_tool()
+    w.start_tool() # nothing is prepared any more
+    w.click(w.place("poses_fold"))
+    answers = w.text().count("trace: answer")
+    w.do("mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
+    assert w.text().count("trace: answer") == answers + 1 and not w.text().count("trace: frame")
+    assert np.array_equal(load(w.save("stopped.ply"))[0], pulled)
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 2)
+    w.do("mousemove", X, Y + 230, "click", 1)
+    assert np.array_equal(load(w.save("after.ply"))[0], pulled)
+
+
 def test_an_animation_is_played(window, tmp_path):
     """Key frames are made of what is shown, have times and easings, and are played in the view until something else is done."""
     w = tube_with_poses(window, tmp_path)[0]

@@ -282,3 +282,17 @@ def test_files_that_were_there_stay_after_an_error(tmp_path):
         ms.apply_filter(SEQUENCE, poses_file=far, pc2_file=str(tmp_path / "a.pc2"), frames_per_second=2)
     assert (tmp_path / "a.pc2").read_bytes() == b"before" and len(list(ms)) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.pc2", "poses.csv"]
+
+
+def test_a_layer_keeps_one_table_of_poses(tmp_path):
+    """What was kept before the last one is freed."""
+    def resident():
+        return int(next(line for line in open("/proc/self/status") if line.startswith("VmRSS")).split()[1]) / 1024
+
+    ms = layers()
+    keys = "".join(f"{k / 1000},linear,{k % 100}.125\n" for k in range(200000)) # 4 MB
+    size = []
+    for i in range(10):
+        ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, f"time,easing,bent\nmotions,,2: rotate 0 1 0 {i + 1}\n" + keys), frame_layers=0)
+        size.append(resident())
+    assert size[-1] < size[2] + 15, size
