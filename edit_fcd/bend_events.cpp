@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
-#include "bend_sight.h"
+#include "layer_ray.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <QCursor>
 
 using vcg::fcd::Error;
 
@@ -101,9 +104,7 @@ void BendTool::move(QMouseEvent *event) {
         drag->snap = event->modifiers() & Qt::ControlModifier;
         drag->onto.reset();
         if (event->modifiers() & Qt::ShiftModifier) {
-            const Eigen::Vector3d window = mouseInWindow();
-            drag->onto = firstOnOthers(*view->md(), *model, seen.toWorld({window[0], window[1], 0}),
-                                       seen.toWorld({window[0], window[1], 1}));
+            drag->onto = hitOthers(*view->md(), *model, seen, mouseInWindow().head<2>());
         }
         drag->moveTo(seen, mouseInWindow());
         requestStep();
@@ -133,15 +134,52 @@ void BendTool::release(QMouseEvent *event) {
 void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
     if (drag && session) {
-        panel->setRadius(panel->radius() * std::pow(1.1, steps));
+        panel->setRadius(session->radiusOf(drag->tag) / session->diagonal() * std::pow(1.1, steps));
         session->setRadius(drag->tag, panel->radius() * session->diagonal());
         requestStep();
+    } else if (panel && panel->mode() == BendPanel::Bend && event->modifiers() == Qt::ControlModifier && isReady() &&
+               changeRim(std::pow(1.1, steps))) {
+        view->update();
     } else if (panel && panel->mode() == BendPanel::Brush && event->modifiers() == Qt::NoModifier) {
         panel->setBrush(int(std::lround(panel->brush() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
         view->update();
     } else {
         toHost(*view, event);
     }
+}
+
+/// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
+bool BendTool::changeRim(double times) {
+    mouse = view->mapFromGlobal(QCursor::pos());
+    const int tag = handleAtMouse();
+    std::size_t slot = 0; // of what is fixed, where there is no handle
+    if (!tag) {
+        const std::optional<std::size_t> found = slotAtMouse();
+        const auto &marks = session->state().marks;
+        if (!found || !marks || (*marks)[*found] != 0)
+            return false;
+        slot = *found;
+    }
+    if (!sinceRim.isValid() || sinceRim.hasExpired(1000)) // a way of the wheel is one step of undo
+        session->change();
+    sinceRim.start();
+    const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
+    const double before = tag ? session->radiusOf(tag) : session->rimAt(slot),
+                 rim = std::min(std::max(before * times, least), most);
+    if (tag)
+        session->setRadius(tag, rim);
+    else
+        session->setRimAt(slot, rim);
+    const double percent = 100 * rim / session->diagonal();
+    const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
+    hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
+                           : "%1: nothing else is held within %2 % of the diagonal.")
+               .arg(tag ? QString::fromStdString(session->nameOf(tag)) : QString("What is fixed here"))
+               .arg(isPoint ? percent : gapOfRadius * percent, 0, 'f', 1);
+    showOverlay();
+    solve(true);
+    refresh();
+    return true;
 }
 
 /// The point handle at a place of the window, 0: none.

@@ -68,9 +68,10 @@ QString bendKeyPage() {
     };
     for (const BendKey &each : bendKeys())
         add(shown(each), each.text);
-    add("while moving",
-        "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto the surface of another layer "
-        "under the mouse; wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels");
+    add("while moving", "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
+                        "under the mouse; "
+                        "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels");
+    add("Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held");
     add("camera", "drag beside the mesh, or with the right or middle button; wheel");
     return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table>" + rows + "</table>";
 }

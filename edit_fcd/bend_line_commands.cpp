@@ -60,7 +60,7 @@ bool BendTool::pressLine() {
 void BendTool::dragLinePoint() {
     const std::optional<LayerHit> hit = hitLayer(*model, seen, mouseInWindow().head<2>());
     std::vector<BendLinePoint> line = session->state().line;
-    if (!hit || *linePoint >= line.size())
+    if (!hit || !linePoint || *linePoint >= line.size())
         return;
     line[*linePoint] = pointOf(*hit);
     session->setLine(std::move(line));

@@ -47,6 +47,33 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
     return reached;
 }
 
+std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
+    wait();
+    const vcg::fcd::Index begin = surface->nodeOf[slot];
+    if (begin < 0)
+        return {slot};
+    const auto n = std::size_t(surface->graph.Size());
+    std::vector<char> isOpen(n, 0), isMet(n, 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isOpen[std::size_t(surface->nodeOf[i])] = 1;
+    isMet[std::size_t(begin)] = 1;
+    for (std::vector<vcg::fcd::Index> next = {begin}; !next.empty();) {
+        const vcg::fcd::Index u = next.back();
+        next.pop_back();
+        for (const vcg::fcd::Index v : surface->graph.adjacency[u])
+            if (isOpen[std::size_t(v)] && !isMet[std::size_t(v)]) {
+                isMet[std::size_t(v)] = 1;
+                next.push_back(v);
+            }
+    }
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0 && isMet[std::size_t(surface->nodeOf[i])])
+            all.push_back(i);
+    return all;
+}
+
 namespace {
 
 // Of the area of the largest piece: a limb is much smaller than its body, where the halves of a bar are about the same.
@@ -59,19 +86,19 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     const vcg::fcd::Graph &graph = surface->graph;
     const auto n = std::size_t(graph.Size());
     const int unknown = -1, cut = -2;
-    std::vector<int> piece(n, unknown);
+    std::vector<int> partOf(n, unknown);
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0)
-            piece[std::size_t(surface->nodeOf[i])] = cut;
+            partOf[std::size_t(surface->nodeOf[i])] = cut;
     std::vector<float> area; // of the pieces
     std::vector<vcg::fcd::Index> next;
     for (std::size_t u = 0; u < n; ++u) {
-        if (piece[u] != cut)
+        if (partOf[u] != cut)
             continue;
         for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
-            if (piece[std::size_t(begin)] != unknown)
+            if (partOf[std::size_t(begin)] != unknown)
                 continue;
-            piece[std::size_t(begin)] = int(area.size());
+            partOf[std::size_t(begin)] = int(area.size());
             area.push_back(0);
             next = {begin};
             while (!next.empty()) {
@@ -79,8 +106,8 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
                 next.pop_back();
                 area.back() += surface->nodeArea[std::size_t(v)];
                 for (const vcg::fcd::Index w : graph.adjacency[v])
-                    if (piece[std::size_t(w)] == unknown) {
-                        piece[std::size_t(w)] = piece[std::size_t(begin)];
+                    if (partOf[std::size_t(w)] == unknown) {
+                        partOf[std::size_t(w)] = partOf[std::size_t(begin)];
                         next.push_back(w);
                     }
             }
@@ -91,7 +118,7 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
         return all;
     const float largest = *std::max_element(area.begin(), area.end());
     for (std::size_t i = 0; i < isIn.size(); ++i) {
-        const int which = surface->nodeOf[i] < 0 ? unknown : piece[std::size_t(surface->nodeOf[i])];
+        const int which = surface->nodeOf[i] < 0 ? unknown : partOf[std::size_t(surface->nodeOf[i])];
         if (which >= 0 && area[std::size_t(which)] < largestTip * largest)
             all.push_back(i);
     }

@@ -41,7 +41,6 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     now.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
     keepRest();
-    now.rim = usualRadius * rest.diagonal();
     updateTags();
 }
 
@@ -145,14 +144,19 @@ void BendSession::readAhead() {
         reachOfRest.read(layer, rest.world().linear());
 }
 
+/// Reads the surface, if that has not been done.
+void BendSession::expectReach() {
+    if (reachOfRest.isReady())
+        return;
+    const BendRest::Shown shown = rest.shown();
+    rest.restoreVertices();
+    reachOfRest.read(layer, rest.world().linear());
+    rest.show(shown);
+}
+
 const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t> &vertices, double radius) {
-    if (!reachOfRest.isReady() && !reachOfRest.knows(vertices, radius)) {
-        const bool posed = rest.isPosed();
-        rest.restoreVertices();
-        reachOfRest.read(layer, rest.world().linear());
-        if (posed)
-            pose(true);
-    }
+    if (!reachOfRest.knows(vertices, radius))
+        expectReach();
     return reachOfRest.of(vertices, radius);
 }
 
@@ -182,6 +186,7 @@ void BendSession::cancel() {
     if (!history.cancel(now))
         return;
     marking.reset();
+    marked.clear();
     takeState();
 }
 
@@ -199,19 +204,6 @@ int BendSession::addPoint(std::size_t slot, double radius) {
         isFree(*other))
         add(*other);
     return tag;
-}
-
-void BendSession::setRadius(int tag, double radius) {
-    const auto set = [&](int which) {
-        const auto point = now.points.find(which);
-        if (point != now.points.end())
-            point->second.radius = radius;
-        else if (center.count(which))
-            setRim(radius);
-    };
-    set(tag);
-    set(mirrored(tag));
-    updateTags();
 }
 
 void BendSession::setMotion(int tag, std::vector<MotionStep> steps) {

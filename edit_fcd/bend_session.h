@@ -78,13 +78,17 @@ class BendSession {
 
     /// Marks vertices; with endMarks() the layer has these marks.
     void mark(const std::vector<std::size_t> &vertices, int tag);
-    /// \param rim how far new handles bend what is around them where nothing is marked as fixed, world units
+    /// \param rim of what was marked, world units
     void endMarks(double rim);
     void clearMarks();
     /// A new handle around a vertex. \pre it isFree() \return its tag
     int addPoint(std::size_t slot, double radius);
-    /// How far a handle bends what is around it where nothing is marked as fixed.
+    /// How far a handle bends what is around it where nothing is marked as fixed, world units; of a mark, BendRims.
+    double radiusOf(int tag) const;
     void setRadius(int tag, double radius);
+    double rimAt(std::size_t slot) const; ///< the same of a vertex that is marked
+    /// Sets it for what hangs together with a vertex that is marked as fixed, and is so, too.
+    void setRimAt(std::size_t slot, double radius);
     void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);
     void setHandle(int tag, BendHandle handle);
     void removeHandle(int tag); ///< its vertices are free
@@ -197,8 +201,9 @@ class BendSession {
     Eigen::Affine3d motionAt(int tag) const;
     Eigen::Vector3d normalOf(int tag) const;
     void updateTags();
-    void setRim(double radius);
+    void setRims(const std::vector<std::size_t> &vertices, double radius);
     void freeGaps(BendTags &made);
+    void expectReach();
     void writeMarks();
     void takeState();
     void crossApplies();
@@ -243,6 +248,7 @@ class BendSession {
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
+    std::vector<std::size_t> marked;   ///< where, then
 
     BendSolver solver;
     std::unique_ptr<StretchColors> stretch; ///< once it has been shown

@@ -46,6 +46,10 @@ struct BendLinePoint {
 
 using BendTags = std::vector<int>; ///< one per vertex slot, as the filters' tags
 
+/// One per vertex slot: how far the mark that it is of bends what is around it where nothing is marked as fixed, as
+/// BendPoint::radius; within a part of that, nothing else is held. 0: a tag of a filter, which leaves no gap.
+using BendRims = std::vector<float>;
+
 /// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
 const double usualRadius = 0.15;
 
@@ -56,10 +60,9 @@ const double gapOfRadius = 0.2;
 /// What is undone and redone: which vertices are held, and how the handles move. Where nothing is marked as fixed,
 /// handles bend what is around them, and all else is fixed.
 struct BendState {
-    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
-    std::map<int, BendPoint> points;       ///< by their tag
-    double rim = 0;                        ///< how far marked handles bend what is around them, as BendPoint::radius
-    double gap = 0; ///< how far around a marked handle nothing else is held, likewise; 0 for tags of a filter
+    std::shared_ptr<const BendTags> marks;                   ///< null: nothing is marked
+    std::map<int, BendPoint> points;                         ///< by their tag
+    std::shared_ptr<const BendRims> rims;                    ///< of what is marked; null: none has any
     std::map<int, BendHandle> handles;                       ///< by tag, where a person has said something
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     double pose = 100;                                       ///< percent of the motions

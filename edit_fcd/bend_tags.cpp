@@ -58,8 +58,11 @@ void BendSession::updateTags() {
             for (std::size_t i : reach(vertices, radius))
                 isNear[i] = 1;
         };
-        if (!held.empty())
-            add(held, now.rim);
+        std::map<double, std::vector<std::size_t>> ofRim;
+        for (const std::size_t i : held)
+            ofRim[rimAt(i)].push_back(i);
+        for (const auto &[radius, vertices] : ofRim)
+            add(vertices, radius);
         for (const auto &each : now.points)
             add({each.second.slot}, each.second.radius);
         for (const std::size_t i : reachOfRest.tips(isNear))
@@ -83,36 +86,88 @@ void BendSession::updateTags() {
         each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
 }
 
-void BendSession::setRim(double radius) {
-    now.rim = radius;
-    now.gap = gapOfRadius * radius;
+double BendSession::rimAt(std::size_t slot) const {
+    const double own = now.rims ? double((*now.rims)[slot]) : 0;
+    return own > 0 ? own : usualRadius * rest.diagonal();
 }
 
-/// Marks never touch: within the gap of a marked handle, what is marked as fixed, or as an older handle, is free.
+void BendSession::setRims(const std::vector<std::size_t> &vertices, double radius) {
+    auto rims = now.rims ? std::make_shared<BendRims>(*now.rims) : std::make_shared<BendRims>(effective->size(), 0.f);
+    for (const std::size_t i : vertices)
+        (*rims)[i] = float(radius);
+    now.rims = std::move(rims);
+}
+
+double BendSession::radiusOf(int tag) const {
+    const auto point = now.points.find(tag);
+    if (point != now.points.end())
+        return point->second.radius;
+    for (std::size_t i = 0; now.marks && i < now.marks->size(); ++i)
+        if ((*now.marks)[i] == tag)
+            return rimAt(i);
+    return usualRadius * rest.diagonal();
+}
+
+void BendSession::setRadius(int tag, double radius) {
+    const auto set = [&](int which) {
+        const auto point = now.points.find(which);
+        if (point != now.points.end())
+            point->second.radius = radius;
+        std::vector<std::size_t> vertices;
+        for (std::size_t i = 0; point == now.points.end() && now.marks && i < now.marks->size(); ++i)
+            if ((*now.marks)[i] == which)
+                vertices.push_back(i);
+        if (!vertices.empty())
+            setRims(vertices, radius);
+    };
+    set(tag);
+    if (const int other = mirrored(tag))
+        set(other);
+    updateTags();
+}
+
+void BendSession::setRimAt(std::size_t slot, double radius) {
+    expectReach();
+    std::vector<char> isFixed(now.marks->size());
+    for (std::size_t i = 0; i < isFixed.size(); ++i)
+        isFixed[i] = (*now.marks)[i] == 0;
+    setRims(reachOfRest.piece(slot, isFixed), radius);
+    updateTags();
+}
+
+/// Marks never touch: within the gap of a mark nothing else is held. What is fixed yields to handles, and an older
+/// handle to a newer one, as far as the larger gap of the two.
 void BendSession::freeGaps(BendTags &made) {
-    if (!now.marks || !(now.gap > 0))
+    if (!now.marks || !now.rims)
         return;
-    std::map<int, std::vector<std::size_t>> held;
-    for (std::size_t i = 0; i < made.size(); ++i)
-        if (made[i] == 0 || made[i] >= 2)
-            held[made[i]].push_back(i);
+    using Mark = std::pair<int, double>; // tag and gap
+    std::map<Mark, std::vector<std::size_t>> held;
     std::map<int, std::size_t> left;
-    for (const auto &[tag, vertices] : held)
-        left[tag] = vertices.size();
-    for (const auto &[tag, vertices] : held) {
-        if (tag == 0 || held.size() == 1)
-            continue;
-        std::map<int, std::vector<std::size_t>> beside;
-        for (const std::size_t i : reach(vertices, now.gap))
-            if (made[i] != 1 && made[i] < tag && made[i] >= 0)
-                beside[made[i]].push_back(i);
-        for (const auto &[other, near] : beside) {
-            if (near.size() == left[other])
-                continue; // it would be gone
-            left[other] -= near.size();
-            for (const std::size_t i : near)
-                made[i] = 1;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] == 0 || made[i] >= 2) {
+            held[{made[i], gapOfRadius * double((*now.rims)[i])}].push_back(i);
+            ++left[made[i]];
         }
+    for (const auto &[own, vertices] : held) {
+        const auto &[tag, gap] = own;
+        std::map<double, std::map<int, std::vector<std::size_t>>> beside; // by the gap, and the tag
+        for (const auto &[other, yielding] : held) {
+            const double larger = std::max(gap, other.second);
+            if (other.first >= tag || !(larger > 0))
+                continue;
+            std::vector<std::size_t> &near = beside[larger][other.first];
+            for (const std::size_t i : reach(vertices, larger))
+                if (made[i] == other.first && gapOfRadius * double((*now.rims)[i]) == other.second)
+                    near.push_back(i);
+        }
+        for (const auto &[larger, ofTag] : beside)
+            for (const auto &[other, near] : ofTag) {
+                if (near.size() == left[other])
+                    continue; // it would be gone
+                left[other] -= near.size();
+                for (const std::size_t i : near)
+                    made[i] = 1;
+            }
     }
 }
 
@@ -162,6 +217,7 @@ void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
     }
     for (std::size_t i : vertices)
         (*marking)[i] = tag;
+    marked.insert(marked.end(), vertices.begin(), vertices.end());
 }
 
 void BendSession::endMarks(double rim) {
@@ -170,7 +226,8 @@ void BendSession::endMarks(double rim) {
     const bool isAny = std::any_of(marking->begin(), marking->end(), [](int tag) { return tag != 1; });
     now.marks = isAny ? std::move(marking) : nullptr;
     marking.reset();
-    setRim(rim);
+    setRims(marked, rim);
+    marked.clear();
     for (auto point = now.points.begin(); point != now.points.end();) // marks take their places
         point = isFree(point->second.slot) ? std::next(point) : now.points.erase(point);
     updateTags();
@@ -179,6 +236,7 @@ void BendSession::endMarks(double rim) {
 
 void BendSession::clearMarks() {
     now.marks.reset();
+    now.rims.reset();
     now.points.clear();
     motionByHand().clear();
     updateTags();

@@ -105,6 +105,7 @@ class BendTool : public LayerTool {
     int pointAt(const Eigen::Vector2d &window) const;
     std::optional<std::size_t> slotAtMouse() const;
     int handleAtMouse() const;
+    bool changeRim(double times);
     void hover();
 
     int selected() const;
@@ -173,7 +174,7 @@ class BendTool : public LayerTool {
     bool isLive = false;         ///< the layer has a shape between two full solves
     bool isShownChanged = false; ///< the list of layers shows that the layer was changed
     bool isPainted = true, isStepWanted = false;
-    QElapsedTimer sinceEvent;
+    QElapsedTimer sinceEvent, sinceRim;
     double milliseconds = 0; ///< of the last step
     QElapsedTimer sinceDraw;
     double frame =

@@ -104,3 +104,25 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, c
     }
     return found;
 }
+
+std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const BendView &seen,
+                                         const Eigen::Vector2d &window) {
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Eigen::Vector3d> first;
+    for (const MeshModel *layer : host::layers(document)) {
+        if (layer == &but || !host::isVisible(*layer))
+            continue;
+        try {
+            const std::optional<LayerHit> hit = hitLayer(*layer, seen, window);
+            if (!hit)
+                continue;
+            const double depth = seen.toWindow(hit->place)[2];
+            if (depth < least) {
+                least = depth;
+                first = hit->place;
+            }
+        } catch (const vcg::fcd::Error &) { // a matrix without an inverse: it is seen nowhere
+        }
+    }
+    return first;
+}

@@ -22,4 +22,8 @@ struct LayerHit {
 /// without faces, a vertex there. \param window pixels of the device, y up \return none where it is not hit
 std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, const Eigen::Vector2d &window);
 
+/// The place of all visible layers but one that is nearest to the eye there.
+std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const BendView &seen,
+                                         const Eigen::Vector2d &window);
+
 #endif

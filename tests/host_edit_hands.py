@@ -215,10 +215,11 @@ def test_esc_stops_what_was_begun_before_it(window, tmp_path):
     w.wait("trace: full", full + 1)
 
 
-def test_a_handle_is_laid_onto_another_layer(window, tmp_path):
-    """By Shift, where the mouse points at one; elsewhere it goes with the mouse."""
+@pytest.mark.parametrize("kind", ["surface", "cloud"])
+def test_a_handle_is_laid_onto_another_layer(window, tmp_path, kind):
+    """By Shift, where the mouse points at one, at its surface or at a point of a cloud; elsewhere it goes with the mouse."""
     w, points, _ = open_tube(window, tmp_path)
-    import_another(w, tmp_path) # along x through y = 0.6
+    cloud = import_another(w, tmp_path, is_cloud=kind == "cloud") # along x through y = 0.6
     choose_layer(w, 0)
     w.start_tool()
     y, other = Y + 52, Y - 94 # where the two are in the view
@@ -231,6 +232,46 @@ def test_a_handle_is_laid_onto_another_layer(window, tmp_path):
     moved = np.linalg.norm(laid - points, axis=1)
     at = laid[moved.argmax()]
     assert moved.max() > 0.3 and abs(np.hypot(at[1] - 0.6, at[2]) - 0.3 * 0.25) < 0.01
+    assert kind == "surface" or np.linalg.norm(cloud - at, axis=1).min() < 2e-3 # which are 8e-3 apart or more
+
+
+def test_each_mark_has_a_rim_of_its_own(window, tmp_path):
+    """By Ctrl and the wheel over it: what is fixed at one side, or a handle, leaves more free around it, and the others as before."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "f")
+    w.drag((X - 280, Y - 200), (X + 280, Y + 200)) # all of it
+    w.key("h")
+    w.drag((X - 40, Y - 200), (X + 40, Y + 200))
+    w.key("m")
+
+    def moved(name):
+        """How many are between the handle and what is fixed, at its left and at its right."""
+        w.do("mousemove", X, Y)
+        w.key("g", "y", "0", "period", "1", "Return")
+        off = np.linalg.norm(load(w.save(name))[0] - points, axis=1)
+        w.key("ctrl+z")
+        free = (off > 0) & (off < 0.0999)
+        return [np.count_nonzero(free & (np.sign(points[:, 0]) == side)) for side in (-1, 1)]
+
+    def turn_wheel(place, button):
+        w.do("mousemove", *place, "keydown", "ctrl")
+        w.do("click", "--repeat", 10, "--delay", 30, button, "keyup", "ctrl")
+
+    left, right = moved("before.ply")
+    assert left > 0 and 0.7 < left / right < 1.4
+    turn_wheel((X - 180, Y), 4)
+    w.shot("wider_at_the_left")
+    wider = moved("left.ply")
+    assert wider[0] > 1.6 * left and wider[1] == right
+    w.key("ctrl+z") # one way of the wheel
+    assert moved("undone.ply") == [left, right]
+    turn_wheel((X, Y), 5) # the handle's gets narrower: those of what is fixed are left
+    assert moved("handle.ply") == [left, right]
+    turn_wheel((X + 180, Y), 5)
+    narrower = moved("right.ply")
+    w.shot("narrower_at_the_right")
+    assert narrower[0] == left and narrower[1] < 0.6 * right
 
 
 def test_axes_and_steps(window, tmp_path):

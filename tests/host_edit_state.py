@@ -25,14 +25,16 @@ def open_tube(window, tmp_path, **content):
     return window(write_ply(tmp_path / "tube.ply", points, faces, **content)), points, faces
 
 
-def import_another(w, tmp_path):
-    """A second layer, which becomes the current one, where the first does not hide it."""
+def import_another(w, tmp_path, is_cloud=False):
+    """A second layer, which becomes the current one, where the first does not hide it. Returns its points."""
     points, faces = tube(40, 32)
+    points, faces = points * np.float32(0.3) + np.float32([0, 0.6, 0]), faces[:0] if is_cloud else faces
     w.key("ctrl+i")
-    w.do("type", "--delay", "5", str(write_ply(tmp_path / "two.ply", points * np.float32(0.3) + np.float32([0, 0.6, 0]), faces)))
+    w.do("type", "--delay", "5", str(write_ply(tmp_path / "two.ply", points, faces)))
     w.key("Return")
     w.wait("two.ply in")
     w.settle()
+    return points
 
 
 def choose_layer(w, place):
