@@ -113,7 +113,7 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress);
+    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead);
 }
 
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,

@@ -371,6 +371,21 @@ TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     EXPECT_NEAR(std::abs(cloud.Nearest({1.3, 2.2, 0.5}).normal[2]), 1, 1e-6);
 }
 
+TEST(Fit, TargetNeedsItsArraysNoLongerThanItSays) {
+    const MeshD mesh(Grid(5, 5)), points(Points(Grid(5, 5)));
+    for (const MeshD *each : {&mesh, &points}) {
+        auto arrays = std::make_unique<Arrays>(Read(*each));
+        const FitTarget kept(arrays->View(), {}, Eigen::Affine3d::Identity());
+        const FitTarget freed(arrays->View(), {}, Eigen::Affine3d::Identity(), {}, [&] { arrays = nullptr; });
+        EXPECT_FALSE(arrays);
+        for (const Vector3d &p : {Vector3d(1.3, 2.2, 0.5), Vector3d(-1, 2.2, 0.5)}) {
+            EXPECT_EQ(freed.Nearest(p).point, kept.Nearest(p).point);
+            EXPECT_EQ(freed.Nearest(p).normal, kept.Nearest(p).normal);
+            EXPECT_EQ(freed.Nearest(p).onBorder, kept.Nearest(p).onBorder);
+        }
+    }
+}
+
 // The step of Gauss and Newton is that of the energy, by differences.
 TEST(Fit, StepsAreThoseOfTheEnergy) {
     const MeshD mesh(BumpySheet(20, 12));
