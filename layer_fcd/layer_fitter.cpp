@@ -85,7 +85,8 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (target->cm.fn == 0)
         for (const CVertexO &vertex : target->cm.vert)
             targetNormal.push_back(toVector(vertex.cN()));
-    goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target)};
+    goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target),
+            [this] { targetSurface = {}; }};
 }
 
 std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const {
@@ -96,8 +97,10 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
     FittedSurface fitted;
     vcg::fcd::DeformationResult &result = fitted.result;
     const SurfaceView view = surface.View();
-    fitted.fitter = prepare(progress.Slice(0, 0.4));
-    const Deformer &deformer = fitted.fitter->Surface();
+    const std::shared_ptr<const Fitter> fitter = prepare(progress.Slice(0, 0.4));
+    if (param.graphLayers)
+        fitted.fitter = fitter;
+    const Deformer &deformer = fitter->Surface();
     result.tags = vcg::fcd::CountTags(handles.tag, view.deleted);
     fitted.diagonal = deformer.surface.frame.scale;
     fitted.landmarks = landmarks.size();
@@ -105,23 +108,25 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
 
     std::shared_ptr<const vcg::fcd::FitTarget> target;
     if (param.landmarksOnly) {
-        result.pose = fitted.fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, 0.8));
+        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, 0.8));
     } else {
-        target = fitted.fitter->Prepare(goal, progress.Slice(0.4, 0.5));
-        result.pose = fitted.fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
+        target = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
+        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
     }
     if (!param.landmarksOnly && fitted.report.matched == 0)
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
                     ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
+    if (!measured)
+        target = nullptr; // as large as what follows
     result.converged = fitted.report.converged;
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);
-    fitted.fitter->PutLandmarks(landmarks, result.position);
+    fitter->PutLandmarks(landmarks, result.position);
     if (measured && !target)
-        target = fitted.fitter->Prepare(goal);
+        target = fitter->Prepare(goal);
     if (measured)
-        fitted.fitter->Compare(*target, fitted.report, result.position, fitted.distance, fitted.matched,
-                               progress.Slice(0.85, 1));
+        fitter->Compare(*target, fitted.report, result.position, fitted.distance, fitted.matched,
+                        progress.Slice(0.85, 1));
     return fitted;
 }
 

@@ -18,7 +18,7 @@ struct FittedSurface {
     bool landmarksOnly = false;  ///< nothing else of the target counted
     std::vector<float> distance; ///< from the target, one per vertex slot, world units; empty unless measured
     std::vector<char> matched;   ///< whether a vertex has a counterpart there; as well
-    std::shared_ptr<const vcg::fcd::Fitter> fitter;
+    std::shared_ptr<const vcg::fcd::Fitter> fitter; ///< where FitMeshParam asks for graph layers; or null
 };
 
 /// A layer that is fitted to another one, by the filter or by the tool. What is needed of both is read when it is
@@ -33,7 +33,8 @@ class LayerFit {
     LayerFit(const LayerFit &) = delete;
     LayerFit &operator=(const LayerFit &) = delete;
 
-    /// \param measure also the distances \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    /// Once: it frees what has been read of the target. \param measure also the distances \throw vcg::fcd::Error \throw
+    /// vcg::fcd::Cancelled
     FittedSurface solve(bool measure, const vcg::fcd::Progress &progress) const;
 
     /// The first part of that. \throw as solve
@@ -45,7 +46,8 @@ class LayerFit {
     std::string name, targetName; ///< of the layers, in quotation marks
     vcg::fcd::Handles handles;
     std::vector<vcg::fcd::Landmark> landmarks;
-    vcg::fcd::SurfaceArrays surface, targetSurface;
+    vcg::fcd::SurfaceArrays surface;
+    mutable vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
     vcg::fcd::NormalOf normal;
     std::vector<Eigen::Vector3d> targetNormal;
     vcg::fcd::FitGoal goal;
@@ -62,7 +64,8 @@ struct FittedLayers : FittedSurface {
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
                       const vcg::fcd::Progress &progress);
 
-/// Adds the layers of a fit. \pre \p layer has the shape that was fitted \return them, the fitted one last, which is
+/// Adds the layers of a fit. \pre \p layer has the shape that was fitted, with graph layers where these are asked for
+/// \return them, the fitted one last, which is
 /// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
                                    const FitMeshParam &param, const Remark &remark, const vcg::fcd::Progress &progress);

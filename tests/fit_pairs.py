@@ -5,10 +5,11 @@ median of that, and the root mean square distance from the surface that they bel
 truth; and seconds. Where a part of the target is missing: the same for vertices with and without something there, and how many of the
 triangles without are stretched by 0.8 to 1.25 at most.
 
-    build/venv/bin/python tests/fit_pairs.py [--half training] [--seeds 5] [--save FOLDER] [NAME=VALUE...] [PAIR...]
+    build/venv/bin/python tests/fit_pairs.py [--half training] [--seeds 5] [--dirty] [--save FOLDER] [NAME=VALUE...] [PAIR...]
 
-NAME=VALUE are parameters of the filter. --seeds: the median and worst rms over so many random seeds. --save: the surfaces of each pair
-and of the fit, to look at. What is absent (the scans in ../shared, CGAL, see tests/peers.sh) is left out, and named."""
+NAME=VALUE are parameters of the filter. --seeds: the median and worst rms over so many random seeds. --dirty: how far the fits of eight
+dirty versions of each pair (tests/fit_dirt.py) are from that of the clean one. --save: the surfaces of each pair and of the fit, to look
+at. What is absent (the scans in ../shared, CGAL, see tests/peers.sh) is left out, and named."""
 import argparse
 import ast
 import sys
@@ -18,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 
+from fit_dirt import apart, dirty
 from fit_recipes import RECIPES, made
 from fit_shapes import Absent, diagonal
 
@@ -102,6 +104,11 @@ def saved(pair, positions, stem):
         ms.save_current_mesh(f"{stem}_{name}.ply")
 
 
+def from_clean(pair, clean, **parameters):
+    """How far the fits of its dirty versions are from that of the clean one: [(name, percent of the diagonal, root mean square)]"""
+    return [(name, apart(fitted(version, **parameters)[0], own, clean, pair.truth)) for name, (version, own) in dirty(pair).items()]
+
+
 def number(value):
     return "" if value != value else f"{value:.3f}" if value < 10 else f"{value:.1f}"
 
@@ -111,6 +118,7 @@ def main():
     parser.add_argument("what", nargs="*", metavar="PAIR or NAME=VALUE")
     parser.add_argument("--half", choices=HALVES, help="only these")
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--dirty", action="store_true")
     parser.add_argument("--save", type=Path)
     parser.add_argument("--plugin", default=PLUGIN)
     arguments = parser.parse_args()
@@ -141,7 +149,11 @@ def main():
         if len(pair.landmarks):
             notes.append(f"landmarks {one['landmarks']:.1g}")
         if arguments.seeds > 1:
-            notes.append(f"worst of {arguments.seeds} seeds {number(max(each['rms'] for each in worth))}")
+            worst = max(each["rms"] for each in worth)
+            notes.append(f"worst of {arguments.seeds} seeds {number(worst)}, {worst / one['rms']:.2f} medians")
+        if arguments.dirty:
+            versions = from_clean(pair, fitted(pair, **parameters)[0] if arguments.seeds > 1 else positions, **parameters)
+            notes.append("from clean: " + ", ".join(f"{dirt} {number(off)}" for dirt, off in versions))
         print(f"| {name}: {recipe.__doc__} | {half} | {len(pair.points)}, {len(pair.target)} | {number(one['before'])} | {number(one['rms'])} | "
               f"{number(one['median'])} | {number(one['surface'])} | {one['folded']} | {result['matched']:.2f} | {seconds:.2f} | "
               f"{'; '.join(notes)} |", flush=True)

@@ -119,9 +119,22 @@ def megabytes(field):
 
 def measured(work):
     Path("/proc/self/clear_refs").write_text("5")  # the peak from here on
-    before, start = megabytes("VmRSS"), time.perf_counter()
+    before, start, cpu = megabytes("VmRSS"), time.perf_counter(), time.process_time()
     result, cost = work()
-    return result, {"seconds": time.perf_counter() - start, "megabytes": megabytes("VmHWM") - before, **cost}
+    return result, {"seconds": time.perf_counter() - start, "cpu": time.process_time() - cpu, "megabytes": megabytes("VmHWM") - before,
+                    **cost}
+
+
+def completed(command, limits=None, **options):
+    """(what it cost, or nothing, what it said where it failed), of a process whose last line tells what it cost; options as of
+    subprocess.run. limits: what signals say, where these are more than a crash."""
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, **options)
+    if done.returncode < 0:
+        return {}, (limits or {}).get(-done.returncode, f"crash (signal {-done.returncode})")
+    if done.returncode > 0:
+        lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr).strip().splitlines()
+        return {}, "error: " + re.sub(r".*\.cpp:\d+: ", "", (lines or [f"exit code {done.returncode}"])[-1])
+    return json.loads(done.stdout.strip().splitlines()[-1]), ""
 
 
 def run_here(method, stem, plugin, out):
@@ -153,15 +166,8 @@ class Runner:
         print(f"peers: {METHODS[method]}: {stem.name}", file=sys.stderr, flush=True)
         points, cost, said = None, {}, ""
         try:
-            done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=self.arguments.seconds, check=False)
-            if done.returncode < 0:
-                said = f"crash (signal {-done.returncode})"
-            elif done.returncode > 0:
-                lines = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr).strip().splitlines()
-                said = "error: " + re.sub(r".*\.cpp:\d+: ", "", (lines or [f"exit code {done.returncode}"])[-1])
-            else:
-                cost = json.loads(done.stdout.strip().splitlines()[-1])  # seconds, megabytes, iterations, and of ours whether it rests
-                points = np.fromfile(out).reshape(-1, 3)
+            cost, said = completed(command, timeout=self.arguments.seconds)  # seconds, megabytes, iterations, and of ours whether it rests
+            points = None if said else np.fromfile(out).reshape(-1, 3)
         except subprocess.TimeoutExpired:
             said = f"> {self.arguments.seconds} s"
         return points, cost, said

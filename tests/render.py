@@ -182,7 +182,8 @@ def add_panel(plotter, panel, limit, show_edges, scalar_title):
     elif mode == "quality":
         if surface.quality is None:
             raise SystemExit(f"{panel.title or 'quality'}: the mesh has no vertex quality")
-        add_surface(plotter, surface, show_edges, color=None, scalars=surface.quality, cmap="viridis", scalar_bar_args=bar)
+        add_surface(plotter, surface, show_edges, color=None, scalars=surface.quality, cmap="viridis",
+                    clim=(0, limit) if limit else None, scalar_bar_args=bar)
     elif mode == "bend":
         of_face, of_edge = bend(panel.rest, surface)
         p50, p99 = np.percentile(of_edge, [50, 99])
@@ -286,7 +287,7 @@ def main():
     parser.add_argument("--zoom", type=float, default=1)
     parser.add_argument("--focus", type=numbers, metavar="X,Y,Z or VERTEX", help="what is in the middle")
     parser.add_argument("--bend", metavar="REST", help="show all panels in mode bend against this mesh")
-    parser.add_argument("--limit", type=float, help="upper end of the colour scale of bend, degrees")
+    parser.add_argument("--limit", type=float, help="upper end of the colour scale of bend, degrees, or of quality, which begins at 0 then")
     parser.add_argument("--columns", type=int)
     parser.add_argument("--size", type=lambda t: tuple(int(x) for x in t.split("x")), default=(560, 560), metavar="WxH",
                         help="of one panel")

@@ -179,7 +179,8 @@ if [ -z "${1:-}" ]; then
     beside "$build/venv-python" pymeshlab==2025.7.post1 numpy==2.4.6 laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 pyvista==0.49.1 vtk==9.7.2 tqdm==4.70.1 matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 \
         mypy==2.4.1 "pyright[nodejs]==1.1.414" pytest==9.2.0
     if [ -n "${FCD_PEERS:-}" ]; then # for tests/peers.sh
-        beside "$build/venv-peers" pymeshlab==2025.7.post1 numpy==2.4.6 open3d-cpu==0.20.0 libigl==2.6.3 matplotlib==3.11.2
+        beside "$build/venv-peers" pymeshlab==2025.7.post1 numpy==2.4.6 open3d-cpu==0.20.0 libigl==2.6.3 matplotlib==3.11.2 \
+            trimesh==5.2.0 rtree==1.4.1 scipy==1.17.1 pycpd==2.0.0
     fi
 fi
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -32,6 +33,7 @@ struct FitGoal {
     SurfaceView surface;                                 ///< triangles; or points, where it has none
     NormalOf normal;                                     ///< of points; may be empty
     Eigen::Affine3d world = Eigen::Affine3d::Identity(); ///< the matrix of its layer
+    std::function<void()> isRead; ///< called when no array of it is needed any more; may be empty
 };
 
 /// From where a fit begins.

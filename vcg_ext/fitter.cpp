@@ -26,15 +26,26 @@ Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eig
     return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
 }
 
-/// Whether no connected part of the surface that bends has as much as a third of the free vertices.
-bool IsInParts(const Deformer &deformer) {
+/// Whether no connected part of what is free has as much as a third of its area: not of its vertices, so that crumbs
+/// count as what they are.
+bool IsInParts(const SurfaceView &source, const Deformer &deformer) {
     std::vector<Index> componentOf;
     const Index parts = ConnectedComponents(deformer.surface.graph.adjacency, componentOf);
-    std::vector<std::size_t> size(std::size_t(parts), 0);
-    for (const MovingSurface::Bent &each : deformer.bent)
-        ++size[std::size_t(componentOf[std::size_t(each.node)])];
-    const std::size_t all = deformer.bent.size() + deformer.carried.size();
-    return size.empty() || 3 * *std::max_element(size.begin(), size.end()) < all;
+    std::vector<double> area(std::size_t(parts), 0);
+    double all = 0;
+    for (std::size_t f = 0; f < source.faces; ++f) {
+        if (!source.IsFace(f) || deformer.slotTag[source.corner[3 * f]] != 1)
+            continue;
+        const auto at = [&](std::size_t k) {
+            return deformer.surface.frame.ToFrame(Eigen::Vector3d(source.At(source.corner[3 * f + k])));
+        };
+        const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p;
+        const double each = a.cross(b).norm();
+        all += each;
+        if (const Index node = deformer.surface.nodeOf[source.corner[3 * f]]; node >= 0) // else a loose part
+            area[std::size_t(componentOf[std::size_t(node)])] += each;
+    }
+    return !area.empty() && 3 * *std::max_element(area.begin(), area.end()) < all;
 }
 
 // Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
@@ -94,7 +105,7 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.7));
-    if (!source.isCloud && IsInParts(*deformer)) { // what joins its parts is that they lie beside each other
+    if (!source.isCloud && IsInParts(source, *deformer)) { // what joins its parts is that they lie beside each other
         SurfaceView points = source;
         points.faces = points.edges = 0;
         points.isCloud = true;
@@ -113,7 +124,7 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress);
+    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead);
 }
 
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,

@@ -354,6 +354,24 @@ TEST(Fit, SaysWhatHasNoSolution) {
     EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("no solution"), std::string::npos);
 }
 
+// Which have more than twice the vertices of the sheet, and hardly any area: it is no heap of parts.
+TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
+    const Shape sheet = BumpySheet(20, 12), there = Rolled(BumpySheet(29, 17));
+    Shape littered = sheet;
+    for (int i = 0; i < 200; ++i) {
+        const int first = int(littered.position.size());
+        const Vector3d p = sheet.position[std::size_t(i)] + Vector3d(0.1, 0.1, 0.05);
+        for (const Vector3d &corner : {Vector3d(0, 0, 0), Vector3d(0.02, 0, 0), Vector3d(0, 0.02, 0)})
+            littered.position.push_back(p + corner);
+        littered.face.push_back({first, first + 1, first + 2});
+    }
+    const Fitted clean = Fit(sheet, there), dirty = Fit(littered, there);
+    double most = 0;
+    for (std::size_t i = 0; i < sheet.position.size(); ++i)
+        most = std::max(most, (dirty.position.col(Eigen::Index(i)) - clean.position.col(Eigen::Index(i))).norm());
+    EXPECT_LT(most / std::hypot(10, 6), 1.5e-3);
+}
+
 TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     const MeshD mesh(Grid(5, 5));
     const Arrays arrays = Read(mesh);
@@ -369,6 +387,21 @@ TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     const FitTarget cloud(pointArrays.View(), {}, Eigen::Affine3d::Identity());
     EXPECT_FALSE(cloud.Nearest({1.3, 2.2, 0.5}).isOriented);
     EXPECT_NEAR(std::abs(cloud.Nearest({1.3, 2.2, 0.5}).normal[2]), 1, 1e-6);
+}
+
+TEST(Fit, TargetNeedsItsArraysNoLongerThanItSays) {
+    const MeshD mesh(Grid(5, 5)), points(Points(Grid(5, 5)));
+    for (const MeshD *each : {&mesh, &points}) {
+        auto arrays = std::make_unique<Arrays>(Read(*each));
+        const FitTarget kept(arrays->View(), {}, Eigen::Affine3d::Identity());
+        const FitTarget freed(arrays->View(), {}, Eigen::Affine3d::Identity(), {}, [&] { arrays = nullptr; });
+        EXPECT_FALSE(arrays);
+        for (const Vector3d &p : {Vector3d(1.3, 2.2, 0.5), Vector3d(-1, 2.2, 0.5)}) {
+            EXPECT_EQ(freed.Nearest(p).point, kept.Nearest(p).point);
+            EXPECT_EQ(freed.Nearest(p).normal, kept.Nearest(p).normal);
+            EXPECT_EQ(freed.Nearest(p).onBorder, kept.Nearest(p).onBorder);
+        }
+    }
 }
 
 // The step of Gauss and Newton is that of the energy, by differences.

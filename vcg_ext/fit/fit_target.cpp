@@ -16,63 +16,87 @@ Eigen::Matrix3d Moments::Axes() const {
 }
 
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                     const Eigen::Affine3d &toFrame, const Progress &progress) {
+                     const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead) {
+    std::vector<std::array<Index, 3>> triangle;
+    std::vector<char> isPoint;
     if (target.isCloud)
-        ReadPoints(target, normalOf, toFrame);
+        isPoint = ReadPoints(target, normalOf, toFrame);
     else
-        ReadTriangles(target, toFrame, progress);
+        triangle = ReadTriangles(target, toFrame, progress);
+    if (isRead)
+        isRead();
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), isPoint, progress.threads);
+    if (!target.isCloud)
+        LookAround(); // only now: while a tree is built, it takes the most
 }
 
 /// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
-void FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress) {
-    const SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
-    const std::size_t n = std::size_t(surface.graph.Size());
-    position.resize(3, Eigen::Index(n));
+std::vector<std::array<Index, 3>> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
+                                                           const Progress &progress) {
+    SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
+    const Index n = surface.graph.Size();
+    const std::vector<Index> nodeOf = std::move(surface.nodeOf);
+    surface = {}; // what joins the nodes takes as much as all that is read here
+    position.resize(3, n);
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
-        if (surface.nodeOf[i] >= 0)
-            position.col(surface.nodeOf[i]) = toFrame * target.At(i);
-    normal = Eigen::Matrix3Xd::Zero(3, Eigen::Index(n));
+        if (nodeOf[i] >= 0)
+            position.col(nodeOf[i]) = toFrame * target.At(i);
     std::vector<std::array<Index, 3>> triangle;
     triangle.reserve(target.faces);
-    std::vector<char> isUsed(n, 0);
-    // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
-    std::vector<std::uint64_t> once(n, 0);
-    const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
     for (std::size_t f = 0; f < target.faces; ++f) {
         if (!target.IsFace(f))
             continue;
         std::array<Index, 3> c;
         for (std::size_t k = 0; k < 3; ++k)
-            c[k] = surface.nodeOf[target.corner[3 * f + k]];
+            c[k] = nodeOf[target.corner[3 * f + k]];
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
             continue;
-        const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
-                              across = one.cross(other);
-        if (across.norm() <= 1e-12 * one.norm() * other.norm()) // a line, but for rounding: no plane to speak of
-            continue;
-        triangle.push_back(c);
-        moments.Add(p + (one + other) / 3, across.norm());
-        for (std::size_t k = 0; k < 3; ++k) {
-            normal.col(c[k]) += across;
-            isUsed[std::size_t(c[k])] = 1;
-            once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
-        }
+        const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p;
+        if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // else a line, but for rounding: no plane
+            triangle.push_back(c);
     }
-    for (Eigen::Index i = 0; i < normal.cols(); ++i)
-        normal.col(i).stableNormalize();
     if (triangle.empty())
         throw BadInput("The target has no triangle with an area.");
-    border.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        border[i] = once[i] != 0;
-        if (isUsed[i])
-            vertex.push_back(Index(i));
-    }
-    place = std::make_unique<NearestPlace>(position, std::move(triangle), std::vector<char>(), progress.threads);
+    return triangle;
 }
 
-void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                           const Eigen::Affine3d &toFrame) {
+/// What the triangles tell of their corners, and of all together.
+void FitTarget::LookAround() {
+    const std::size_t n = std::size_t(position.cols());
+    normal = Eigen::Matrix3Xd::Zero(3, position.cols());
+    {
+        // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
+        std::vector<std::uint64_t> once(n, 0);
+        const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
+        for (const std::array<Index, 3> &c : place->Triangles()) {
+            const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
+                                  across = one.cross(other);
+            moments.Add(p + (one + other) / 3, across.norm());
+            for (std::size_t k = 0; k < 3; ++k) {
+                normal.col(c[k]) += across;
+                once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
+            }
+        }
+        for (Eigen::Index i = 0; i < normal.cols(); ++i)
+            normal.col(i).stableNormalize();
+        border.resize(n);
+        for (std::size_t i = 0; i < n; ++i)
+            border[i] = once[i] != 0;
+    }
+    std::vector<char> isUsed(n, 0);
+    for (const std::array<Index, 3> &c : place->Triangles())
+        for (Index i : c)
+            isUsed[std::size_t(i)] = 1;
+    vertex.reserve(n);
+    for (std::size_t i = 0; i < n; ++i)
+        if (isUsed[i])
+            vertex.push_back(Index(i));
+}
+
+/// \return flags of those that are there
+std::vector<char> FitTarget::ReadPoints(const SurfaceView &target,
+                                        const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
+                                        const Eigen::Affine3d &toFrame) {
     std::vector<char> isPoint(target.vertexSlots, 0);
     position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
     if (normalOf)
@@ -91,7 +115,7 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
         }
     if (vertex.empty())
         throw BadInput("The target has no vertices.");
-    place = std::make_unique<NearestPlace>(position, std::vector<std::array<Index, 3>>(), isPoint);
+    return isPoint;
 }
 
 std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {

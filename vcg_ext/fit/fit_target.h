@@ -46,9 +46,10 @@ class FitTarget {
     /// \param target triangles, or points where it has none; in mesh units of its own, as \p toWorld says
     /// \param normal of points, any length; may be empty, or 0 for some
     /// \param toFrame from mesh units of the target to the frame that all is computed in
+    /// \param isRead called as soon as nothing of \p target is needed any more; may be empty
     /// \throw BadInput no vertices, or a coordinate that is not finite \throw Cancelled
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
-              const Eigen::Affine3d &toFrame, const Progress &progress = {});
+              const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {});
 
     /// \param hint of a point that is near, or the same one earlier; changes no bit
     Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
@@ -62,9 +63,11 @@ class FitTarget {
     std::vector<Match> Places(std::size_t wanted) const;
 
   private:
-    void ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame, const Progress &progress);
-    void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
-                    const Eigen::Affine3d &toFrame);
+    std::vector<std::array<Index, 3>> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
+                                                    const Progress &progress);
+    void LookAround();
+    std::vector<char> ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
+                                 const Eigen::Affine3d &toFrame);
 
     Eigen::Matrix3Xd position; // of nodes, or points
     Eigen::Matrix3Xd normal;   // of each; 0 columns where there are none

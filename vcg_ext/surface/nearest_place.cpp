@@ -54,6 +54,8 @@ class NearestPlace::Search {
         return place;
     }
 
+    const std::vector<std::array<Index, 3>> &Triangles() const { return triangles->Triangles(); }
+
     double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
         const Index t = triangles ? (*triangles)(p, -1).triangle : -1;
         return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
@@ -130,6 +132,8 @@ NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::ar
     : search(std::make_unique<Search>(position, std::move(triangle), isVertex, threads)) {}
 
 NearestPlace::~NearestPlace() = default;
+
+const std::vector<std::array<Index, 3>> &NearestPlace::Triangles() const { return search->Triangles(); }
 
 SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p) const {
     Hint none;

@@ -69,6 +69,9 @@ class NearestPlace {
         return 4 * against < along ? 1 : 4 * along < against ? -1 : 0;
     }
 
+    /// Slots of the corners of its triangles, as they were given. \pre it has some
+    const std::vector<std::array<Index, 3>> &Triangles() const;
+
   private:
     double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const;
 

@@ -69,6 +69,7 @@ class TriangleTree {
     }
 
     const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
+    const std::vector<std::array<Index, 3>> &Triangles() const { return triangle; }
 
     /// \param p no number beyond 1e100 \param begin a triangle that may be near, which changes no bit; -1: none
     Nearest operator()(const Eigen::Vector3d &p, Index begin) const { return Find(p, begin, {}); }
