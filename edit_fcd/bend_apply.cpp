@@ -39,7 +39,7 @@ std::string BendSession::filterCall(const std::string &script, const std::string
                        "', transforms='" + motionText() + "'";
     const BendOptions defaults;
     if (options.pose != defaults.pose)
-        call += ", pose=" + ToText(double(Scalarm(options.pose)));
+        call += ", pose=" + ToText(rounded<Scalarm>(options.pose));
     if (options.weights != defaults.weights)
         call += ", weights=" + std::to_string(int(options.weights));
     return call + shapeCall() + more + ")";
@@ -50,7 +50,7 @@ std::string BendSession::shapeCall() const {
     std::string call;
     const BendOptions defaults;
     if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + ToText(double(Scalarm(options.smoothness)));
+        call += ", smoothness=" + ToText(rounded<Scalarm>(options.smoothness));
     if (options.initialPatches != defaults.initialPatches)
         call += ", initial_patches=" + std::to_string(options.initialPatches);
     return call;

@@ -95,11 +95,11 @@ StraightenMeshParam BendLineBox::param() const {
     StraightenMeshParam param;
     param.middle = middle->isChecked();
     param.shape = StraightenMeshParam::Shape(shape->currentIndex());
-    param.angle = double(Scalarm(angle->value()));
+    param.angle = rounded<Scalarm>(angle->value());
     param.reverse = reverse->isChecked();
-    param.length = double(Scalarm(length->value()));
+    param.length = rounded<Scalarm>(length->value());
     param.untwist = untwist->isChecked();
-    param.bend.smoothness = double(Scalarm(param.bend.smoothness)); // as a filter is handed it
+    param.bend.smoothness = rounded<Scalarm>(param.bend.smoothness); // as a filter is handed it
     return param;
 }
 

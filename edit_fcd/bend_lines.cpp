@@ -21,7 +21,7 @@ Eigen::Matrix3Xd BendSession::line() const {
         for (int k = 0; k < 3; ++k)
             if (each.weight[k] != 0)
                 place += each.weight[k] * positionOf(each.corner[std::size_t(k)]);
-        points.col(Eigen::Index(i)) = toVector(toPoint(place));
+        points.col(Eigen::Index(i)) = rounded<Scalarm>(place); // as a layer has it
     }
     return points;
 }

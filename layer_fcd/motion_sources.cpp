@@ -49,7 +49,7 @@ std::vector<MotionStep> stepsOf(const HandleParam &param, const MeshModel &layer
 
 /// How far single precision may have moved \p point; 0 where it has more digits than that.
 double singleError(const Eigen::Vector3d &point) {
-    if (point.cast<float>().cast<double>() != point)
+    if (rounded<float>(point) != point)
         return 0;
     return point.cwiseAbs().maxCoeff() * std::numeric_limits<float>::epsilon() / 2;
 }

@@ -59,7 +59,7 @@ void SaveTagsParam::validate() const {
 }
 
 vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
-    const auto round = [](double &number) { number = double(Scalarm(number)); };
+    const auto round = [](double &number) { number = rounded<Scalarm>(number); };
     round(param.graph.targetRadius);
     round(param.smoothness);
     round(param.tolerance);

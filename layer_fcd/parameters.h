@@ -22,6 +22,17 @@ using Remark = std::function<void(const std::string &)>;
 
 inline Eigen::Vector3d toVector(const Point3m &p) { return Eigen::Vector3d(p[0], p[1], p[2]); }
 inline Point3m toPoint(const Eigen::Vector3d &v) { return Point3m(Scalarm(v[0]), Scalarm(v[1]), Scalarm(v[2])); }
+/// A number that was rounded to S. (By way of memory: GCC 12 leaves out the way from double to float and back where it
+/// computes two numbers at once.)
+template <class S>
+double rounded(double number) {
+    const volatile S stored = S(number);
+    return double(stored);
+}
+template <class S>
+Eigen::Vector3d rounded(const Eigen::Vector3d &v) {
+    return {rounded<S>(v[0]), rounded<S>(v[1]), rounded<S>(v[2])};
+}
 inline vcg::Color4b toColor(const vcg::fcd::Rgba &c) { return vcg::Color4b(c[0], c[1], c[2], c[3]); }
 
 /// What "FCD: Build Deformation Graph" is asked for.
