@@ -172,6 +172,15 @@ class Window:
             os.kill(self.manager.pid, signal.SIGCONT)
         self.settle()
 
+    def while_it_sleeps(self, *arguments):
+        """As do(), but that MeshLab sees all of it at once, and nothing that it does takes place between."""
+        os.kill(self.meshlab.pid, signal.SIGSTOP)
+        try:
+            self.do(*arguments, settle=False)
+        finally:
+            os.kill(self.meshlab.pid, signal.SIGCONT)
+        self.settle()
+
     def title(self):
         return subprocess.run(["xdotool", "getactivewindow", "getwindowname"], env={**os.environ, **self.environment}, capture_output=True,
                               text=True, timeout=60).stdout.strip()
@@ -213,9 +222,10 @@ class Window:
         self.key("alt+e", *["Down"] * (2 if name == "FCD: Fit" and not is_on else 1), "Return")
 
     def start_tool(self, name="FCD: Bend"):
-        before = self.text().count(f"Started Mode {name}")
+        before, places = self.text().count(f"Started Mode {name}"), self.text().count("trace: place:")
         self.toggle_tool(name)
         self.wait(f"Started Mode {name}", before + 1)
+        self.wait("trace: place:", places + 1) # where its buttons are, which it says when they are there
         self.do("mousemove", *MIDDLE)
 
     def save(self, name):

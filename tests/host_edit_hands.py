@@ -464,7 +464,7 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     w.start_tool() # nothing is prepared any more
     w.click(w.place("poses_fold"))
     answers = w.text().count("trace: answer")
-    w.do("mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
+    w.while_it_sleeps("mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
     assert w.text().count("trace: answer") == answers + 1 and not w.text().count("trace: frame")
     assert np.array_equal(load(w.save("stopped.ply"))[0], pulled)
     w.do("mousemove", *w.place("play"), "click", 1, settle=False)
