@@ -47,39 +47,48 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
     return reached;
 }
 
-std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
-    wait();
-    const vcg::fcd::Index begin = surface->nodeOf[slot];
-    if (begin < 0)
-        return {slot};
-    const auto n = std::size_t(surface->graph.Size());
-    std::vector<char> isOpen(n, 0), isMet(n, 0);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            isOpen[std::size_t(surface->nodeOf[i])] = 1;
-    isMet[std::size_t(begin)] = 1;
-    for (std::vector<vcg::fcd::Index> next = {begin}; !next.empty();) {
-        const vcg::fcd::Index u = next.back();
+namespace {
+
+/// Gives another label to a node and to all that hang together with it by nodes of the same one. \return these
+std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
+                                     std::vector<int> &label) {
+    const int before = label[std::size_t(begin)];
+    label[std::size_t(begin)] = to;
+    std::vector<vcg::fcd::Index> all, next = {begin};
+    while (!next.empty()) {
+        all.push_back(next.back());
         next.pop_back();
-        for (const vcg::fcd::Index v : surface->graph.adjacency[u])
-            if (isOpen[std::size_t(v)] && !isMet[std::size_t(v)]) {
-                isMet[std::size_t(v)] = 1;
+        for (const vcg::fcd::Index v : graph.adjacency[all.back()])
+            if (label[std::size_t(v)] == before) {
+                label[std::size_t(v)] = to;
                 next.push_back(v);
             }
     }
-    std::vector<std::size_t> all;
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0 && isMet[std::size_t(surface->nodeOf[i])])
-            all.push_back(i);
     return all;
 }
-
-namespace {
 
 // Of the area of the largest piece: a limb is much smaller than its body, where the halves of a bar are about the same.
 const float largestTip = 0.5;
 
 } // namespace
+
+std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
+    wait();
+    const vcg::fcd::Index begin = surface->nodeOf[slot];
+    if (begin < 0)
+        return {slot};
+    const int inside = 1, met = 2;
+    std::vector<int> label(std::size_t(surface->graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            label[std::size_t(surface->nodeOf[i])] = inside;
+    relabel(surface->graph, begin, met, label);
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
+            all.push_back(i);
+    return all;
+}
 
 std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     wait();
@@ -91,26 +100,16 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
         if (isIn[i] && surface->nodeOf[i] >= 0)
             partOf[std::size_t(surface->nodeOf[i])] = cut;
     std::vector<float> area; // of the pieces
-    std::vector<vcg::fcd::Index> next;
     for (std::size_t u = 0; u < n; ++u) {
         if (partOf[u] != cut)
             continue;
         for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
             if (partOf[std::size_t(begin)] != unknown)
                 continue;
-            partOf[std::size_t(begin)] = int(area.size());
+            const int part = int(area.size());
             area.push_back(0);
-            next = {begin};
-            while (!next.empty()) {
-                const vcg::fcd::Index v = next.back();
-                next.pop_back();
+            for (const vcg::fcd::Index v : relabel(graph, begin, part, partOf))
                 area.back() += surface->nodeArea[std::size_t(v)];
-                for (const vcg::fcd::Index w : graph.adjacency[v])
-                    if (partOf[std::size_t(w)] == unknown) {
-                        partOf[std::size_t(w)] = partOf[std::size_t(begin)];
-                        next.push_back(w);
-                    }
-            }
         }
     }
     std::vector<std::size_t> all;

@@ -23,8 +23,8 @@ class BendReach {
     /// The vertices within \p radius of some, given by their slots. \pre isReady(), or knows() it
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
 
-    /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these \pre
-    /// isReady()
+    /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
+    /// vertex among them \pre isReady()
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
 
     /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside

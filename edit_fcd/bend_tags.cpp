@@ -111,10 +111,12 @@ double BendSession::radiusOf(int tag) const {
 void BendSession::setRadius(int tag, double radius) {
     const auto set = [&](int which) {
         const auto point = now.points.find(which);
-        if (point != now.points.end())
+        if (point != now.points.end()) {
             point->second.radius = radius;
+            return;
+        }
         std::vector<std::size_t> vertices;
-        for (std::size_t i = 0; point == now.points.end() && now.marks && i < now.marks->size(); ++i)
+        for (std::size_t i = 0; now.marks && i < now.marks->size(); ++i)
             if ((*now.marks)[i] == which)
                 vertices.push_back(i);
         if (!vertices.empty())
@@ -143,31 +145,33 @@ void BendSession::freeGaps(BendTags &made) {
     using Mark = std::pair<int, double>; // tag and gap
     std::map<Mark, std::vector<std::size_t>> held;
     std::map<int, std::size_t> left;
+    const auto isHeld = [&](std::size_t i) { return made[i] == 0 || made[i] >= 2; };
+    const auto gapOf = [&](std::size_t i) { return gapOfRadius * double((*now.rims)[i]); };
     for (std::size_t i = 0; i < made.size(); ++i)
-        if (made[i] == 0 || made[i] >= 2) {
-            held[{made[i], gapOfRadius * double((*now.rims)[i])}].push_back(i);
+        if (isHeld(i)) {
+            held[{made[i], gapOf(i)}].push_back(i);
             ++left[made[i]];
         }
     for (const auto &[own, vertices] : held) {
         const auto &[tag, gap] = own;
-        std::map<double, std::map<int, std::vector<std::size_t>>> beside; // by the gap, and the tag
-        for (const auto &[other, yielding] : held) {
-            const double larger = std::max(gap, other.second);
-            if (other.first >= tag || !(larger > 0))
-                continue;
-            std::vector<std::size_t> &near = beside[larger][other.first];
+        std::set<double> gaps; // to those that yield
+        for (const auto &each : held)
+            if (each.first.first < tag)
+                gaps.insert(std::max(gap, each.first.second));
+        gaps.erase(0);
+        for (const double larger : gaps) {
+            std::map<int, std::vector<std::size_t>> beside; // by their tag
             for (const std::size_t i : reach(vertices, larger))
-                if (made[i] == other.first && gapOfRadius * double((*now.rims)[i]) == other.second)
-                    near.push_back(i);
-        }
-        for (const auto &[larger, ofTag] : beside)
-            for (const auto &[other, near] : ofTag) {
+                if (isHeld(i) && made[i] < tag && std::max(gap, gapOf(i)) == larger)
+                    beside[made[i]].push_back(i);
+            for (const auto &[other, near] : beside) {
                 if (near.size() == left[other])
                     continue; // it would be gone
                 left[other] -= near.size();
                 for (const std::size_t i : near)
                     made[i] = 1;
             }
+        }
     }
 }
 
