@@ -162,23 +162,14 @@ class Window:
         if settle:
             self.settle()
 
-    def while_the_manager_sleeps(self, *arguments):
-        """As do(), but that the window manager, which sees presses first and then lets the window have them, does so late: keys that
-        came after them are there first."""
-        os.kill(self.manager.pid, signal.SIGSTOP)
+    def while_asleep(self, process, *arguments):
+        """As do(), but that a process hears of it only after all of it. The window manager, which sees presses first and then lets the
+        window have them, does so late then: keys that came after them are there first. MeshLab does nothing in between."""
+        os.kill(process.pid, signal.SIGSTOP)
         try:
             self.do(*arguments)
         finally:
-            os.kill(self.manager.pid, signal.SIGCONT)
-        self.settle()
-
-    def while_it_sleeps(self, *arguments):
-        """As do(), but that MeshLab sees all of it at once, and nothing that it does takes place between."""
-        os.kill(self.meshlab.pid, signal.SIGSTOP)
-        try:
-            self.do(*arguments, settle=False)
-        finally:
-            os.kill(self.meshlab.pid, signal.SIGCONT)
+            os.kill(process.pid, signal.SIGCONT)
         self.settle()
 
     def title(self):

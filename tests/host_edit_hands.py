@@ -207,7 +207,7 @@ def test_esc_stops_what_was_begun_before_it(window, tmp_path):
     assert w.text().count("trace: answer") == 8
     assert not any(solve for *_, solve, _, _, _ in w.traces("full"))
     w.do("mousemove", X + 40, Y)
-    w.while_the_manager_sleeps("mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1)
+    w.while_asleep(w.manager, "mousedown", 1, "mousemove", X + 60, Y - 80, "key", "Escape", "mouseup", 1)
     w.shot("stopped")
     assert w.save("stopped.ply").read_bytes() == before
     full = w.text().count("trace: full")
@@ -464,7 +464,7 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     w.start_tool() # nothing is prepared any more
     w.click(w.place("poses_fold"))
     answers = w.text().count("trace: answer")
-    w.while_it_sleeps("mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
+    w.while_asleep(w.meshlab, "mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
     assert w.text().count("trace: answer") == answers + 1 and not w.text().count("trace: frame")
     assert np.array_equal(load(w.save("stopped.ply"))[0], pulled)
     w.do("mousemove", *w.place("play"), "click", 1, settle=False)
