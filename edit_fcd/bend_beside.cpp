@@ -7,7 +7,7 @@
 // Work on a large layer, beside the window.
 
 /// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says meanwhile
-/// \param stopped called instead of \p done when it is cancelled, or fails
+/// \param stopped called instead of \p done when it is cancelled, or fails; may be empty
 void BendTool::beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
                       std::function<void()> stopped) {
     preparingWhat = what;
@@ -37,9 +37,7 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
                 stopPreparing();
                 throw;
             }
-            preparingTimer.stop();
-            preparingTimer.disconnect(this);
-            view->unsetCursor();
+            restFromPreparing();
             whenDone();
         });
     };
@@ -59,15 +57,25 @@ void BendTool::whenDone() {
     done();
 }
 
+/// The window looks as if nothing was being done.
+void BendTool::restFromPreparing() {
+    preparingTimer.stop();
+    preparingTimer.disconnect(this);
+    if (view)
+        view->unsetCursor();
+}
+
 /// What has been begun is taken back.
 void BendTool::stopPreparing() {
     const bool wasBeside = preparing != nullptr;
     preparing.reset(); // waits for it
-    preparingTimer.stop();
-    preparingTimer.disconnect(this);
-    if (wasBeside && view)
-        view->unsetCursor();
+    if (wasBeside)
+        restFromPreparing();
     const std::function<void()> stopped = std::move(whenStopped);
-    if (layer())
+    if (!layer())
+        return;
+    if (stopped)
         stopped();
+    refresh();
+    view->update();
 }

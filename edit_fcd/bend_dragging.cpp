@@ -56,8 +56,6 @@ void BendTool::beginDrag(const Grip &what) {
         [this] { // the layer has the shape of before
             session->cancel();
             showOverlay();
-            refresh();
-            view->update();
         });
 }
 

@@ -103,9 +103,8 @@ void BendTool::move(QMouseEvent *event) {
     if (drag) {
         drag->snap = event->modifiers() & Qt::ControlModifier;
         drag->onto.reset();
-        if (event->modifiers() & Qt::ShiftModifier) {
+        if (event->modifiers() & Qt::ShiftModifier)
             drag->onto = hitOthers(*view->md(), *model, seen, mouseInWindow().head<2>());
-        }
         drag->moveTo(seen, mouseInWindow());
         requestStep();
     } else if (marking && marking->kind == BendMarking::Brush) {
@@ -148,9 +147,12 @@ void BendTool::turnWheel(QWheelEvent *event) {
     }
 }
 
+/// Where the mouse is now: keys, and the wheel, come without it.
+void BendTool::findMouse() { mouse = view->mapFromGlobal(QCursor::pos()); }
+
 /// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
 bool BendTool::changeRim(double times) {
-    mouse = view->mapFromGlobal(QCursor::pos());
+    findMouse();
     const int tag = handleAtMouse();
     std::size_t slot = 0; // of what is fixed, where there is no handle
     if (!tag) {

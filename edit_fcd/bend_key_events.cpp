@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_tool.h"
 
-#include <QCursor>
-
 // The keys of the view.
 
 using vcg::fcd::Error;
@@ -76,7 +74,7 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
 
 /// Begins to move the handle under the mouse, or else the selected one, with the mouse, without a button.
 void BendTool::dragByKey(BendDrag::Kind kind) {
-    mouse = view->mapFromGlobal(QCursor::pos());
+    findMouse();
     const int under = view->underMouse() ? handleAtMouse() : 0, tag = under ? under : selected();
     if (!tag)
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
@@ -88,7 +86,7 @@ void BendTool::placePivot() {
     const int tag = selected();
     if (!tag)
         throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
-    mouse = view->mapFromGlobal(QCursor::pos());
+    findMouse();
     const int other = handleAtMouse();
     session->change();
     session->setPivot(tag, other == tag ? std::nullopt

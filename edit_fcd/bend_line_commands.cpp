@@ -5,7 +5,6 @@
 
 #include <layer_fcd/layer_straightener.h>
 
-#include <QCursor>
 #include <QFileDialog>
 
 // The line that a layer is straightened along.
@@ -71,7 +70,7 @@ void BendTool::removeLinePoint() {
     std::vector<BendLinePoint> line = session->state().line;
     if (line.empty())
         return;
-    mouse = view->mapFromGlobal(QCursor::pos());
+    findMouse();
     const std::size_t which = linePointAt(mouseInWindow().head<2>()).value_or(line.size() - 1);
     linePoint.reset();
     session->change();
@@ -94,13 +93,10 @@ void BendTool::onLineCommand(int which) {
         break;
     }
     case BendLineBox::Save: {
-        StraightenMeshParam param;
-        session->takeLine(param); // to say that there is none
-        QString file = QFileDialog::getSaveFileName(view->window(), "Save line", QString(), "Lists of points (*.csv)");
+        session->expectLine();
+        const QString file = fileToSave(*view, "Save line", "Lists of points (*.csv)", {".csv"});
         if (file.isEmpty() || !isReady())
             return;
-        if (!file.endsWith(".csv", Qt::CaseInsensitive))
-            file += ".csv";
         session->saveLine(file);
         say("Saved the line as " + file.toStdString() + ".");
         break;
@@ -121,8 +117,10 @@ void BendTool::straighten() {
     param.graphLayers = panel->graphLayers();
     param.targetLayer = document->getMesh(panel->line().targetLayer());
     param.lineLayer = document->getMesh(panel->line().lineLayer());
-    if (!param.lineLayer)
-        session->takeLine(param);
+    if (!param.lineLayer) {
+        session->expectLine();
+        param.line = session->line();
+    }
     const vcg::fcd::LineGoal goal = lineGoalOf(*model, param);
     keepShown();
     showVertices(true);
@@ -142,10 +140,6 @@ void BendTool::straighten() {
                     say("In a script: " + BendSession::straightenCall(param, made.line));
                 },
                 true);
-        },
-        [this] {
-            refresh();
-            view->update();
         });
 }
 

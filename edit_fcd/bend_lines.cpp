@@ -26,11 +26,10 @@ Eigen::Matrix3Xd BendSession::line() const {
     return points;
 }
 
-void BendSession::takeLine(StraightenMeshParam &param) const {
+void BendSession::expectLine() const {
     if (now.line.size() < 2)
         throw Error("There is no line yet: click points along the layer, in their order, or choose a layer with "
                     "edges.");
-    param.line = line();
 }
 
 void BendSession::loadLine(const QString &file) {
@@ -42,10 +41,9 @@ void BendSession::loadLine(const QString &file) {
 }
 
 void BendSession::saveLine(const QString &file) const {
-    StraightenMeshParam param;
-    takeLine(param);
+    const Eigen::Matrix3Xd points = line();
     std::string text = "x, y, z\n";
-    for (const auto &point : param.line.colwise())
+    for (const auto &point : points.colwise())
         text += ToText(point[0]) + ", " + ToText(point[1]) + ", " + ToText(point[2]) + "\n";
     saveFiles({{file, text}});
 }

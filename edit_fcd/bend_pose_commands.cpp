@@ -138,11 +138,9 @@ void BendTool::onPoseCommand(int which) {
     }
     case BendPoseBox::Save: {
         session->expectPoses();
-        QString file = QFileDialog::getSaveFileName(view->window(), "Save poses", QString(), kinds);
+        const QString file = fileToSave(*view, "Save poses", kinds, {".csv"});
         if (file.isEmpty() || !isReady())
             return;
-        if (!file.endsWith(".csv", Qt::CaseInsensitive))
-            file += ".csv";
         session->savePoses(file);
         say("Saved the poses as " + file.toStdString() + ".");
         break;
@@ -178,10 +176,6 @@ void BendTool::play() {
             sincePlay.start();
             panel->poses().showPlaying(true);
             refresh();
-        },
-        [this] {
-            refresh();
-            view->update();
         });
 }
 

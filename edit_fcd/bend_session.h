@@ -151,10 +151,9 @@ class BendSession {
     void setLine(std::vector<BendLinePoint> line) { now.line = std::move(line); }
     /// \throw vcg::fcd::Error as readLine
     void loadLine(const QString &file);
-    /// \throw vcg::fcd::Error there are not two points, or the file cannot be written
+    void expectLine() const; ///< \throw vcg::fcd::Error there are not two points
+    /// \throw vcg::fcd::Error the file cannot be written
     void saveLine(const QString &file) const;
-    /// What the line() is given as. \throw vcg::fcd::Error there are not two points
-    void takeLine(StraightenMeshParam &param) const;
     /// The filter call that straightens the layer like that. \param line of these points, or null
     static std::string straightenCall(const StraightenMeshParam &param, const MeshModel *line);
 

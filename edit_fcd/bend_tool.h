@@ -106,6 +106,7 @@ class BendTool : public LayerTool {
     std::optional<std::size_t> slotAtMouse() const;
     int handleAtMouse() const;
     bool changeRim(double times);
+    void findMouse();
     void hover();
 
     int selected() const;
@@ -121,8 +122,9 @@ class BendTool : public LayerTool {
     void beginDrag(const Grip &grip);
     void dragWhenPrepared();
     void beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
-                std::function<void()> stopped);
+                std::function<void()> stopped = {});
     void whenDone();
+    void restFromPreparing();
     void stopPreparing();
     void endDrag(bool keep);
     void requestStep();

@@ -290,11 +290,9 @@ void FitTool::chooseFiles(bool load) {
         showLayers();
     } else {
         expectSavable(session->state().pairs);
-        QString file = QFileDialog::getSaveFileName(view->window(), "Save pairs", QString(), kinds);
+        const QString file = fileToSave(*view, "Save pairs", kinds, {".csv", ".pp"});
         if (file.isEmpty() || !isReady())
             return;
-        if (!file.endsWith(".pp", Qt::CaseInsensitive) && !file.endsWith(".csv", Qt::CaseInsensitive))
-            file += ".csv";
         session->save(file);
         say("Saved the pairs as " + file.toStdString() + ".");
     }

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include <QCoreApplication>
+#include <QFileDialog>
 #include <QMainWindow>
 #include <QMdiArea>
 #include <QMdiSubWindow>
@@ -59,6 +60,13 @@ void dockPanel(GLArea &view, QDockWidget &panel) {
     if (area && own)
         QObject::connect(area, &QMdiArea::subWindowActivated, &panel,
                          [area, own, &panel] { panel.setVisible(area->currentSubWindow() == own); });
+}
+
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings) {
+    const QString file = QFileDialog::getSaveFileName(view.window(), title, QString(), kinds);
+    const bool isNamed = std::any_of(endings.begin(), endings.end(),
+                                     [&](const QString &each) { return file.endsWith(each, Qt::CaseInsensitive); });
+    return file.isEmpty() || isNamed ? file : file + endings.first();
 }
 
 void tracePlaces(QWidget &panel) {

@@ -7,6 +7,7 @@
 #include <layer_fcd/edit_host.h>
 
 #include <QDockWidget>
+#include <QStringList>
 
 /// \file
 /// What the tools have to do with the window that they are in.
@@ -23,6 +24,10 @@ void toCamera(GLArea &view, QMouseEvent *event);
 
 /// Shows a panel at the left of the window of a view, as long as the view's document is seen: its buttons act on that.
 void dockPanel(GLArea &view, QDockWidget &panel);
+
+/// Asks for a file to write. \param kinds as QFileDialog takes them \param endings that its name may have: another one
+/// gets the first of them \return empty where it is cancelled
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
 
 /// Tells where things of a panel are, for whoever drives it by a script.
 void tracePlaces(QWidget &panel);
