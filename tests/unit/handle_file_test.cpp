@@ -249,7 +249,12 @@ TEST_F(HandleFile, ReadsNumbersOfThousandsOfDigits) {
 TEST_F(HandleFile, ReadsNoFurtherThanItNeeds) {
     Written(std::string(999999, ' ') + "7");
     EXPECT_EQ(ReadTagFile(path, 1000000), std::vector<int>{7});
-    for (std::uintmax_t size : {std::uintmax_t(1000001), std::uintmax_t(1) << 36}) { // most of it a hole
+#ifdef _WIN32 // where no such file has holes
+    const std::uintmax_t large = std::uintmax_t(1) << 24;
+#else
+    const std::uintmax_t large = std::uintmax_t(1) << 36; // most of it a hole
+#endif
+    for (std::uintmax_t size : {std::uintmax_t(1000001), large}) {
         std::filesystem::resize_file(path, size);
         for (const std::string &message : {MessageOf<Error>([&] { ReadTagFile(path, 1000000); }),
                                            MessageOf<Error>([&] { ReadTransformFile(path, 1000000); }),
