@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -16,17 +17,17 @@ Eigen::Matrix3d Moments::Axes() const {
 }
 
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                     const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead) {
+                     const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead)
+    : isCloud(target.isCloud) {
     std::vector<std::array<Index, 3>> triangle;
-    std::vector<char> isPoint;
-    if (target.isCloud)
-        isPoint = ReadPoints(target, normalOf, toFrame);
+    if (isCloud)
+        ReadPoints(target, normalOf, toFrame);
     else
         triangle = ReadTriangles(target, toFrame, progress);
     if (isRead)
         isRead();
-    place = std::make_unique<NearestPlace>(position, std::move(triangle), isPoint, progress.threads);
-    if (!target.isCloud)
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.threads);
+    if (!isCloud)
         LookAround(); // only now: while a tree is built, it takes the most
 }
 
@@ -63,66 +64,59 @@ std::vector<std::array<Index, 3>> FitTarget::ReadTriangles(const SurfaceView &ta
 /// What the triangles tell of their corners, and of all together.
 void FitTarget::LookAround() {
     const std::size_t n = std::size_t(position.cols());
-    normal = Eigen::Matrix3Xd::Zero(3, position.cols());
-    {
-        // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
-        std::vector<std::uint64_t> once(n, 0);
-        const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
-        for (const std::array<Index, 3> &c : place->Triangles()) {
-            const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
-                                  across = one.cross(other);
-            moments.Add(p + (one + other) / 3, across.norm());
-            for (std::size_t k = 0; k < 3; ++k) {
-                normal.col(c[k]) += across;
-                once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
-            }
+    normal = Eigen::Matrix3Xf::Zero(3, position.cols());
+    flags.assign(n, 0);
+    // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
+    std::vector<std::uint64_t> once(n, 0);
+    const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
+    for (const std::array<Index, 3> &c : place->Triangles()) {
+        const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
+                              across = one.cross(other);
+        moments.Add(p + (one + other) / 3, across.norm());
+        for (std::size_t k = 0; k < 3; ++k) {
+            flags[std::size_t(c[k])] = inside;
+            normal.col(c[k]) += across.cast<float>();
+            once[std::size_t(c[k])] ^= spread(c[(k + 1) % 3]) ^ spread(c[(k + 2) % 3]);
         }
-        for (Eigen::Index i = 0; i < normal.cols(); ++i)
-            normal.col(i).stableNormalize();
-        border.resize(n);
-        for (std::size_t i = 0; i < n; ++i)
-            border[i] = once[i] != 0;
     }
-    std::vector<char> isUsed(n, 0);
-    for (const std::array<Index, 3> &c : place->Triangles())
-        for (Index i : c)
-            isUsed[std::size_t(i)] = 1;
-    vertex.reserve(n);
-    for (std::size_t i = 0; i < n; ++i)
-        if (isUsed[i])
-            vertex.push_back(Index(i));
+    for (std::size_t i = 0; i < n; ++i) {
+        normal.col(Eigen::Index(i)).stableNormalize();
+        if (once[i] != 0)
+            flags[i] = border;
+    }
 }
 
-/// \return flags of those that are there
-std::vector<char> FitTarget::ReadPoints(const SurfaceView &target,
-                                        const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                                        const Eigen::Affine3d &toFrame) {
-    std::vector<char> isPoint(target.vertexSlots, 0);
+void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
+                           const Eigen::Affine3d &toFrame) {
+    flags.assign(target.vertexSlots, 0);
     position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
     if (normalOf)
-        normal = position;
+        normal = Eigen::Matrix3Xf::Zero(3, position.cols());
+    std::size_t points = 0;
     const Eigen::Matrix3d turn = toFrame.linear().inverse().transpose();
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (!target.IsDeleted(i)) {
             if (!target.At(i).allFinite())
                 throw detail::NotFinite(i);
-            isPoint[i] = 1;
-            vertex.push_back(Index(i));
+            flags[i] = inside;
+            ++points;
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
             if (normalOf)
-                normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized();
+                normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized().cast<float>();
             moments.Add(position.col(Eigen::Index(i)), 1);
         }
-    if (vertex.empty())
+    if (points == 0)
         throw BadInput("The target has no vertices.");
-    return isPoint;
 }
 
 std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
     std::vector<Match> places;
-    const std::size_t stride = 1 + (vertex.size() - 1) / std::max<std::size_t>(wanted, 1);
-    for (std::size_t i = stride / 2; i < vertex.size(); i += stride)
-        places.push_back(Nearest(position.col(vertex[i])));
+    const std::size_t all = flags.size() - std::size_t(std::count(flags.begin(), flags.end(), char(0))),
+                      stride = 1 + (all - 1) / std::max<std::size_t>(wanted, 1);
+    std::size_t before = stride - stride / 2; // one comes where it is a multiple of the stride
+    for (std::size_t i = 0; i < flags.size(); ++i)
+        if (flags[i] != 0 && before++ % stride == 0)
+            places.push_back(Nearest(position.col(Eigen::Index(i))));
     return places;
 }
 
@@ -130,16 +124,16 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     const SurfacePlace at = (*place)(p, hint);
     Match match;
     match.point.setZero();
-    bool isBorder = !border.empty();
+    bool isBorder = !isCloud;
     for (int k = 0; k < at.count; ++k) {
         match.point += at.weight[std::size_t(k)] * position.col(at.slot[std::size_t(k)]);
         if (normal.cols() > 0)
-            match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]);
-        isBorder = isBorder && border[std::size_t(at.slot[std::size_t(k)])] != 0;
+            match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]).cast<double>();
+        isBorder = isBorder && IsBorder(at.slot[std::size_t(k)]);
     }
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
-    if (border.empty() && match.normal.isZero(0) && at.count > 2) { // the plane through the points around
+    if (isCloud && match.normal.isZero(0) && at.count > 2) { // the plane through the points around
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (int k = 0; k < at.count; ++k)

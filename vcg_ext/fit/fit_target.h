@@ -66,13 +66,17 @@ class FitTarget {
     std::vector<std::array<Index, 3>> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
                                                     const Progress &progress);
     void LookAround();
-    std::vector<char> ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
-                                 const Eigen::Affine3d &toFrame);
+    void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
+                    const Eigen::Affine3d &toFrame);
 
-    Eigen::Matrix3Xd position; // of nodes, or points
-    Eigen::Matrix3Xd normal;   // of each; 0 columns where there are none
-    std::vector<char> border;  // flags of nodes; empty for points
-    std::vector<Index> vertex; // those that are there, nodes along a curve that fills space
+    bool IsBorder(Index i) const { return flags[std::size_t(i)] == border; }
+
+    // What is kept of each node is most of what a fit takes, so normals are of single precision.
+    enum Flag : char { inside = 1, border = 2 };
+    Eigen::Matrix3Xd position; // of nodes, in an order along a curve that fills space, or points
+    Eigen::Matrix3Xf normal;   // of each, of length 1 or 0; 0 columns where there are none
+    std::vector<char> flags;   // of each: 0 where there is none; border only of nodes of triangles
+    bool isCloud = false;
     std::unique_ptr<NearestPlace> place;
     Moments moments;
 };

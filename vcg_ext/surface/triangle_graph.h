@@ -260,7 +260,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
     AssignLarge(graph.adjacency.item, itemBegin[blocks], 0);
     ParallelFor(progress.Slice(0.9, 1), readingStage, blocks, 1, [&](std::size_t b, std::size_t) {
         std::copy(done[b].item.begin(), done[b].item.end(), graph.adjacency.item.begin() + itemBegin[b]);
-        done[b].item = {};
+        done[b].item = std::vector<Index>(); // {} would keep the memory
         std::uint32_t sum = std::uint32_t(itemBegin[b]);
         for (Index u = in.FirstNode(b); u < in.FirstNode(b + 1); ++u)
             graph.adjacency.begin[u + 1] = sum += graph.adjacency.begin[u + 1];

@@ -65,7 +65,7 @@ class TriangleTree {
         PreferLargePages(nodes.data(), count * sizeof(Node));
         nodes.resize(count);
         Build(order.data(), order.data() + order.size(), 0, threads);
-        middle = {};
+        middle = std::vector<Eigen::Vector3f>(); // {} would keep the memory
     }
 
     const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
