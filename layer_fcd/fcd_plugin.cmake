@@ -28,7 +28,9 @@ function(fcd_set_up_plugin plugin)
     endif()
     fcd_set_up(${plugin})
     target_link_libraries(${plugin} PRIVATE layer_fcd)
-    set_target_properties(${plugin} PROPERTIES AUTOMOC ON WINDOWS_EXPORT_ALL_SYMBOLS OFF)
+    # (Nothing that Qt's tool reads is made by what the plugin links, so it need not wait for that to be compiled.)
+    set_target_properties(${plugin} PROPERTIES
+        AUTOMOC ON AUTOGEN_ORIGIN_DEPENDS OFF WINDOWS_EXPORT_ALL_SYMBOLS OFF)
     # What only linkers for ELF know. nodelete: layers may own attributes that were made here, and they outlive an unloaded
     # plugin.
     if(UNIX AND NOT APPLE)

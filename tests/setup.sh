@@ -166,12 +166,17 @@ environment() {
         echo "$*" >"$directory/requirements"
     fi
 }
-environment "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 others=() # made while the plugins are built
 beside() {
     environment "$@" &
     others+=($!)
 }
+wait_for_others() {
+    local other
+    for other in "${others[@]}"; do wait "$other" || exit 1; done # which has said why
+    others=()
+}
+beside "$build/venv" pymeshlab==2025.7.post1 numpy==2.4.6 pyvista==0.49.1 vtk==9.7.2 pillow==13.0.0 pytest==9.2.0
 if [ -z "${1:-}" ]; then
     [ "$codename" != bookworm ] || environment "$build/venv-2022" pymeshlab==2022.2.post4 numpy==1.26.4 pytest==9.2.0
     beside "$build/venv-tools" clang-tidy==23.1.4 mkdocs==1.6.1 "mkdocstrings[python]==1.0.8"
@@ -213,11 +218,11 @@ installed=${installed%%[+~]*}
 build() {
     [ ${#plugins[@]} -gt 0 ] || return 0
     begin "building the plugin for ${plugins[*]}"
-    # The method is the same for each of these, but for what includes VCG: the compiler cache has it from the first one.
-    nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
     if [ ${#plugins[@]} = 1 ]; then
         nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" >>"$log" 2>&1
     else
+        # The method is the same for each of these, but for what includes VCG: the compiler cache has it from the first one.
+        nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
         printf '%s\n' "${plugins[@]}" | nice xargs -P "$jobs" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
     fi
     plugins=()
@@ -241,8 +246,12 @@ if [ "$installed" = 2020.09 ]; then
     done
 fi
 
-[ "${1:-}" != window ] || exit 0
+if [ "${1:-}" = window ]; then
+    wait_for_others
+    exit 0
+fi
 
+wait "${others[0]}" || exit 1 # its MeshLab is what the plugin is linked with
 plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
 if [ "${1:-}" = demo ]; then
     build
@@ -253,5 +262,4 @@ for version in 2022.02 2025.07; do
     [ "$version" = "$installed" ] || plugin "meshlab-$version" "$version" "" float
 done
 build
-step="making Python environments"
-for other in "${others[@]}"; do wait "$other"; done
+wait_for_others
