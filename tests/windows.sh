@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The scripted mouse of tests/host_edit.py, host_edit_state.py and host_edit_hands.py in the windows of MeshLab 2022.02 and 2025.07, which this Debian does not
-# have: they run in chroots of the suites that have them, made by debootstrap and kept in FCD_CHROOTS
+# The scripted mouse of tests/host_edit*.py in the windows of MeshLab 2022.02 and 2025.07, which this Debian does not have: they run
+# in chroots of the suites that have them, made by debootstrap and kept in FCD_CHROOTS
 # (${XDG_CACHE_HOME:-~/.cache}/fcd/chroots). Needs root; the chroots take two minutes and 1.6 GB, the tests eleven minutes a window.
 #
 #   bash tests/windows.sh [2022.02|2025.07]
@@ -78,7 +78,6 @@ for version in ${1:-2022.02 2025.07}; do
     } >"$program"
     chmod +x "$program"
     FCD_MESHLABSERVER=$build/meshlab-2020.09/meshlabserver FCD_MESHLAB=$program FCD_MESHLAB_VERSION=$version TMPDIR=/tmp \
-        LIBGL_ALWAYS_SOFTWARE=1 "$build/venv/bin/python" -m pytest -q -ra -p no:cacheprovider "$root/tests/host_edit.py" \
-        "$root/tests/host_edit_state.py" "$root/tests/host_edit_hands.py" || failed=1
+        LIBGL_ALWAYS_SOFTWARE=1 "$build/venv/bin/python" -m pytest -q -ra -p no:cacheprovider "$root"/tests/host_edit*.py || failed=1
 done
 exit "$failed"
