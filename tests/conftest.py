@@ -4,6 +4,7 @@ import lzma
 import os
 import re
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,27 @@ def shared():
     if not (SHARED / "meshes").is_dir():
         pytest.skip(f"no benchmark meshes ({SHARED / 'meshes'} is absent)")
     return SHARED
+
+
+def is_busy(processes):
+    """Whether a thread of these runs, or waits for a core or a disk. Of numbers of processes."""
+    for process in processes:
+        for thread in Path(f"/proc/{process}/task").glob("*/stat"):
+            try:
+                if thread.read_text().rpartition(")")[2].split()[0] in "RD":
+                    return True
+            except (FileNotFoundError, ProcessLookupError): # it ended
+                pass
+    return False
+
+
+def settle(processes):
+    """Waits until all that was sent to the processes of a window is done: nothing runs for longer than it takes to hand an event on."""
+    calm, end = 0, time.time() + 60
+    while calm < 5:
+        time.sleep(0.015)
+        calm = 0 if is_busy(processes) else calm + 1
+        assert time.time() < end, "MeshLab does not come to rest"
 
 
 def unpacked(path, folder):

@@ -19,7 +19,7 @@ import pytest
 from PIL import ImageGrab
 
 import host_window
-from conftest import record
+from conftest import is_busy, record, settle
 from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
 
 MESHLAB = Path(os.environ.get("FCD_MESHLAB", Path(SERVER).with_name("meshlab")))
@@ -139,23 +139,11 @@ class Window:
             time.sleep(0.05)
 
     def is_busy(self):
-        """Whether a thread of the screen, the window manager or MeshLab runs, or waits for a core or a disk."""
-        for process in self.processes:
-            for thread in Path(f"/proc/{process.pid}/task").glob("*/stat"):
-                try:
-                    if thread.read_text().rpartition(")")[2].split()[0] in "RD":
-                        return True
-                except (FileNotFoundError, ProcessLookupError): # it ended
-                    pass
-        return False
+        """Whether the screen, the window manager or MeshLab has something to do."""
+        return is_busy([process.pid for process in self.processes])
 
     def settle(self):
-        """Waits until all that was sent is done: nothing runs for longer than it takes to hand an event on."""
-        calm, end = 0, time.time() + 60
-        while calm < 5:
-            time.sleep(0.015)
-            calm = 0 if self.is_busy() else calm + 1
-            assert time.time() < end, "MeshLab does not come to rest"
+        settle([process.pid for process in self.processes])
 
     def do(self, *arguments, settle=True):
         subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=60)

@@ -12,7 +12,7 @@ import pymeshlab
 import pytest
 from PIL import ImageGrab
 
-from conftest import SAMPLES, record
+from conftest import SAMPLES, record, settle
 
 WIDTH, HEIGHT = 1366, 768
 FILTERS = ["FCD: Build Deformation Graph", "FCD: Deform Mesh", "FCD: Pose in Place", "FCD: Reset Pose",
@@ -27,6 +27,8 @@ class Screen:
         own = {key: value for key, value in os.environ.items() if not key.startswith(("QT_", "LD_"))}  # pymeshlab sets some
         self.environment = dict(own, HOME=str(folder), XDG_RUNTIME_DIR=str(folder / "run"))
         self.manager = subprocess.Popen(["openbox"], env=self.environment, stderr=subprocess.DEVNULL)
+        number = os.environ["DISPLAY"].partition(":")[2].partition(".")[0]
+        self.processes = [int(Path(f"/tmp/.X{number}-lock").read_text()), self.manager.pid]  # of the X server, too
 
     def close(self):
         self.manager.terminate()
@@ -73,11 +75,15 @@ class Window:
     def wait(self, title):
         return self.until(title, lambda: self.find(title))[-1]
 
+    def settle(self):
+        settle([*self.screen.processes, self.program.pid])
+
     def settled(self, title):
         """The window of a title, when it has found its place."""
         window = self.wait(title)
-        self.until("window in place", lambda: self.place(window) == (time.sleep(0.2), self.place(window))[1])
+        self.settle()
         self.x("windowactivate", "--sync", window)
+        self.settle()
         return window
 
     def lines(self):
@@ -85,16 +91,11 @@ class Window:
 
     def wait_for_log(self, text, times=1):
         self.until(text, lambda: sum(text in line for line in self.lines()) >= times)
-        time.sleep(0.3)  # until it is drawn
+        self.settle()  # until it is drawn
 
     def place(self, window):
         found = dict(re.findall(r"(X|Y|WIDTH|HEIGHT)=(-?\d+)", self.x("getwindowgeometry", "--shell", window)))
         return tuple(int(found[key]) for key in ("X", "Y", "WIDTH", "HEIGHT"))
-
-    def wait_for_place(self, window, what, fits):
-        """Where a window is, when it has come to a place that fits: a busy machine shows it on its way, too."""
-        self.until(f"place for {what}", lambda: fits(*self.place(window)))
-        return self.place(window)
 
     def click(self, window, x, y, times=1):
         """Negative numbers count from the far edge."""
@@ -102,24 +103,22 @@ class Window:
         self.clicks += 1
         self.x("mousemove", left + x + (width if x < 0 else 0), top + y + (height if y < 0 else 0), "click", "--repeat", times,
                "--delay", 60, 1)
-        time.sleep(0.15)
+        self.settle()
 
     def keys(self, *keys):
         self.x("key", "--delay", 40, *keys)
-        time.sleep(0.15)
+        self.settle()
 
     def type(self, text):
         self.x("type", "--delay", 15, text)
-        time.sleep(0.15)
+        self.settle()
 
     def search(self, text):
         """Chooses what MeshLab's search finds first."""
         self.x("windowactivate", "--sync", self.main)
         self.x("mousemove", 500, 700)  # away from where the search lists what it finds
         self.keys("ctrl+f")
-        time.sleep(0.4)
         self.type(text)
-        time.sleep(0.4)
         self.keys("Down", "Return")
 
     def dialog(self, title, search=None):
@@ -149,13 +148,12 @@ class Window:
         """The dialog with the plugin's own values: it opens anew."""
         title = self.x("getwindowname", window)
         self.click(window, 157, -51)
-        time.sleep(0.5)
         return self.settled(title)
 
     def current_layer(self, place):
         """Makes the layer at a place in the list the current one."""
         self.x("mousemove", self.place(self.main)[2] - 306, 133 + 31 * place, "click", 1)
-        time.sleep(0.3)
+        self.settle()
 
     def finish(self, window):
         self.click(window, 100, -20)  # Close
@@ -317,14 +315,14 @@ def test_every_dialog_fits_the_screen(open_mesh):
     window = open_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors))
     for title in FILTERS:
         dialog = window.dialog(title)
-        window.wait_for_place(dialog, title, lambda left, top, width, height: (
-            height <= 640 and left >= 0 and top >= 0 and left + width <= WIDTH and top + height <= HEIGHT
-            and (left > 700 or title != "FCD: Pose in Place"))) # beside a preview, the view is seen
+        left, top, width, height = window.place(dialog)
+        assert height <= 640 and left >= 0 and top >= 0 and left + width <= WIDTH and top + height <= HEIGHT, title
+        if title == "FCD: Pose in Place":
+            assert left > 700 # the view is seen beside a preview
         window.picture(title)
         window.click(dialog, -100, -51)  # Help
-        time.sleep(0.5)
-        left, top, width, height = window.wait_for_place(dialog, f"{title} with help", lambda left, top, width, height: (
-            top + height <= HEIGHT))
+        left, top, width, height = window.place(dialog)
+        assert top + height <= HEIGHT, f"{title} with help: {height}"
         if title == "FCD: Reset Pose": # whose helps have 14 lines, and are all seen
             assert rows_of_text(left + width - 260, top + 110, left + width - 20, top + height - 65) == 14
         window.picture(f"{title}, help")
@@ -576,7 +574,6 @@ def test_what_a_try_takes(open_mesh, tmp_path, subdivisions, least):
     ms.save_current_mesh(str(tmp_path / "mesh.ply"), save_vertex_quality=True)
     window = open_mesh(None)
     dialog = window.dialog("FCD: Deform Mesh")
-    time.sleep(len(points) / 3e5)  # until all is drawn, without a graphics card
     window.enter(dialog, *AXIS_Y, "1")
     window.enter(dialog, *AXIS_Z, "0")
     for count, angle in enumerate((20, 30, 40)):
