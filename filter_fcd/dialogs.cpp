@@ -73,6 +73,8 @@ QCheckBox *previewOf(const QWidget &content) {
 /// to be seen.
 void put(QDockWidget &dialog, const QRect &all) {
     QRect place = dialog.frameGeometry();
+    // What Qt says of a frame is out of date while a window manager is at it: as narrow as nothing, at worst.
+    place.setSize(place.size().expandedTo(dialog.size()));
     if (previewOf(*dialog.widget()))
         place.moveRight(all.right());
     place.moveLeft(std::max(all.left(), std::min(place.left(), all.right() - place.width())));
