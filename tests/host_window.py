@@ -26,9 +26,20 @@ class Screen:
         (folder / "run").mkdir(mode=0o700)
         own = {key: value for key, value in os.environ.items() if not key.startswith(("QT_", "LD_"))}  # pymeshlab sets some
         self.environment = dict(own, HOME=str(folder), XDG_RUNTIME_DIR=str(folder / "run"))
-        self.manager = subprocess.Popen(["openbox"], env=self.environment, stderr=subprocess.DEVNULL)
+        self.manager = self.managed()
         number = os.environ["DISPLAY"].partition(":")[2].partition(".")[0]
         self.processes = [int(Path(f"/tmp/.X{number}-lock").read_text()), self.manager.pid]  # of the X server, too
+
+    def managed(self):
+        """The window manager, when it says how many desktops it has. On a busy machine the screen may come after it."""
+        for _ in range(20):
+            manager = subprocess.Popen(["openbox"], env=self.environment, stderr=subprocess.DEVNULL)
+            while manager.poll() is None:
+                if subprocess.run(["xdotool", "get_num_desktops"], env=self.environment, capture_output=True, timeout=60, check=False).returncode == 0:
+                    return manager
+                time.sleep(0.05)
+            time.sleep(0.5)
+        raise AssertionError("no window manager")
 
     def close(self):
         self.manager.terminate()
