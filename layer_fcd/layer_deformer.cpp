@@ -157,8 +157,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
                                    : param.quality == DeformMeshParam::Rotation ? result.rotation
                                                                                 : none,
                                    param.graphLayers ? found : nullptr);
-    adding(1, "Done");
-    layers.keep(*made.layers.back());
+    layers.keep(*made.layers.back(), adding);
     if (inWindow) // one sees what one asked for, and the next try takes its place
         showResult(document, layer, made.layers);
     return made;
