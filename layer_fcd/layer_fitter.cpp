@@ -93,7 +93,7 @@ std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const 
     return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress);
 }
 
-FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
+FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     FittedSurface fitted;
     vcg::fcd::DeformationResult &result = fitted.result;
     const SurfaceView view = surface.View();
