@@ -296,6 +296,7 @@ std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles
             ReadFreeSurface(mesh, handles.tag, loose.partOf, metric, progress.Slice(0.3, 0.4), param.weldDistance);
         held = HoldNodes(surface, slotTag, point, progress.Slice(0.4, 0.4));
     }
+    surface.componentOf = std::vector<Index>(); // as large as the surface, and not needed any more
     return std::make_unique<Deformer>(std::move(surface), std::move(held), std::move(loose), std::move(slotTag), point,
                                       mesh.Positions(), param, progress.Slice(0.4, 1));
 }

@@ -102,8 +102,10 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
                        const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress,
                        double least) {
     LooseSurface loose;
-    std::vector<Index> componentOf(surface.graph.Size());
-    loose.components = ConnectedComponents(surface.graph.adjacency, componentOf, progress);
+    std::vector<Index> own;
+    loose.components =
+        surface.componentOf.empty() ? ConnectedComponents(surface.graph.adjacency, own, progress) : surface.components;
+    const std::vector<Index> &componentOf = surface.componentOf.empty() ? own : surface.componentOf;
     std::vector<char> isHeld(loose.components, 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
         isHeld[componentOf[u]] |= tag[u] != 1;

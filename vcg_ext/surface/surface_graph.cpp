@@ -242,7 +242,9 @@ class SurfaceReader {
             if (pairs.same.empty()) {
                 double edgeLengths = 0;
                 s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
-                pairs.same = ClumpsOf(x, s.graph.adjacency, progress.Slice(0.95, 1));
+                s.components = ConnectedComponents(s.graph.adjacency, s.componentOf, progress.Slice(0.95, 0.96),
+                                                   findingNeighbours);
+                pairs.same = ClumpsOf(x, s.componentOf, s.components, progress.Slice(0.96, 1));
                 if (pairs.same.empty()) {
                     s.report.oneSided = Index(pairs.oneSided);
                     s.nodeArea = std::move(pairs.area);
