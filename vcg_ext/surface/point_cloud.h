@@ -85,8 +85,8 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
     for (const Part &part : parts) {
         pairs.inClumps += part.inClumps;
         pairs.oneSided += part.oneSided;
-        pairs.same.insert(pairs.same.end(), part.same.begin(), part.same.end());
     }
+    pairs.same = Together(parts, &Part::same);
     return pairs;
 }
 

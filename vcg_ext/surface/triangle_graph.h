@@ -66,7 +66,7 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
             }
         counts[first / grain] = count;
     });
-    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists
+    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists; mostly there are none
         const Index *from = &list.corner[3 * c * grain];
         if (list.count != c * grain)
             std::copy(from, from + 3 * counts[c].triangles, &list.corner[3 * list.count]);
@@ -258,10 +258,8 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
         graph.edgeLengths += done[b].edgeLengths;
     }
     CheckEdges(itemBegin[blocks]);
-    AssignLarge(graph.adjacency.item, itemBegin[blocks], 0);
+    graph.adjacency.item = Together(done, &ConnectedBlock::item);
     ParallelFor(progress.Slice(0.9, 1), readingStage, blocks, 1, [&](std::size_t b, std::size_t) {
-        std::copy(done[b].item.begin(), done[b].item.end(), graph.adjacency.item.begin() + itemBegin[b]);
-        done[b].item = {};
         std::uint32_t sum = std::uint32_t(itemBegin[b]);
         for (Index u = in.FirstNode(b); u < in.FirstNode(b + 1); ++u)
             graph.adjacency.begin[u + 1] = sum += graph.adjacency.begin[u + 1];
