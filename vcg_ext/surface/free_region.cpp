@@ -220,7 +220,7 @@ class RegionFinder {
     template <class ReachPlace>
     static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
                             const Progress &progress) {
-        const detail::HeldPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
+        const detail::AskedPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
         const detail::PlaceRuns runs(point, progress.threads);
         std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
         ParallelFor(progress.threads, runs.box.size(), 256, [&](std::size_t first, std::size_t last) {
