@@ -60,9 +60,10 @@ std::string BendSession::shapeCall() const {
 LayerDeformer BendSession::applying(const Remark &remark) {
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
     if (!now.weights.empty())
-        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(), weights = now.weights](
-                             const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param) {
-            return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights);
+        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(),
+                          weights = now.weights](const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param,
+                                                 const vcg::fcd::Progress &progress) {
+            return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights, progress);
         });
     return deformer;
 }

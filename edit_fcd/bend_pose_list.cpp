@@ -75,7 +75,7 @@ void BendPoseList::showRows(const std::vector<BendPoseRow> &rows) {
     const bool isLonger = rows.size() > shown.size();
     shown = rows;
     const int before = rowCount();
-    setRowCount(int(rows.size())); // sliders stay, as one may be held
+    setRowCount(int(rows.size())); // sliders stay, as one may be in use
     for (int row = 0; row < rowCount(); ++row) {
         const BendPoseRow &each = rows[std::size_t(row)];
         if (row >= before)

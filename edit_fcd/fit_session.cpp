@@ -204,10 +204,10 @@ void FitSession::follow(bool full) {
     know(full);
 }
 
-std::shared_ptr<const LayerFit> FitSession::beginPull(const MeshModel &target) {
+std::shared_ptr<LayerFit> FitSession::beginPull(const MeshModel &target) {
     expectWhole(now.pairs);
-    return std::make_shared<const LayerFit>(document, layer, paramFor(target, false), Remark(), vcg::fcd::Progress(),
-                                            rest.positions().data(), rest.normals().data());
+    return std::make_shared<LayerFit>(document, layer, paramFor(target, false), Remark(), vcg::fcd::Progress(),
+                                      rest.positions().data(), rest.normals().data());
 }
 
 void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const FittedSurface> fitted) {

@@ -91,7 +91,7 @@ class FitSession {
     void follow(bool full);
 
     /// What pulls the layer onto \p target, to be run beside the window; then finishPull(). \throw vcg::fcd::Error
-    std::shared_ptr<const LayerFit> beginPull(const MeshModel &target);
+    std::shared_ptr<LayerFit> beginPull(const MeshModel &target);
     void finishPull(const MeshModel &target, std::shared_ptr<const FittedSurface> fitted);
     /// The last pull, if it is that of the present state; else null.
     const FittedSurface *pulled(const MeshModel &target) const;

@@ -199,7 +199,7 @@ void FitTool::reshape(bool full) {
         }
         const auto fit = session->beginPull(onto);
         const auto fitted = std::make_shared<FittedSurface>();
-        begin([fit, fitted](const vcg::fcd::Progress &progress) { *fitted = fit->solve(true, progress); },
+        begin([fit, fitted](const vcg::fcd::Progress &progress) { *fitted = std::move(*fit).solve(true, progress); },
               [this, fit, fitted] { whenPulled(fit, fitted); });
         break;
     }

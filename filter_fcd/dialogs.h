@@ -11,7 +11,7 @@
 /// \file
 /// What is done with the dialogs of MeshLab's window, for a person and not for a script (see host::inWindow).
 
-/// What the dialogs held when their filters ran, while the program runs.
+/// What the dialogs said when their filters ran, while the program runs.
 class LastValues {
   public:
     /// \param meant the layer that \p filter is about

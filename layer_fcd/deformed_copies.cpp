@@ -234,8 +234,6 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
         last = &added.back()->addDeformed("deformed", position, linear, {});
         made.vertices += target.cm.vn;
     }
-    progress(1, "Done");
-    for (const auto &layers : added)
-        layers->keep(*last);
+    NewLayers::keep(added, *last, progress);
     return made;
 }

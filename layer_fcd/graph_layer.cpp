@@ -65,8 +65,7 @@ vcg::fcd::CentroidalGraph addGraphLayers(MeshDocument &document, MeshModel &laye
         if (host::inWindow() && layer.cm.fn > 0)
             patches.clearDataMask(MeshModel::MM_VERTCOLOR); // which it would show, with borders that are blurred
     }
-    adding(1, "Done");
-    layers.keep(layer);
+    layers.keep(layer, adding);
     if (host::inWindow()) { // one sees what one asked for
         host::setVisible(layer, !param.patchesLayer);
         host::setVisible(nodes, !param.surfaceLayer);

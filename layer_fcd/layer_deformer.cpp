@@ -99,7 +99,8 @@ bool LayerDeformer::readMotions(const HandleParam &param) {
 }
 
 Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progress &progress) const {
-    return solveOtherwise ? solveOtherwise(*found->deformer, param) : found->deformer->Solve(handles, param, progress);
+    return solveOtherwise ? solveOtherwise(*found->deformer, param, progress)
+                          : found->deformer->Solve(handles, param, progress);
 }
 
 Deformer::Pose LayerDeformer::solveFrom(const Deformer::Pose *last, const DeformationParam &param) const {
@@ -131,14 +132,9 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
             "elsewhere or a motion as text, and a pose that is not 0.");
     result.position = surface.View().Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
-    if (solveOtherwise) {
-        result.pose = solve(param.deformation);
-        vcg::fcd::CarryPose(surface.View(), normal, handles, *found->deformer, param.deformation,
-                            progress.Slice(0.8, 0.9), result);
-    } else {
-        vcg::fcd::PoseSurface(surface.View(), normal, handles, *found->deformer, param.deformation,
-                              progress.Slice(0.7, 0.9), result);
-    }
+    const auto solved = [&](const Progress &part) { return solve(param.deformation, part); };
+    vcg::fcd::PoseSurface(surface.View(), normal, handles, *found->deformer, solved, param.deformation,
+                          progress.Slice(0.7, 0.9), result);
     surface = {};
     result.secondsGraph = found->seconds;
     result.tags = found->tags;
@@ -157,8 +153,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
                                    : param.quality == DeformMeshParam::Rotation ? result.rotation
                                                                                 : none,
                                    param.graphLayers ? found : nullptr);
-    adding(1, "Done");
-    layers.keep(*made.layers.back());
+    layers.keep(*made.layers.back(), adding);
     if (inWindow) // one sees what one asked for, and the next try takes its place
         showResult(document, layer, made.layers);
     return made;

@@ -69,8 +69,8 @@ class LayerDeformer {
     void takeMotions(std::map<vcg::fcd::Index, vcg::fcd::Motion> motion) { handles.motion = std::move(motion); }
 
     /// What is to solve poses from rest in the place of the deformer's own way from the motions that were read.
-    using Solve =
-        std::function<vcg::fcd::Deformer::Pose(const vcg::fcd::Deformer &, const vcg::fcd::DeformationParam &)>;
+    using Solve = std::function<vcg::fcd::Deformer::Pose(const vcg::fcd::Deformer &, const vcg::fcd::DeformationParam &,
+                                                         const vcg::fcd::Progress &)>;
     void solveBy(Solve other) { solveOtherwise = std::move(other); }
 
     /// The pose from rest to the end.

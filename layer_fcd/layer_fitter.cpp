@@ -93,7 +93,7 @@ std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const 
     return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress);
 }
 
-FittedSurface LayerFit::solve(bool measured, const Progress &progress) const {
+FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     FittedSurface fitted;
     vcg::fcd::DeformationResult &result = fitted.result;
     const SurfaceView view = surface.View();
@@ -147,8 +147,7 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
     else if (param.quality == FitMeshParam::Matched)
         quality.assign(fitted.matched.begin(), fitted.matched.end());
     std::vector<MeshModel *> added = layers.addResult("fitted", fitted.result, quality, graphOf);
-    progress(1, "Done");
-    layers.keep(*added.back());
+    layers.keep(*added.back(), progress);
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, added);
     return added;

@@ -33,9 +33,9 @@ class LayerFit {
     LayerFit(const LayerFit &) = delete;
     LayerFit &operator=(const LayerFit &) = delete;
 
-    /// Once: it frees what has been read of the target. \param measure also the distances \throw vcg::fcd::Error \throw
-    /// vcg::fcd::Cancelled
-    FittedSurface solve(bool measure, const vcg::fcd::Progress &progress) const;
+    /// Uses up what has been read of the target; what the fitter of the result refers to stays until this goes.
+    /// \param measure also the distances \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    FittedSurface solve(bool measure, const vcg::fcd::Progress &progress) &&;
 
     /// The first part of that. \throw as solve
     std::shared_ptr<const vcg::fcd::Fitter> prepare(const vcg::fcd::Progress &progress) const;
@@ -47,7 +47,7 @@ class LayerFit {
     vcg::fcd::Handles handles;
     std::vector<vcg::fcd::Landmark> landmarks;
     vcg::fcd::SurfaceArrays surface;
-    mutable vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
+    vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
     vcg::fcd::NormalOf normal;
     std::vector<Eigen::Vector3d> targetNormal;
     vcg::fcd::FitGoal goal;

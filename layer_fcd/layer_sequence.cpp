@@ -115,9 +115,10 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     if (output.gltf || output.pointCache || output.frame || output.keyFrame)
         made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
                                             progress.Slice(0.3, 1));
-    files.save();
-    keepPoses(document, layer, sequence);
-    layers.keep(made.layers.empty() ? layer : *made.layers.back());
+    layers.keep(made.layers.empty() ? layer : *made.layers.back(), progress, [&] {
+        files.save();
+        keepPoses(document, layer, sequence);
+    });
     if (host::inWindow() && !made.layers.empty()) { // one sees one of them
         for (MeshModel *each : made.layers)
             host::setVisible(*each, each == made.layers.back());

@@ -86,8 +86,7 @@ StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, con
         made.line = &layers.addLine("line", param.line);
     made.layers =
         layers.addResult("straightened", made.result, shape.quality, param.graphLayers ? shape.prepared : nullptr);
-    progress(1, "Done");
-    layers.keep(*made.layers.back());
+    layers.keep(*made.layers.back(), progress);
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, made.layers);
     made.seconds = shape.watch.Seconds();

@@ -83,7 +83,22 @@ NewLayers::~NewLayers() {
         document.setCurrentMesh(base.id());
 }
 
-void NewLayers::keep(const MeshModel &current) {
+void NewLayers::keep(const MeshModel &current, const vcg::fcd::Progress &progress,
+                     const std::function<void()> &before) {
+    reportDone(progress);
+    if (before)
+        before();
+    keepNow(current);
+}
+
+void NewLayers::keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,
+                     const vcg::fcd::Progress &progress) {
+    reportDone(progress);
+    for (const auto &layers : several)
+        layers->keepNow(current);
+}
+
+void NewLayers::keepNow(const MeshModel &current) {
     kept = true;
     for (MeshModel *layer : replaced)
         host::removeLayer(document, layer);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -49,10 +50,17 @@ class NewLayers {
                                        const std::vector<float> &quality,
                                        const std::shared_ptr<const Prepared> &graphOf);
 
-    /// Keeps the layers; \p current becomes the current one.
-    void keep(const MeshModel &current);
+    /// Reports that all is done, the last time that it can be cancelled, then calls \p before, which may still fail,
+    /// and keeps the layers; \p current becomes the current one. \throw vcg::fcd::Cancelled, and what \p before does
+    void keep(const MeshModel &current, const vcg::fcd::Progress &progress, const std::function<void()> &before = {});
+
+    /// The same of several, all or none.
+    static void keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,
+                     const vcg::fcd::Progress &progress);
 
   private:
+    static void reportDone(const vcg::fcd::Progress &progress) { progress(1, "Done"); }
+    void keepNow(const MeshModel &current);
     MeshModel &add(const QString &what);
     MeshModel &addCopy(const QString &what, int withoutElements, const Eigen::Matrix3Xd *position = nullptr);
 

@@ -2,7 +2,7 @@
 //
 // A host in which things go wrong that MeshLab's own users cannot bring about: loads the plugin, cancels the filters
 // that make layers at every call of the progress callback in turn, and lets them run with too little memory, a little
-// more each time. Each time, the document must be what it was.
+// more each time. Each time, the document must be what it was, and no file written.
 //   MALLOC_ARENA_MAX=1 host_faults libfilter_fcd.so
 // One arena: the C library ends the process where a new thread finds no room for an arena of its own.
 #include <layer_fcd/filter_host.h>
@@ -12,6 +12,8 @@
 #include <vcg/complex/algorithms/update/normal.h>
 
 #include <QCoreApplication>
+#include <QFile>
+#include <QTemporaryDir>
 #include <QTemporaryFile>
 
 #include <cmath>
@@ -25,8 +27,15 @@
 static int calls, stopAt;
 static bool callback(const int, const char *) { return ++calls != stopAt; }
 
+/// The file that a filter saves what it was given in, where it does.
+static QString savedFile() {
+    static const QTemporaryDir folder;
+    return folder.filePath("saved.csv");
+}
+
 /// All that a filter could change.
 struct State {
+    bool hasFile = QFile::exists(savedFile());
     int current = -1;
     std::vector<int> id, mask;
     std::vector<QString> label;
@@ -48,8 +57,8 @@ struct State {
         }
     }
     bool operator==(const State &o) const {
-        return current == o.current && id == o.id && mask == o.mask && label == o.label && visible == o.visible &&
-               number == o.number;
+        return hasFile == o.hasFile && current == o.current && id == o.id && mask == o.mask && label == o.label &&
+               visible == o.visible && number == o.number;
     }
 };
 
@@ -116,6 +125,9 @@ static void bend(RichParameterList &parameters) {
         parameters.setValue("fit_steps", IntValue(5)); // which are alike
     if (parameters.hasParameter("poses_file"))
         parameters.setValue("poses_file", host::RichFileParam("poses_file", poses(), QStringList(), "", "").value());
+    if (parameters.hasParameter("save_poses_file"))
+        parameters.setValue("save_poses_file",
+                            host::RichSaveFileParam("save_poses_file", savedFile(), "*.csv", "", "").value());
     if (parameters.hasParameter("rotation_angle"))
         parameters.setValue("rotation_angle", FloatValue(angle));
 }

@@ -199,9 +199,10 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
 }
 
 void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
-                 const DeformationParam &param, const Progress &progress, DeformationResult &result) {
+                 const PoseSolver &solve, const DeformationParam &param, const Progress &progress,
+                 DeformationResult &result) {
     const Stopwatch watch;
-    result.pose = deformer.Solve(handles, param, progress.Slice(0, 0.4));
+    result.pose = solve(progress.Slice(0, 0.4));
     result.iterations = result.pose.iterations;
     result.converged = result.pose.graph.converged;
     const double scale = deformer.surface.frame.scale;
@@ -220,7 +221,8 @@ DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal,
     const std::unique_ptr<Deformer> deformer = PrepareDeformer(mesh, handles, param, progress.Slice(0, 0.75));
     const double seconds = watch.Seconds();
     result.position = mesh.Copy(progress.threads);
-    PoseSurface(mesh, normal, handles, *deformer, param, progress.Slice(0.75, 1), result);
+    const auto solve = [&](const Progress &part) { return deformer->Solve(handles, param, part); };
+    PoseSurface(mesh, normal, handles, *deformer, solve, param, progress.Slice(0.75, 1), result);
     result.secondsGraph = seconds - deformer->secondsMap;
     result.secondsMap += deformer->secondsMap;
     return result;

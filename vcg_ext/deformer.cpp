@@ -2,6 +2,7 @@
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/patches/given_nodes.h>
 #include <vcg_ext/solve/discretisation_error.h>
+#include <vcg_ext/surface/part_removal.h>
 
 #include <algorithm>
 #include <cassert>
@@ -292,10 +293,12 @@ std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles
     LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3),
                                    param.bendsUnheld ? patch : std::numeric_limits<double>::infinity());
     if (loose.isPartOfSurface) {
-        surface =
-            ReadFreeSurface(mesh, handles.tag, loose.partOf, metric, progress.Slice(0.3, 0.4), param.weldDistance);
+        if (!RemoveParts(mesh, loose.partOf, progress.Slice(0.3, 0.3), surface))
+            surface =
+                ReadFreeSurface(mesh, handles.tag, loose.partOf, metric, progress.Slice(0.3, 0.4), param.weldDistance);
         held = HoldNodes(surface, slotTag, point, progress.Slice(0.4, 0.4));
     }
+    surface.componentOf = std::vector<Index>(); // as large as the surface, and not needed any more
     return std::make_unique<Deformer>(std::move(surface), std::move(held), std::move(loose), std::move(slotTag), point,
                                       mesh.Positions(), param, progress.Slice(0.4, 1));
 }

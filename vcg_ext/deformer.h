@@ -221,12 +221,17 @@ struct SurfaceMeasure {
 SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
                            const PositionsRef &position, const Progress &progress = {});
 
+/// What solves a pose of a prepared surface, on its own way or another one.
+using PoseSolver = std::function<Deformer::Pose(const Progress &)>;
+
 /// Poses a prepared surface.
-/// \param mesh the surface at rest that \p deformer was prepared from
+/// \param mesh the surface at rest that \p deformer, with \p handles, was prepared from
+/// \param solve of a pose of \p deformer with \p param
 /// \param result in: its position is that at rest, 3 x slots; out: all but the counts of tags
-/// \throw BadInput a motion by more than 1e30 times the mesh \throw Cancelled
+/// \throw Cancelled, and what \p solve throws
 void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
-                 const DeformationParam &param, const Progress &progress, DeformationResult &result);
+                 const PoseSolver &solve, const DeformationParam &param, const Progress &progress,
+                 DeformationResult &result);
 
 /// Carries result.pose, of \p deformer, to the surface: positions and, as \p param wants them, maps and measures, what
 /// is probably not meant, and the graph before and after. \param result as that of PoseSurface \throw Cancelled

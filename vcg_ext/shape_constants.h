@@ -32,7 +32,7 @@ struct ShapeConstants {
     /// fraction of the border; half of the way between surrounded (0) and the end of a strip (1).
     double surrounded = 0.5;
     /// Width of the run-over into held regions, D. Below 2 the border shows as a crease (the rotation of half a patch
-    /// is made up in less than a patch), above 3 what is free is held back.
+    /// is made up in less than a patch), above 3 what is free lags behind.
     double blendWidth = 2.5;
     /// The same around held vertices in a patch of free ones, radii of that patch: their motion is that of the patch.
     double smallBlendWidth = 1.5;

@@ -28,20 +28,20 @@ namespace {
 
 using detail::ToWorld;
 
-/// Holds of each component of a graph in which nothing is held the node that is nearest to the line.
-void HoldComponents(const Csr &adjacency, const FramedLine &line, const Eigen::Matrix3Xd &position,
-                    const std::vector<double> &place, std::vector<bool> &held) {
-    std::vector<char> seen(held.size(), 0);
+/// Constrains, of each component of a graph without a constrained node, the one that is nearest to the line.
+void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eigen::Matrix3Xd &position,
+                         const std::vector<double> &place, std::vector<bool> &constrained) {
+    std::vector<char> seen(constrained.size(), 0);
     for (Index first = 0; first < adjacency.Size(); ++first) {
         if (seen[std::size_t(first)])
             continue;
         std::vector<Index> component(1, first);
         seen[std::size_t(first)] = 1;
         std::pair<double, Index> nearest(std::numeric_limits<double>::infinity(), first);
-        bool isHeld = false;
+        bool hasConstraint = false;
         for (std::size_t n = 0; n < component.size(); ++n) {
             const Index j = component[n];
-            isHeld = isHeld || held[std::size_t(j)];
+            hasConstraint = hasConstraint || constrained[std::size_t(j)];
             nearest = std::min(nearest, {(line.At(place[std::size_t(j)]).point - position.col(j)).norm(), j});
             for (Index i : adjacency[j])
                 if (!seen[std::size_t(i)]) {
@@ -49,18 +49,18 @@ void HoldComponents(const Csr &adjacency, const FramedLine &line, const Eigen::M
                     component.push_back(i);
                 }
         }
-        if (!isHeld)
-            held[std::size_t(nearest.second)] = true;
+        if (!hasConstraint)
+            constrained[std::size_t(nearest.second)] = true;
     }
 }
 
 /// Where along the line nodes are released, in report.releasedAt: as far as their patches reach, together where these
 /// touch.
-void ListReleased(const std::vector<double> &place, const std::vector<bool> &held, const DeformationGraph &graph,
+void ListReleased(const std::vector<double> &place, const std::vector<bool> &constrained, const DeformationGraph &graph,
                   double scale, StraightenReport &report) {
     std::vector<std::pair<double, double>> at;
-    for (std::size_t j = 0; j < held.size(); ++j)
-        if (!held[j]) {
+    for (std::size_t j = 0; j < constrained.size(); ++j)
+        if (!constrained[j]) {
             const double reach = double(graph.radius[j]) * scale;
             at.emplace_back(std::clamp(place[j] - reach, 0.0, report.length),
                             std::clamp(place[j] + reach, 0.0, report.length));
@@ -75,8 +75,8 @@ void ListReleased(const std::vector<double> &place, const std::vector<bool> &hel
 
 /// How far the surface is from where its cross-sections went, in report.rms and report.largest.
 void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
-                       const std::vector<double> &place, const std::vector<bool> &held, const Deformer::Pose &pose,
-                       const Progress &progress, StraightenReport &report) {
+                       const std::vector<double> &place, const std::vector<bool> &constrained,
+                       const Deformer::Pose &pose, const Progress &progress, StraightenReport &report) {
     progress(0, "Following the line");
     const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion);
     double squares = 0;
@@ -84,9 +84,9 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
     for (const detail::LineSample &each :
          detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress.threads)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
-        bool isOfLine = held[std::size_t(patch)]; // and so is all around it
+        bool isOfLine = constrained[std::size_t(patch)]; // and so is all around it
         for (Index i : deformer.graph.graph.adjacency[patch])
-            isOfLine = isOfLine && held[std::size_t(i)];
+            isOfLine = isOfLine && constrained[std::size_t(i)];
         if (!isOfLine)
             continue;
         const Eigen::Vector3d at = toWorld(mapped(each.node, toWorld.Back(each.at)));
@@ -174,7 +174,7 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
     for (Index j = 0; j < k; ++j)
         if (tears[std::size_t(j)])
             given.constrained[std::size_t(j)] = false;
-    HoldComponents(graph.graph.adjacency, line, rest, place, given.constrained);
+    ConstrainComponents(graph.graph.adjacency, line, rest, place, given.constrained);
 
     Deformer::Pose pose = deformer.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
     report.released = Index(std::count(given.constrained.begin(), given.constrained.end(), false));

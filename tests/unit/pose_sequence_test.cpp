@@ -250,6 +250,39 @@ TEST(SequenceSolver, OfOnePoseIsThatPoseAndOfNoneIsRest) {
     EXPECT_TRUE(SameBits(rig.Carried(solver.Go({0, 0})), SurfaceView(rig.arrays).Copy()));
 }
 
+/// A surface that is posed by a blend tells the same of it as of any pose, of one pose the same numbers.
+TEST(SequenceSolver, PosesASurfaceWithAllReports) {
+    SequenceRig rig;
+    const SurfaceView view(rig.arrays);
+    const auto posed = [&](const PoseSolver &solve) {
+        DeformationResult result;
+        result.position = view.Copy();
+        PoseSurface(view, {}, rig.handles, *rig.deformer, solve, rig.param, {}, result);
+        return result;
+    };
+    const auto blended = [&](const std::vector<double> &weight) {
+        return posed([&, weight](const Progress &progress) {
+            return SequenceSolver(*rig.deformer, rig.handles.world, rig.motions, rig.param).Go(weight, progress);
+        });
+    };
+    Handles handles = rig.handles;
+    handles.motion = rig.motions[1];
+    const DeformationResult own =
+        posed([&](const Progress &progress) { return rig.deformer->Solve(handles, rig.param, progress); });
+    const DeformationResult one = blended({0, 100});
+    EXPECT_TRUE(SameBits(one.position, own.position));
+    EXPECT_GT(own.iterations, 0);
+    EXPECT_EQ(one.iterations, own.iterations);
+    EXPECT_EQ(one.converged, own.converged);
+    EXPECT_EQ(one.energy, own.energy);
+    EXPECT_EQ(one.discretisationError, own.discretisationError);
+    const DeformationResult two = blended({30, 40});
+    EXPECT_GT(two.iterations, 0);
+    EXPECT_TRUE(two.converged);
+    EXPECT_GT(two.energy, 0);
+    EXPECT_GT(two.discretisationError, 0);
+}
+
 TEST(SequenceSolver, HasNoPoints) {
     SequenceRig rig;
     rig.handles.point.push_back({std::size_t(rig.shape.Size() / 2), Vector3d(0, 0, 9)});

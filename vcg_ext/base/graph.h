@@ -3,6 +3,7 @@
 #define VCG_FCD_GRAPH_H
 
 #include <vcg_ext/base/error.h>
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/progress.h>
 
 #include <Eigen/Core>
@@ -56,10 +57,7 @@ std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, In
             collect(Index(u), list);
         lists[first / grain] = std::move(list);
     });
-    std::vector<Item> all;
-    for (const std::vector<Item> &list : lists)
-        all.insert(all.end(), list.begin(), list.end());
-    return all;
+    return Together(lists);
 }
 
 /// The dual graph of a partition: groups that touch, and a value that their edges add up to.
@@ -108,9 +106,7 @@ Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
         merge(list);
         found[first / grain] = std::move(list);
     });
-    std::vector<Crossing> all;
-    for (std::vector<Crossing> &list : found)
-        all.insert(all.end(), list.begin(), list.end());
+    std::vector<Crossing> all = Together(found);
     merge(all);
 
     Quotient<Value> dual;

@@ -215,9 +215,7 @@ class FieldSampler {
             unique(list);
             found[first / grain] = std::move(list);
         });
-        std::vector<Corners> all;
-        for (const auto &list : found)
-            all.insert(all.end(), list.begin(), list.end());
+        std::vector<Corners> all = Together(found);
         unique(all);
 
         // Of edges and points, those that are no part of anything wider.

@@ -20,10 +20,10 @@ constexpr double narrow = 0.05;
 // A match that is this often as far as its way back (and the samples' spacing farther) is another's. A round number:
 // from 1.2 to 2 there was no rule in what it changed.
 constexpr double mostDetour = 2;
-// How much a match holds along the surface, of what it holds across: at first so much that it draws to a place, and by
-// the end a 250th of that. More, and it takes many steps to slide to its place; less, and a smooth shape slides along
-// itself (the tube of tests/host_fit.py). What the target draws back is far from its place to the end, as all is at
-// first.
+// How strongly a match draws along the surface, of how strongly across: at first so much that it draws to a place, and
+// by the end a 250th of that. More, and it takes many steps to slide to its place; less, and a smooth shape slides
+// along itself (the tube of tests/host_fit.py). What the target draws back is far from its place to the end, as all is
+// at first.
 constexpr double firstAlong = 0.5, alongFalls = 0.004;
 
 } // namespace

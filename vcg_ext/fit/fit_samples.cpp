@@ -21,10 +21,10 @@ void FitSamples::Add(const Deformer &deformer, const Deformer::Pose &pose, Index
     for (const auto &each : influences.nodes)
         term.push_back({each.first, double(each.second), p - 0.5 * (rest(each.first) + middle)});
     begin.push_back(std::uint32_t(term.size()));
-    Eigen::Vector3d held = Eigen::Vector3d::Zero();
+    Eigen::Vector3d ofHeld = Eigen::Vector3d::Zero();
     for (const auto &each : influences.held)
-        held += double(each.second) * (pose.motion.at(each.first) * p);
-    fixed.push_back(held);
+        ofHeld += double(each.second) * (pose.motion.at(each.first) * p);
+    fixed.push_back(ofHeld);
     normal.emplace_back(Eigen::Vector3d::Zero());
     surfaceNode.push_back(node);
 }

@@ -181,7 +181,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, 
             Vector6 its = Vector6::Zero();
             AddSamples(Index(a), pull, place, block, its);
             AddEdges(Index(a), pose, stiffness, place, block, its);
-            // Nodes that nothing holds and no sample is drawn by stay.
+            // Nodes that no edge and no sample draws stay.
             block[0].diagonal().array() += 1e-12;
             gradient.segment<6>(Eigen::Index(6 * a)) = its;
             for (int d = 0; d < 6; ++d) { // row a of blocks is column a of the lower half

@@ -301,13 +301,14 @@ class MappingCandidates {
                 }
                 parts[first / grain] = std::move(part);
             });
+        std::size_t before = 0; // the shares of the parts before
         for (Part &part : parts) {
-            for (Candidate &c : part.found) {
-                c.share += share.size();
-                found.push_back(c);
-            }
-            share.insert(share.end(), part.share.begin(), part.share.end());
+            for (Candidate &c : part.found)
+                c.share += before;
+            before += part.share.size();
         }
+        found = Together(parts, &Part::found);
+        share = Together(parts, &Part::share);
     }
 
     /// Makes the ball of each node so small that it holds at most \p most other nodes.

@@ -80,16 +80,16 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     const Index k = coarse.graph.Size();
     if (k == graph.Size()) // nothing is joined, as in parts of a node each
         return unknown;
-    NodeConstraints held{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k), {}};
+    NodeConstraints ofGroups{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k), {}};
     GraphPose begin;
     begin.position.resize(3, k);
     begin.rests.assign(std::size_t(k), 0);
     for (Index g = 0; g < k; ++g) {
         const Index i = coarse.leader[g];
-        held.constrained[g] = given.constrained[i];
-        held.compliant[g] = given.compliant[i];
-        held.heldArea[g] = given.heldArea[i];
-        held.motion.push_back(given.motion[i]);
+        ofGroups.constrained[g] = given.constrained[i];
+        ofGroups.compliant[g] = given.compliant[i];
+        ofGroups.heldArea[g] = given.heldArea[i];
+        ofGroups.motion.push_back(given.motion[i]);
         const Eigen::Vector3f way = coarse.graph.graph.position.col(g) - graph.graph.position.col(i);
         begin.position.col(g) = pose.position.col(i) + pose.linear[i] * way.cast<double>();
         begin.linear.push_back(pose.linear[i]);
@@ -104,17 +104,18 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     }
     GraphPose found;
     try {
-        found = PartsDeformer(coarse.graph, areas, held, shape.heldDepth).Solve(held, solver, {}, &begin, held.motion);
+        found = PartsDeformer(coarse.graph, areas, ofGroups, shape.heldDepth)
+                    .Solve(ofGroups, solver, {}, &begin, ofGroups.motion);
     } catch (const Unsolvable &) {
         return unknown;
     }
-    const CoarseMapping mapping(coarse, held, found);
+    const CoarseMapping mapping(coarse, ofGroups, found);
     double sum = 0, weight = 0, nodes = 0, groups = 0;
     for (Index i = 0; i < graph.Size(); ++i) {
         const Index g = coarse.groupOf[i];
         const Csr::Row row = coarse.graph.graph.adjacency[g];
         const bool isAlone = count[std::size_t(g)] == 1 && // its part has no fewer nodes now
-                             std::all_of(row.begin(), row.end(), [&](Index j) { return held.constrained[j]; });
+                             std::all_of(row.begin(), row.end(), [&](Index j) { return ofGroups.constrained[j]; });
         if (given.constrained[i] || isAlone)
             continue;
         const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();

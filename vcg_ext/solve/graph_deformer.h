@@ -32,8 +32,8 @@ namespace fcd {
 /// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
 ///
 /// Edges between a held and a free patch end at their border, where the held patch's motion begins; its rotation is an
-/// unknown as that of a free node, held by the region behind it. A component of the graph without a constrained node is
-/// not part of the system; its nodes come back at rest.
+/// unknown as that of a free node, drawn to that of the region behind it. A component of the graph without a
+/// constrained node is not part of the system; its nodes come back at rest.
 class GraphDeformer {
   public:
     /// \param constrained k flags: the node's position is given, and its rotation with it
@@ -265,7 +265,7 @@ class GraphDeformer {
     bool IsRounding(const State &x, const State &y, double moved, double rounding) const {
         if (moved <= rounding)
             return true;
-        // A rotation that its edges leave open is held by 1e-6 of them (stay of GraphEnergy), and turns by so much more
+        // A rotation that its edges leave open stays by 1e-6 of them (stay of GraphEnergy), and turns by so much more
         // without moving anything.
         if (moved > 1e6 * rounding)
             return false;

@@ -33,11 +33,11 @@ class GraphEnergy {
     /// What a pose gives.
     struct Given {
         double smooth;                       ///< alpha A
-        std::vector<Eigen::Matrix3d> anchor; ///< k, of held nodes that turn: the rotation of what holds them
+        std::vector<Eigen::Matrix3d> anchor; ///< k, of constrained nodes that turn: their region's rotation
         std::vector<Eigen::Vector4d> anchorQuaternion;
-        std::vector<double> stiffness;       ///< k, how strongly it holds: the w of Eq. 2
+        std::vector<double> stiffness;       ///< k, how strongly that draws theirs: the w of Eq. 2
         std::vector<Eigen::Matrix3d> linear; ///< k, of nodes whose rotation is given; may scale
-        std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes hold
+        std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes give
         std::vector<Eigen::Vector3d> to;     ///< them
         Eigen::MatrixX3d right;              ///< of the global step: what the constrained ends contribute
         double energy = 0;                   ///< of the edges between nodes whose rotations are given
@@ -115,7 +115,7 @@ class GraphEnergy {
         for (std::size_t p = 0; p < openPairs; ++p)
             energy += PairEnergy(pairs[p], x, given).sum();
         for (Index i : unknown.rotation)
-            energy += HoldEnergy(i, x, given);
+            energy += AnchorEnergy(i, x, given);
         return energy;
     }
 
@@ -128,7 +128,7 @@ class GraphEnergy {
             shares[p.j] += share[1];
         }
         for (Index i : unknown.rotation)
-            shares[i] += HoldEnergy(i, x, given);
+            shares[i] += AnchorEnergy(i, x, given);
         return shares;
     }
 
@@ -179,7 +179,7 @@ class GraphEnergy {
     }
 
     /// body(i, j, weight, R_j R_i^T) for each pair of rotations of which one is unknown, which contributes the weight
-    /// times |R_i - R_j|^2; j is -1 for what holds the rotation of i.
+    /// times |R_i - R_j|^2; j is -1 for the anchor of i.
     template <class Body>
     void ForEachTwist(const State &x, const Given &given, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p)
@@ -220,8 +220,8 @@ class GraphEnergy {
                 graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
     }
 
-    /// The term of what holds the rotation of a node that turns.
-    static double HoldEnergy(Index i, const State &x, const Given &given) {
+    /// The term of the anchor of a constrained node that turns.
+    static double AnchorEnergy(Index i, const State &x, const Given &given) {
         if (!(given.stiffness[i] > 0))
             return 0;
         const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);
@@ -235,7 +235,7 @@ class GraphEnergy {
     std::vector<double> stay;                // k, how strongly a rotation stays where its edges leave it open
     std::vector<Eigen::Vector3d> edge;       // w_ij e_ij of each adjacency item
     std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown position's node
-    std::vector<Pair> pairs;                 // the edges of components that are held
+    std::vector<Pair> pairs;                 // the edges of components with a constrained node
     std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
 };
 

@@ -78,7 +78,7 @@ class GraphHessian {
                 }
             });
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
-            // - 2 w tr(m), m = R_j R_i^T; j < 0: of what holds the rotation
+            // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
             const Index b = j < 0 ? -1 : rotation[j], a = rotation[i];
             const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
             pull(a, 2 * w * axial);

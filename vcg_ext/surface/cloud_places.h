@@ -42,21 +42,21 @@ class BoxGroups {
     std::vector<Eigen::AlignedBox3d> group;
 };
 
-/// The held ones of places in Morton order, by boxes of some, and of some of these.
-class HeldPlaces {
+/// Those of places in Morton order that are asked for, by boxes of some, and of some of these.
+class AskedPlaces {
   public:
-    /// \param isHeld isHeld(place)
-    template <class IsHeld>
-    HeldPlaces(const Eigen::Matrix3Xd &point, const IsHeld &isHeld) {
+    /// \param isAsked isAsked(place)
+    template <class IsAsked>
+    AskedPlaces(const Eigen::Matrix3Xd &point, const IsAsked &isAsked) {
         for (std::size_t place = 0; place < std::size_t(point.cols()); ++place)
-            if (isHeld(place)) {
-                if (held.size() % some == 0)
+            if (isAsked(place)) {
+                if (asked.size() % some == 0)
                     small.emplace_back();
-                if (held.size() % (some * some) == 0)
+                if (asked.size() % (some * some) == 0)
                     large.emplace_back();
-                held.emplace_back(point.col(Eigen::Index(place)));
-                small.back().extend(held.back());
-                large.back().extend(held.back());
+                asked.emplace_back(point.col(Eigen::Index(place)));
+                small.back().extend(asked.back());
+                large.back().extend(asked.back());
             }
     }
     /// Whether one is no farther from \p box than \p distance.
@@ -68,8 +68,8 @@ class HeldPlaces {
             for (std::size_t b = l * some; b < std::min(small.size(), (l + 1) * some); ++b) {
                 if (box.squaredExteriorDistance(small[b]) > reach)
                     continue;
-                for (std::size_t i = b * some; i < std::min(held.size(), (b + 1) * some); ++i)
-                    if (box.squaredExteriorDistance(held[i]) <= reach)
+                for (std::size_t i = b * some; i < std::min(asked.size(), (b + 1) * some); ++i)
+                    if (box.squaredExteriorDistance(asked[i]) <= reach)
                         return true;
             }
         }
@@ -78,7 +78,7 @@ class HeldPlaces {
 
   private:
     static constexpr std::size_t some = 64;
-    std::vector<Eigen::Vector3d> held;
+    std::vector<Eigen::Vector3d> asked;
     std::vector<Eigen::AlignedBox3d> small, large;
 };
 

@@ -128,15 +128,9 @@ class RegionFinder {
             begins[first / grain] = std::move(here);
         });
         order.reset();
-        std::vector<std::size_t> before(1, 0); // the places of the chunks before
-        for (const auto &here : begins)
-            before.push_back(before.back() + here.size());
-        const std::size_t places = before.back();
-        const std::unique_ptr<std::uint32_t[]> begin = LargeArray<std::uint32_t>(places + 1); // of each one's slots
-        begin[places] = std::uint32_t(n);
-        ParallelFor(progress.threads, begins.size(), 1, [&](std::size_t c, std::size_t) {
-            std::copy(begins[c].begin(), begins[c].end(), begin.get() + before[c]);
-        });
+        begins.back().push_back(std::uint32_t(n));
+        const std::vector<std::uint32_t> begin = Together(begins); // of each one's slots
+        const std::size_t places = begin.size() - 1;
         const auto reachPlace = [&](std::size_t place) {
             for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
                 Reach(slotOf[k]);
@@ -193,15 +187,8 @@ class RegionFinder {
             }
             found[first / grain] = std::move(here);
         });
-        std::vector<std::size_t> begin(1, 0);
-        for (const Found &here : found) {
-            begin.push_back(begin.back() + here.faces.size());
-            region.apart.insert(region.apart.end(), here.apart.begin(), here.apart.end());
-        }
-        AssignLarge(region.faces, begin.back(), std::uint32_t(0));
-        ParallelFor(progress.threads, found.size(), 1, [&](std::size_t c, std::size_t) {
-            std::copy(found[c].faces.begin(), found[c].faces.end(), region.faces.begin() + std::ptrdiff_t(begin[c]));
-        });
+        region.faces = Together(found, &Found::faces);
+        region.apart = Together(found, &Found::apart);
         std::sort(region.apart.begin(), region.apart.end());
         region.apart.erase(std::unique(region.apart.begin(), region.apart.end()), region.apart.end());
         for (std::size_t e = 0; e < mesh.edges; ++e)
@@ -233,7 +220,7 @@ class RegionFinder {
     template <class ReachPlace>
     static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
                             const Progress &progress) {
-        const detail::HeldPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
+        const detail::AskedPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
         const detail::PlaceRuns runs(point, progress.threads);
         std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
         ParallelFor(progress.threads, runs.box.size(), 256, [&](std::size_t first, std::size_t last) {

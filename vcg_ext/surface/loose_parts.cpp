@@ -102,22 +102,24 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
                        const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress,
                        double least) {
     LooseSurface loose;
-    std::vector<Index> componentOf(surface.graph.Size());
-    loose.components = ConnectedComponents(surface.graph.adjacency, componentOf, progress);
-    std::vector<char> isHeld(loose.components, 0);
+    std::vector<Index> own;
+    loose.components =
+        surface.componentOf.empty() ? ConnectedComponents(surface.graph.adjacency, own, progress) : surface.components;
+    const std::vector<Index> &componentOf = surface.componentOf.empty() ? own : surface.componentOf;
+    std::vector<char> stays(loose.components, 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
-        isHeld[componentOf[u]] |= tag[u] != 1;
+        stays[componentOf[u]] |= tag[u] != 1;
     if (std::isfinite(least)) {
         std::vector<double> area(loose.components, 0);
         for (Index u = 0; u < surface.graph.Size(); ++u)
             area[componentOf[u]] += surface.nodeArea[u];
         const double largest = loose.components > 0 ? *std::max_element(area.begin(), area.end()) : 0;
         for (Index c = 0; c < loose.components; ++c)
-            isHeld[c] |= area[c] >= std::min(least, largest);
+            stays[c] |= area[c] >= std::min(least, largest);
     }
     std::vector<Index> number(loose.components, -1);
     for (Index c = 0; c < loose.components; ++c)
-        if (!isHeld[c])
+        if (!stays[c])
             number[c] = loose.parts++;
     loose.isPartOfSurface = loose.parts > 0;
     std::vector<char> isPoint;
@@ -128,7 +130,7 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
         }
     for (std::size_t i = 0; i < slotTag.size(); ++i) {
         const Index u = surface.nodeOf[i];
-        if (slotTag[i] != 1 || (u >= 0 && isHeld[componentOf[u]]) || (!isPoint.empty() && isPoint[i]))
+        if (slotTag[i] != 1 || (u >= 0 && stays[componentOf[u]]) || (!isPoint.empty() && isPoint[i]))
             continue;
         if (loose.partOf.empty())
             AssignLarge(loose.partOf, slotTag.size(), Index(-1));

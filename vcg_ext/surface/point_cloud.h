@@ -85,8 +85,8 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
     for (const Part &part : parts) {
         pairs.inClumps += part.inClumps;
         pairs.oneSided += part.oneSided;
-        pairs.same.insert(pairs.same.end(), part.same.begin(), part.same.end());
     }
+    pairs.same = Together(parts, &Part::same);
     return pairs;
 }
 
@@ -148,11 +148,12 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
 /// Where most of a cloud's points are in clumps, each without a neighbour outside of it and much smaller than the way
 /// to the next one, the points of these as pairs at one place; else none: parts of a cloud that lie apart are no
 /// clumps.
-inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &position, const Csr &adjacency,
+/// \param componentOf, components as of ConnectedComponents
+inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &position,
+                                                     const std::vector<Index> &componentOf, Index components,
                                                      const Progress &progress) {
     const Index n = Index(position.cols());
-    std::vector<Index> first(n), componentOf(n); // the first point of its component
-    std::vector<Index> firstOf(ConnectedComponents(adjacency, componentOf, progress, findingNeighbours), -1);
+    std::vector<Index> first(n), firstOf(components, -1); // the first point of its component
     if (firstOf.size() < 2)
         return {};
     for (Index u = 0; u < n; ++u) {

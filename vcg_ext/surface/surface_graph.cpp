@@ -5,6 +5,7 @@
 #include <vcg_ext/surface/seams.h>
 #include <vcg_ext/surface/surface_graph.h>
 #include <vcg_ext/surface/triangle_graph.h>
+#include <vcg_ext/surface/vertex_chunks.h>
 #include <vcg_ext/surface/vertex_welding.h>
 
 #include <Eigen/Geometry>
@@ -37,11 +38,15 @@ class SurfaceReader {
     /// Once.
     SurfaceGraph Read() {
         progress(0, readingStage);
-        const Eigen::AlignedBox3d box = Measure();
+        const auto isPart = [this](std::size_t i) { return IsPart(i); };
+        chunks = FindVertices(mesh, isPart, s.frame, progress.Slice(0, 0.05));
+        if (Live() == 0 && !region)
+            throw BadInput("The mesh has no vertices.");
+        s.report.vertices = Index(Live());
         AssignLarge(s.nodeOf, slots, Index(-1));
         if (Live() > 0) {
-            SetFrame(box);
-            FindBeside(box);
+            SetFrame(mesh, chunks, isPart, s.frame);
+            FindBeside();
             MakeNodes();
             Connect();
             progress(1, readingStage);
@@ -50,93 +55,44 @@ class SurfaceReader {
     }
 
   private:
-    static constexpr std::size_t grain = 1 << 16;
+    static constexpr std::size_t grain = VertexChunks::grain;
 
     bool IsPart(std::size_t i) const { return region ? region->flag[i] == Region::part : !mesh.IsDeleted(i); }
     bool IsBeside(std::size_t i) const { return !beside.empty() && beside[i]; }
-    std::size_t Live() const { return begin.back(); }
+    std::size_t Live() const { return chunks.Live(); }
 
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
         const double most = 1e15; // squares of it are floats
         const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
-    Eigen::Vector3d InWorld(std::size_t i) const { return s.frame.ToWorld(mesh.At(i)); }
-    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(InWorld(i)); }
+    Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(mesh.At(i))); }
 
-    /// Counts vertices. \return their box, world units \throw BadInput as BuildSurfaceGraph
-    Eigen::AlignedBox3d Measure() {
-        struct Chunk {
-            Eigen::AlignedBox3d box;
-            std::size_t live = 0, bad = std::size_t(-1), candidates = 0;
-        };
-        std::vector<Chunk> chunks((slots + grain - 1) / grain);
-        ParallelFor(progress.Slice(0, 0.05), readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
-            Chunk c;
-            for (std::size_t i = first; i < last; ++i) {
-                c.candidates += region && region->flag[i] == Region::candidate;
-                if (!IsPart(i))
-                    continue;
-                const Eigen::Vector3d x = InWorld(i);
-                if (!x.allFinite())
-                    c.bad = std::min(c.bad, i);
-                c.box.extend(x);
-                ++c.live;
-            }
-            chunks[first / grain] = c;
-        });
-        Eigen::AlignedBox3d box;
-        std::size_t bad = std::size_t(-1);
-        begin.assign(1, 0);
-        for (const Chunk &c : chunks) {
-            box.extend(c.box);
-            begin.push_back(begin.back() + c.live);
-            candidates += c.candidates;
-            bad = std::min(bad, c.bad);
-        }
-        if (Live() == 0 && !region)
-            throw BadInput("The mesh has no vertices.");
-        if (bad != std::size_t(-1))
-            throw NotFinite(bad);
-        s.report.vertices = Index(Live());
-        return box;
-    }
-
-    void SetFrame(const Eigen::AlignedBox3d &ofAll) {
-        const Eigen::AlignedBox3d box = WithoutStrays(ofAll, Live(), [&](std::size_t k) {
-            std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
-            for (std::size_t i = c * grain, at = begin[c];; ++i)
-                if (IsPart(i) && at++ == k)
-                    return InWorld(i);
-        });
-        const Eigen::Vector3d extent = box.max() * 0.5 - box.min() * 0.5; // half of it: no overflow
-        const double halfDiagonal = extent.stableNorm();
-        s.frame.origin = box.min() * 0.5 + box.max() * 0.5;
-        s.frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
-    }
-
-    /// Takes in candidates that may be at a part, or a hair from it. \param box of the parts, world units
-    void FindBeside(const Eigen::AlignedBox3d &box) {
-        if (!candidates)
+    /// Takes in candidates that may be at a part, or a hair from it.
+    void FindBeside() {
+        if (!region)
+            return;
+        const auto candidates = std::size_t(std::count(region->flag.begin(), region->flag.end(), Region::candidate));
+        if (candidates == 0)
             return;
         const float hair = hasSeams ? float(1.5 * weldDistance) : 0.f;
         const std::vector<std::uint32_t> found = CandidatesBeside(
             *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
             [&](const Eigen::Vector3d &p) { return InFrame(s.frame.ToWorld(p)); },
-            {InFrame(box.min()), InFrame(box.max())}, hair, progress.Slice(0.05, 0.06));
+            {InFrame(chunks.box.min()), InFrame(chunks.box.max())}, hair, progress.Slice(0.05, 0.06));
         if (found.empty()) // as mostly
             return;
         beside.assign(slots, 0);
         for (std::uint32_t i : found)
             beside[i] = 1;
-        for (std::size_t c = 0; c < begin.size(); ++c)
-            begin[c] += std::size_t(std::lower_bound(found.begin(), found.end(), c * grain) - found.begin());
+        for (std::size_t c = 0; c < chunks.begin.size(); ++c)
+            chunks.begin[c] += std::size_t(std::lower_bound(found.begin(), found.end(), c * grain) - found.begin());
     }
 
     void MakeNodes() {
         VertexWelder welder(Live(), slots);
         ParallelFor(progress.Slice(0.07, 0.1), readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
-            std::size_t at = begin[first / grain];
+            std::size_t at = chunks.begin[first / grain];
             for (std::size_t i = first; i < last; ++i)
                 if (IsPart(i) || IsBeside(i))
                     welder.Put(at++, i, InFrame(i));
@@ -242,7 +198,9 @@ class SurfaceReader {
             if (pairs.same.empty()) {
                 double edgeLengths = 0;
                 s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
-                pairs.same = ClumpsOf(x, s.graph.adjacency, progress.Slice(0.95, 1));
+                s.components = ConnectedComponents(s.graph.adjacency, s.componentOf, progress.Slice(0.95, 0.96),
+                                                   findingNeighbours);
+                pairs.same = ClumpsOf(x, s.componentOf, s.components, progress.Slice(0.96, 1));
                 if (pairs.same.empty()) {
                     s.report.oneSided = Index(pairs.oneSided);
                     s.nodeArea = std::move(pairs.area);
@@ -312,8 +270,7 @@ class SurfaceReader {
     const double weldDistance;
     const std::size_t slots;
     bool hasSeams;
-    std::size_t candidates = 0;
-    std::vector<std::size_t> begin;    // of each chunk's vertices in the list of all of them
+    VertexChunks chunks;               // of the parts, and of those beside
     std::vector<unsigned char> beside; // flags of slots; empty for none
     std::vector<Index> newIndex;       // of each node before the last JoinNodes, -1 for none
     SurfaceGraph s;

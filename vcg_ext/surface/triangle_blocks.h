@@ -57,6 +57,13 @@ struct TriangleBlocks {
             }
         }
     };
+    /// The shift for so many nodes.
+    static int ShiftFor(Index nodes) {
+        int shift = 12;
+        while ((nodes - 1) >> shift >= 1024)
+            ++shift;
+        return shift;
+    }
     std::size_t Size() const { return begin.size() - 1; }
     Index FirstNode(std::size_t b) const { return Index(std::min(std::size_t(nodes), b << shift)); }
     Block operator[](std::size_t b) const {
@@ -68,9 +75,7 @@ struct TriangleBlocks {
 inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size_t triangles,
                                      const Progress &progress) {
     const std::size_t grain = 1 << 15, chunks = (triangles + grain - 1) / grain;
-    int shift = 12;
-    while ((nodes - 1) >> shift >= 1024)
-        ++shift;
+    const int shift = TriangleBlocks::ShiftFor(nodes);
     const std::size_t blocks = (std::size_t(nodes - 1) >> shift) + 1;
     const auto forBlocksOf = [shift](const Index *c, const auto &body) {
         const Index a = c[0] >> shift, b = c[1] >> shift, d = c[2] >> shift;

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -65,7 +66,7 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
             }
         counts[first / grain] = count;
     });
-    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists
+    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists; mostly there are none
         const Index *from = &list.corner[3 * c * grain];
         if (list.count != c * grain)
             std::copy(from, from + 3 * counts[c].triangles, &list.corner[3 * list.count]);
@@ -257,15 +258,28 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
         graph.edgeLengths += done[b].edgeLengths;
     }
     CheckEdges(itemBegin[blocks]);
-    AssignLarge(graph.adjacency.item, itemBegin[blocks], 0);
+    graph.adjacency.item = Together(done, &ConnectedBlock::item);
     ParallelFor(progress.Slice(0.9, 1), readingStage, blocks, 1, [&](std::size_t b, std::size_t) {
-        std::copy(done[b].item.begin(), done[b].item.end(), graph.adjacency.item.begin() + itemBegin[b]);
-        done[b].item = std::vector<Index>(); // {} would keep the memory
         std::uint32_t sum = std::uint32_t(itemBegin[b]);
         for (Index u = in.FirstNode(b); u < in.FirstNode(b + 1); ++u)
             graph.adjacency.begin[u + 1] = sum += graph.adjacency.begin[u + 1];
     });
     return graph;
+}
+
+/// The lengths of a graph's edges, added up in the order of TriangleGraph::edgeLengths, so that the bits are the same.
+inline double SumOfEdges(const Eigen::Matrix3Xf &position, const Csr &adjacency, const Progress &progress) {
+    const std::size_t block = std::size_t(1) << TriangleBlocks::ShiftFor(adjacency.Size());
+    std::vector<double> sums((std::size_t(adjacency.Size()) + block - 1) / block, 0);
+    ParallelFor(progress, readingStage, std::size_t(adjacency.Size()), block, [&](std::size_t first, std::size_t last) {
+        for (Index u = Index(first); u < Index(last); ++u) {
+            const Eigen::Vector3f x = position.col(u);
+            for (Index v : adjacency[u])
+                if (u < v)
+                    sums[first / block] += (position.col(v) - x).norm();
+        }
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 } // namespace detail

@@ -12,6 +12,7 @@
 #include <vcg_ext/surface/free_region.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/loose_parts.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/nearest_place.cpp>    // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/surface/part_removal.cpp>     // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/surface_arrays.cpp>   // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/surface_graph.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/surface/surface_reach.cpp>    // NOLINT(bugprone-suspicious-include)

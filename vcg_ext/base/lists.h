@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_LISTS_H
+#define VCG_FCD_LISTS_H
+
+#include <vcg_ext/base/memory.h>
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// The lists that threads found, one of each range, one after the other; each is freed as soon as it is in it. By one
+/// thread: most of the time goes to memory that is used for the first time, and several, which need it to be filled
+/// before, take twice as long. \param parts have a list each \param list the member that is it
+template <class Part, class Item>
+std::vector<Item> Together(std::vector<Part> &parts, std::vector<Item> Part::*list) {
+    std::size_t size = 0;
+    for (const Part &part : parts)
+        size += (part.*list).size();
+    std::vector<Item> all;
+    all.reserve(size);
+    PreferLargePages(all.data(), size * sizeof(Item));
+    for (Part &part : parts) {
+        all.insert(all.end(), (part.*list).begin(), (part.*list).end());
+        std::vector<Item>().swap(part.*list);
+    }
+    return all;
+}
+
+/// The same of lists that are all there is of the parts.
+template <class Item>
+std::vector<Item> Together(std::vector<std::vector<Item>> &lists) {
+    struct Part {
+        std::vector<Item> list;
+    };
+    std::vector<Part> parts;
+    parts.reserve(lists.size());
+    for (std::vector<Item> &list : lists)
+        parts.push_back({std::move(list)});
+    return Together(parts, &Part::list);
+}
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
