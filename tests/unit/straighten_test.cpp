@@ -83,7 +83,7 @@ Straight Along(const Shape &shape, const LineGoal &goal, const Affine3d &world =
     progress.threads = threads;
     const auto deformer = PrepareDeformer(arrays.View(), AllFree(shape.position.size(), world), param, progress);
     Straight made;
-    const LineMotion motion = MotionTo(goal, *deformer, world, made.report);
+    const LineMotion motion = MotionTo(goal, *deformer, world, made.report, progress);
     const Deformer::Pose pose = vcg::fcd::Straighten(*deformer, world, motion, param, made.report, progress);
     made.position = arrays.View().Copy();
     Carrier(*deformer, pose).Apply(made.position, &made.linear);
@@ -305,6 +305,31 @@ TEST(Straighten, MakesABentTubeStraight) {
     // The same bits with one thread.
     const Straight alone = Along(bent, goal, Affine3d::Identity(), 1);
     EXPECT_EQ(alone.position, through.position);
+}
+
+TEST(Straighten, TellsTheLineThatIsUsed) {
+    const double length = 10;
+    const Shape shape = Tube(length, 0.6, 0.6, 101, 24);
+    const MeshD mesh(shape);
+    const Arrays arrays = Read(mesh);
+    const Affine3d world = Affine3d::Identity();
+    const auto deformer = PrepareDeformer(arrays.View(), AllFree(shape.position.size(), world), StraightenParam());
+    LineGoal goal;
+    goal.line = Points({{1, 0.5, 0.3}, {5, 0.6, 0}, {9, 0.3, 0.5}});
+    EXPECT_EQ(LineOf(goal, *deformer, world), goal.line);
+    goal.middle = true;
+    StraightenReport report, again;
+    MotionTo(goal, *deformer, world, report);
+    const Matrix3Xd line = LineOf(goal, *deformer, world);
+    for (const auto &each : line.colwise())
+        EXPECT_LT(each.tail<2>().norm(), 0.06); // 0.6 is where the surface is
+    EXPECT_EQ(FramedLine(line).Length(), report.length);
+    goal.line = line; // which is taken as it is then, with the same bits
+    goal.middle = false;
+    MotionTo(goal, *deformer, world, again);
+    EXPECT_EQ(again.length, report.length);
+    goal.middle = true;
+    EXPECT_THROW(LineOf(goal, *deformer, world, Progress([](const int, const char *) { return false; })), Cancelled);
 }
 
 TEST(Straighten, BendsAndComesBack) {
