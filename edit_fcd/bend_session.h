@@ -14,6 +14,13 @@
 #include <string>
 #include <vector>
 
+/// How a filter is told of the motions.
+struct BendCall {
+    std::string transforms; ///< as "Motions as text" takes them
+    double pose;            ///< percent
+    bool isExact;           ///< it makes what is shown to the bit
+};
+
 /// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
 /// prepared for that. Knows nothing of mouse and screen.
 ///
@@ -212,8 +219,12 @@ class BendSession {
     void handOver();
     std::string poseByFilter(const Remark &remark);
     void beginAnew();
-    std::string filterCall(const std::string &script, const std::string &more) const;
+    std::string filterCall(const std::string &script, const BendCall &call, const std::string &more) const;
     std::string shapeCall() const;
+    std::optional<std::size_t> poseOfFilter() const;
+    BendCall callOfPose() const;
+    std::string callInPlace() const;
+    std::string callToNewLayer(bool graphLayers) const;
     void setPoses(vcg::fcd::PoseSequence poses);
     void writePoses();
     void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);

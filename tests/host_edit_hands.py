@@ -2,6 +2,7 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import os
 import re
 
 import numpy as np
@@ -12,7 +13,7 @@ from host_edit import MIDDLE, Filters, load, mark_two_regions, the_dialogs_are_t
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
 from host_edit_state import choose_layer, import_another, open_tube
-from host_meshlabserver import Run, sequence_filter, straighten_filter
+from host_meshlabserver import Run, pose_filter, sequence_filter, straighten_filter
 
 pytestmark = host_edit.pytestmark
 
@@ -442,11 +443,83 @@ def test_a_pose_takes_the_place_of_another(window, tmp_path):
     blend = load(w.save("blend.ply"))[0]
     w.do("mousemove", X, Y + 200)
     w.key("ctrl+Return")
-    w.wait("to the bit it is a key frame of FCD: Pose Sequence")
+    w.wait("(nearly: no filter blends poses in place; a new layer has this blend to the bit by open('poses.csv'")
     assert np.array_equal(load(w.save("in_place.ply"))[0], blend)
     w.key("ctrl+z", "ctrl+shift+Return")
-    w.wait("to the bit it is a key frame of FCD: Pose Sequence", 2)
+    w.wait("FCD: Bend: open('poses.csv'")
     assert np.array_equal(load(w.save("new_layer.ply"))[0], blend)
+
+
+def calls_in(text, folder):
+    """The filter calls of a line of the log, as Python makes them in a folder: names and parameters."""
+    calls = []
+
+    class Recorder:
+        def apply_filter(self, name, **parameters):
+            calls.append((name, parameters))
+
+    folder.mkdir()
+    before = os.getcwd()
+    os.chdir(folder)
+    try:
+        exec(text, {"ms": Recorder(), "numpy": np})
+    finally:
+        os.chdir(before)
+    return calls
+
+
+def test_the_log_has_the_calls_that_make_blends(window, tmp_path):
+    """To the bit, as far as a filter can."""
+    w, points, faces, tags = tube_with_poses(window, tmp_path)
+    rest = write_ply(tmp_path / "tagged.ply", points, faces, tags)
+    w.drag((X + 225, Y), (X + 165, Y - 150)) # which does not turn it
+    keep_pose(w, "don't")
+    w.key("BackSpace")
+    w.do("mousemove", X + 225, Y)
+    w.key("r", "x", "2", "0", "0", "Return")
+    keep_pose(w, "turned, \\ far")
+    applied = lambda: re.findall(r"FCD: Bend: ((?:open|ms\.).*\))$", w.text(), re.MULTILINE)
+
+    def apply(keys, name, *percents):
+        for i, percent in enumerate(percents):
+            if percent: # none is shown yet
+                show_percent(w, i, percent)
+        shown = load(w.save(f"shown_{name}.ply"))[0]
+        w.do("mousemove", X, Y + 200)
+        count = len(applied())
+        w.key(keys)
+        w.until("call", lambda: len(applied()) > count)
+        assert np.array_equal(load(w.save(f"{name}.ply"))[0], shown)
+        return shown, applied()[-1]
+
+    def back():
+        choose_layer(w, 0)
+        unfolded = w.text().count("trace: place: keep ")
+        w.click(w.place("poses_fold"))
+        w.wait("trace: place: keep ", unfolded + 1) # where all is from then on
+
+    shape, text = apply("ctrl+Return", "one", 0, 40) # one that turns the handle, as no other does more
+    (name, parameters), = calls_in(text, tmp_path / "calls1")
+    assert name == "apply_coord_fcd_deformation" and parameters["pose"] == 40
+    (tmp_path / "server1").mkdir()
+    run = Run(tmp_path / "server1", rest, pose_filter(transforms=parameters["transforms"], pose=40))
+    assert np.array_equal(run.meshes["tagged"].vertex_matrix(), shape)
+    w.key("ctrl+z")
+    for i, percents in enumerate([(40, 75), (100, 0)]): # the latter keeps its own turn, as the other pose turns it
+        shape, text = apply("ctrl+shift+Return", f"new{i}", *percents)
+        (name, parameters), = calls_in(text, tmp_path / f"calls2{i}")
+        assert name == "generate_fcd_pose_sequence" and parameters == {"poses_file": "poses.csv", "handles": 2, "tag_attribute": "fcd_applied"}
+        made, = sequenced(tmp_path / f"server2{i}", points, faces, tags, tmp_path / f"calls2{i}" / "poses.csv")
+        assert np.array_equal(made, shape)
+        back()
+    w.more()
+    w.click(w.place("graphs"))
+    assert "(which makes no graph layers; with these, and nearly: ms.apply_filter('generate_fcd_deformed_mesh'" in apply("ctrl+shift+Return", "graphs", 40, 75)[1]
+    back()
+    w.more()
+    w.do("mousemove", *w.place("distances"), "click", 5) # the wheel: Euclidean
+    assert "(nearly: no filter blends poses in place)" in apply("ctrl+Return", "euclidean_in_place", 40, 75)[1]
+    assert "(nearly: FCD: Pose Sequence, which blends poses, has no other distances)" in apply("ctrl+shift+Return", "euclidean", 40, 75)[1]
 
 
 def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tmp_path):
