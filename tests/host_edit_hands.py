@@ -168,6 +168,19 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     assert w.save("undone.ply").read_bytes() == before
 
 
+def test_the_page_of_keys_fits_a_small_screen(window, tmp_path):
+    """All of it, with room for the window's frame and bars of the desktop."""
+    w, *_ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("shift+question")
+    w.shot("page_of_keys")
+    x, y, width, height = w.box("page")
+    assert x >= 0 and y >= 0 and x + width <= 1366 and y + height <= 768
+    assert width <= 0.75 * 1366 and height <= 0.75 * 768
+    _, _, text_width, text_height = w.box("page_text")
+    assert text_width <= width and text_height <= height # nothing to scroll
+
+
 def test_a_pull_takes_a_tip_along(window, tmp_path):
     """What lies beyond the pulled part of a limb goes along, and is not left behind."""
     points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
