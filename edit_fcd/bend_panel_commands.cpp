@@ -81,7 +81,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     patchCount->setRange(1, 20000);
     patchCount->setValue(300);
     form->addRow("Initial patches", patchCount);
-    const EnumText words = weightsText();
+    const ParameterText words = weightsText();
     weightsChoice = new QComboBox;
     weightsChoice->setObjectName("distances");
     weightsChoice->addItems(words.values);

@@ -13,7 +13,7 @@ from host_edit import MIDDLE, Filters, load, mark_two_regions, the_dialogs_are_t
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
 from host_edit_state import choose_layer, import_another, open_tube
-from host_meshlabserver import Run, pose_filter, sequence_filter, straighten_filter
+from host_meshlabserver import Run, pose_filter, sequence_filter
 
 pytestmark = host_edit.pytestmark
 
@@ -638,77 +638,3 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     w.key("ctrl+z") # those that the tool had
     answer(w, "saveposes", "Save poses", str(tmp_path / "back.csv"))
     assert (tmp_path / "back.csv").read_text().startswith("time,easing,bent\n")
-
-
-def straightened(folder, rest, line, **parameters):
-    """The tube that meshlabserver straightens along a line."""
-    folder.mkdir()
-    run = Run(folder, rest, straighten_filter(0, line, straightened_quality=0, towards=(0, 0, 0), **parameters))
-    assert run.code == 0, run.log
-    return run.meshes["tubestraightened"].vertex_matrix()
-
-
-def straighten(w):
-    """Presses the button, and returns the call for a script."""
-    calls = w.text().count("FCD: Bend: In a script: ")
-    started = w.text().count("Started Mode FCD: Bend")
-    w.click(w.place("straighten"))
-    w.wait("FCD: Bend: In a script: ", calls + 1)
-    w.wait("Started Mode FCD: Bend", started + 1) # with the new layer
-    w.settle()
-    return re.findall(r"FCD: Bend: In a script: (.*\))", w.text())[-1]
-
-
-def test_a_layer_is_straightened_along_a_line(window, tmp_path):
-    """Which is clicked on it, point by point, or that of a layer; the filter makes the same of it, to the bit."""
-    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.1)
-    points[:, 1] += 0.3 * np.cos(1.5 * points[:, 0]) - 0.2
-    rest = write_ply(tmp_path / "tube.ply", points, faces)
-    w = window(rest)
-    w.start_tool()
-    w.key("n")
-    w.click(w.place("straighten"))
-    w.wait("There is no line yet: click points along the layer, in their order, or choose a layer with edges.")
-    place = lambda x: (round(X + 285 * x), round(Y - 285 * (0.3 * np.cos(1.5 * x) - 0.16)))
-    for x in (-0.9, -0.6, -0.3, 0.3):
-        w.click(place(x))
-    w.drag(place(0.3), place(0))
-    for x in (0.3, 0.6, 0.9, 0.75):
-        w.click(place(x))
-    w.key("Delete") # the one under the mouse
-    w.key("ctrl+z", "ctrl+shift+z")
-    w.do("mousemove", X, Y + 200)
-    w.key("Delete", "ctrl+z") # the last one
-    w.click(place(0.92)) # which is close to that, and takes it
-    w.shot("line")
-    answer(w, "saveline", "Save line", str(tmp_path / "line"))
-    w.wait("Saved the line as")
-    line = np.loadtxt(tmp_path / "line.csv", delimiter=",", skiprows=1)
-    assert len(line) == 7 and np.all(np.diff(line[:, 0]) > 0.2) and abs(line[3, 0]) < 0.05
-    call = straighten(w)
-    assert call == "ms.apply_filter('generate_fcd_straightened_mesh', line_layer=1, middle=True, graph_layers=False)"
-    w.shot("straight")
-    straight = load(w.save("straight.ply"))[0]
-    assert np.array_equal(straight, straightened(tmp_path / "server", rest, tmp_path / "line.csv", to=0, middle=True))
-    assert np.abs(straight[:, 1] - straight[:, 1].mean()).max() < 0.12
-
-    choose_layer(w, 0) # at rest, with its line
-    w.key("n")
-    answer(w, "saveline", "Save line", str(tmp_path / "again.csv"))
-    w.wait("again.csv.")
-    assert (tmp_path / "again.csv").read_text() == (tmp_path / "line.csv").read_text()
-    w.click(w.place("clearline"))
-    w.do("mousemove", *w.place("line"), "click", 5) # the wheel: the layer with the line
-    w.do("mousemove", *w.place("becomes"), "click", 5) # an arc
-    call = straighten(w)
-    assert call.endswith("line_layer=1, middle=True, to=1, angle=90, graph_layers=False)"), call
-    bent = load(w.save("bent.ply"))[0]
-    assert np.array_equal(bent, straightened(tmp_path / "server2", rest, tmp_path / "line.csv", to=1, middle=True))
-
-    choose_layer(w, 0)
-    w.key("n")
-    (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
-    answer(w, "loadline", "Load line", str(tmp_path / "far.csv"))
-    w.click(w.place("straighten"))
-    w.wait("The line is outside of the surface")
-    w.key("ctrl+z") # the points of before
