@@ -143,3 +143,17 @@ def test_an_arc_has_a_direction_and_bends_to_a_side(window, tmp_path):
     assert np.array_equal(bent, straightened(tmp_path / "server2", rest, line, to=1, middle=True, direction=(0, 1, 0), towards=(0, 0, -2.5)))
     ends = bent[:, 1] > np.quantile(bent[:, 1], 0.95)
     assert bent[ends, 2].mean() < bent[:, 2].mean() - 0.1
+
+
+def test_a_layer_is_not_changed_by_a_line(window, tmp_path):
+    """MeshLab's list of layers does not say that it is, either; of the new layers it does."""
+    w = window(bent_tube(tmp_path))
+    w.start_tool()
+    w.key("n")
+    for x in (-0.9, -0.3, 0.3, 0.9):
+        w.click(place(x))
+    straighten(w) # after which the list is written anew
+    choose_layer(w, 0)
+    w.shot("unchanged")
+    behind = lambda row, x: np.ptp(np.asarray(w.picture().convert("L"))[120 + 31 * row:146 + 31 * row, x:1160]) # a name, where a star is
+    assert behind(0, 1059) == 0 and behind(2, 1144) > 50
