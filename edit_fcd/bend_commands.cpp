@@ -264,5 +264,6 @@ void BendTool::refresh() {
     showHandles();
     showPoses();
     showLines();
+    lookForLine();
     panel->showState(stateText());
 }

@@ -94,6 +94,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     form->addRow(last);
     showLayers({});
     connect(source, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendLineBox::changed);
+    connect(middle, &QCheckBox::toggled, this, &BendLineBox::changed);
     connect(shape, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendLineBox::showWhatCounts);
     showWhatCounts();
 }

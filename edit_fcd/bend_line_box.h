@@ -26,6 +26,7 @@ class BendLineBox : public QWidget {
     void showLayers(const Layers &layers);
     int lineLayer() const { return source->currentData().toInt(); }   ///< -1: the line is drawn
     int targetLayer() const { return target->currentData().toInt(); } ///< -1: none
+    bool isMiddle() const { return middle->isChecked(); }
     /// The rest of what is asked for, in the host's precision. \throw vcg::fcd::Error a direction that is none
     StraightenMeshParam param() const;
 

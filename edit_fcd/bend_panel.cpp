@@ -185,6 +185,7 @@ void BendPanel::connectOptions() {
         if (lineBox->isHidden() != isLine)
             return;
         marking->setVisible(!isLine);
+        list->setVisible(!isLine); // there is no room for all
         lineBox->setVisible(isLine);
         tracePlaces(*this);
     });

@@ -35,6 +35,8 @@ class BendSession {
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return rest.fits(); }
+    /// A number for the shape that the layer has here. \pre nothing is being dragged
+    std::uint64_t shape() const { return rest.known(); }
     /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
     bool isUpToDate() const;
     /// The same, of all that a filter may have changed while the tool was elsewhere.

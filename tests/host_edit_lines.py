@@ -4,11 +4,13 @@
 import re
 
 import numpy as np
+import pytest
 
 import host_edit
 from host_edit import MIDDLE, load, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
+from host_edit_hands import LIT, colored, state_text
 from host_edit_state import choose_layer
 from host_meshlabserver import Run, straighten_filter
 
@@ -106,6 +108,87 @@ def enter(w, name, text):
     w.key("ctrl+a")
     w.do("type", "--delay", 5, text)
     w.key("Return")
+
+
+def lines_found(w):
+    """Of each line that was found: how many points it was given by, and its length."""
+    return [(int(points), length) for points, length in re.findall(r"trace: line: \d+ vertices, (\d+) points, length (\S+), in", w.text())]
+
+
+def wait_for_line(w, points, before):
+    w.until(f"line of {points} points", lambda: len(lines_found(w)) > before and lines_found(w)[-1][0] == points)
+    return float(lines_found(w)[-1][1])
+
+
+def test_the_line_that_is_used_is_shown(window, tmp_path):
+    """While it is clicked: through the middle, with its length, as the filter finds it."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 48, 0.25)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    w.key("n")
+    clicked = [(X + round(285 * x), Y - 45) for x in (-0.8, -0.3, 0.2, 0.7)] # at the upper side of what is seen
+    found = 0
+    for i, each in enumerate(clicked):
+        w.click(each)
+        w.do("mousemove", X, Y + 200)
+        found, length = len(lines_found(w)), wait_for_line(w, i + 1, found)
+    w.shot("middle")
+    at = lambda x, y: colored(w, (X + round(285 * x), Y - y), LIT)
+    assert at(0, 0) > 20 and at(0, 45) == 0 and at(-0.3, 45) > 20 # the points are where they were clicked
+    assert length == pytest.approx(1.5, abs=0.02)
+    state = state_text(w)
+    w.key("ctrl+z")
+    w.until("line of 3 points", lambda: lines_found(w)[-1][0] == 3)
+    w.shot("undone")
+    assert state_text(w) != state and at(0.45, 0) == 0 and at(0, 0) > 20
+    w.key("ctrl+shift+z")
+    w.until("line of 4 points", lambda: lines_found(w)[-1][0] == 4)
+    assert state_text(w) == state
+    w.click(w.place("middle")) # the line itself
+    w.do("mousemove", X, Y + 200)
+    w.shot("as_clicked")
+    assert at(0, 0) == 0 and at(0, 45) > 20
+    w.click(w.place("middle"))
+    w.do("mousemove", X, Y + 200)
+    w.until("line of 4 points", lambda: at(0, 0) > 20)
+    count = len(lines_found(w))
+    w.press_and_move(clicked[3], (clicked[3][0] - 60, clicked[3][1])) # which is the line while it is dragged
+    w.until("a shorter line", lambda: len(lines_found(w)) > count and float(lines_found(w)[-1][1]) < length - 0.15)
+    w.do("mouseup", 1)
+    w.shot("dragged")
+    length = lines_found(w)[-1][1]
+    straighten(w)
+    assert f"The line is {length} long" in w.text()
+
+    (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
+    choose_layer(w, 0)
+    w.key("n")
+    answer(w, "loadline", "Load line", str(tmp_path / "far.csv"))
+    w.until("no line", lambda: lines_found(w)[-1] == (2, "0")) # the panel says why
+    w.shot("far")
+    w.click(w.place("clearline"))
+    w.do("mousemove", *w.place("line"), "click", 5) # the wheel: the layer with the line
+    w.until("that of the layer", lambda: lines_found(w)[-1] == (0, length))
+    w.shot("of_a_layer")
+    assert at(0, 0) > 20
+
+
+def test_a_large_layer_does_not_wait_for_its_line(window, tmp_path):
+    """Clicks are taken while the surface is made ready; what is no longer wanted is stopped."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    before = w.save("before.ply").read_bytes()
+    w.start_tool()
+    place = lambda i: (X - 240 + 60 * i, Y - 30)
+    w.do("mousemove", *place(0), "key", "n", *[word for i in range(9) for word in ("mousemove", *place(i), "click", 1)], settle=False)
+    assert wait_for_line(w, 9, 0) == pytest.approx(480 / 285, abs=0.05)
+    assert w.text().index("trace: click: 252002 vertices, 1 points") < w.text().index("trace: line: ")
+    w.click(place(8)[:1] + (Y + 30,))
+    w.key("m") # bends
+    w.key("n", "m", "n")
+    w.toggle_tool()
+    w.shot("left")
+    assert w.save("left.ply").read_bytes() == before
 
 
 def test_an_arc_has_a_direction_and_bends_to_a_side(window, tmp_path):
