@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include <vcg_ext/base/words.h>
-
 #include <layer_fcd/marks.h>
 #include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tagging.h>
@@ -10,8 +8,6 @@
 #include <algorithm>
 
 // How a bend becomes what a filter would have made of it.
-
-using vcg::fcd::detail::ToText;
 
 HandleParam BendSession::handleParam() const {
     HandleParam param;
@@ -34,28 +30,6 @@ void BendSession::writeAppliedTags() {
     writeTags(layer, *effective, target);
 }
 
-std::string BendSession::filterCall(const std::string &script, const std::string &more) const {
-    std::string call = "ms.apply_filter('" + script + "', handles=2, tag_attribute='" + appliedTags +
-                       "', transforms='" + motionText() + "'";
-    const BendOptions defaults;
-    if (options.pose != defaults.pose)
-        call += ", pose=" + ToText(rounded<Scalarm>(options.pose));
-    if (options.weights != defaults.weights)
-        call += ", weights=" + std::to_string(int(options.weights));
-    return call + shapeCall() + more + ")";
-}
-
-/// What the filter calls have in common of the options.
-std::string BendSession::shapeCall() const {
-    std::string call;
-    const BendOptions defaults;
-    if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + ToText(rounded<Scalarm>(options.smoothness));
-    if (options.initialPatches != defaults.initialPatches)
-        call += ", initial_patches=" + std::to_string(options.initialPatches);
-    return call;
-}
-
 /// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
 LayerDeformer BendSession::applying(const Remark &remark) {
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
@@ -66,14 +40,6 @@ LayerDeformer BendSession::applying(const Remark &remark) {
             return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights, progress);
         });
     return deformer;
-}
-
-/// A remark on the call where the motions are a blend, which text has but for rounding.
-std::string BendSession::blendCall() const {
-    const auto isShown = [](double weight) { return weight != 0; };
-    if (std::count_if(now.weights.begin(), now.weights.end(), isShown) < 2)
-        return {};
-    return " (a blend of poses, but for rounding; to the bit it is a key frame of FCD: Pose Sequence)";
 }
 
 /// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
@@ -88,7 +54,7 @@ std::string BendSession::poseByFilter(const Remark &remark) {
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
     applying(remark).pose(param, vcg::fcd::Progress());
-    return calls + filterCall("apply_coord_fcd_deformation", "") + blendCall();
+    return calls + callInPlace();
 }
 
 std::string BendSession::leave(const Remark &remark) {
@@ -177,8 +143,7 @@ std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark)
     param.handles = handleParam();
     param.deformation = deformationOf(options);
     param.graphLayers = graphLayers;
-    const std::string call =
-        filterCall("generate_fcd_deformed_mesh", graphLayers ? "" : ", graph_layers=False") + blendCall();
+    const std::string call = callToNewLayer(graphLayers);
     handOver();
     applying(remark).deform(std::move(param), false, vcg::fcd::Progress());
     motionByHand().clear();

@@ -21,7 +21,11 @@ void BendTool::makePanel() {
     connectHandles();
     connectPoses();
     connect(&panel->line(), &BendLineBox::command, this, [this](int which) { guarded([&] { onLineCommand(which); }); });
-    connect(&panel->line(), &BendLineBox::changed, this, [this] { refresh(); });
+    connect(&panel->line(), &BendLineBox::changed, this, [this] {
+        hint.clear();
+        refresh();
+        view->update();
+    });
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
@@ -260,5 +264,6 @@ void BendTool::refresh() {
     showHandles();
     showPoses();
     showLines();
+    lookForLine();
     panel->showState(stateText());
 }

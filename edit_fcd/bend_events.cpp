@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include <QCursor>
 
@@ -83,6 +85,9 @@ void BendTool::press(QMouseEvent *event) {
     }
     refresh();
     view->update();
+    if (panel->mode() == BendPanel::Line && std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: click: %d vertices, %d points, since the event %.1f ms\n", model->cm.vn,
+                     int(session->state().line.size()), double(sinceEvent.nsecsElapsed()) / 1e6);
 }
 
 /// Whether the mouse, which has moved or was released, is for the layer, and not for the camera.

@@ -62,7 +62,7 @@ QString withKeys(const QString &tip, BendAction action) {
 }
 
 QString bendKeyPage() {
-    QString rows;
+    QStringList rows;
     const auto add = [&](const QString &keys, const QString &text) {
         rows += "<tr><td><b>" + keys + "</b>&nbsp;&nbsp;</td><td>" + text + "</td></tr>";
     };
@@ -73,5 +73,11 @@ QString bendKeyPage() {
                         "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels");
     add("Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held");
     add("camera", "drag beside the mesh, or with the right or middle button; wheel");
-    return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table>" + rows + "</table>";
+    // Side by side, since small screens are wide and not high.
+    const auto column = [&](int begin, int count) {
+        return "<td width='50%'><table>" + rows.mid(begin, count).join("") + "</table></td>";
+    };
+    const int left = (rows.size() + 1) / 2;
+    return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table width='100%'><tr>" +
+           column(0, left) + column(left, -1) + "</tr></table>";
 }

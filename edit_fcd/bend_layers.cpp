@@ -108,6 +108,7 @@ void BendTool::close() {
         session->cancel();
     marking.reset();
     linePoint.reset();
+    linePreview.reset();
     isStepWanted = false;
     leave();
     isPainted = false;

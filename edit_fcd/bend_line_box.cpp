@@ -1,10 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_line_box.h"
 
+#include <layer_fcd/straighten_texts.h>
+
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QPushButton>
+#include <QRegularExpression>
 #include <QSignalBlocker>
+
+using vcg::fcd::Error;
+
+namespace {
+
+/// Without its unit, which there is no room for.
+QString labelOf(const ParameterText &text) { return text.label.section(" (", 0, 0); }
+
+/// The numbers x, y and z, in the host's precision. \throw vcg::fcd::Error they are not three
+Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &text) {
+    const QStringList words = QString(edit.text()).replace(QRegularExpression("[,;]"), " ").simplified().split(' ');
+    Eigen::Vector3d direction;
+    bool isNumber = words.size() == 3;
+    for (int k = 0; isNumber && k < 3; ++k)
+        direction[k] = ::rounded<Scalarm>(words[k].toDouble(&isNumber));
+    if (!isNumber)
+        throw Error("'" + text.label.toStdString() + "' is '" + edit.text().toStdString() +
+                    "': give three numbers, x y z, or 0 0 0 where it follows from the line.");
+    return direction;
+}
+
+} // namespace
 
 BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     auto *form = new QFormLayout(this);
@@ -13,7 +38,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     const auto named = [](auto *widget, const char *name, const QString &tip) {
         widget->setObjectName(name);
         widget->setToolTip(tip);
-        if (!qobject_cast<QDoubleSpinBox *>(widget))
+        if (!qobject_cast<QDoubleSpinBox *>(widget) && !qobject_cast<QLineEdit *>(widget))
             widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
         return widget;
     };
@@ -32,30 +57,36 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     add(*files, "saveline", "Save ...", "Writes the points as a list (.csv), which 'FCD: Straighten Mesh' reads", Save);
     add(*files, "clearline", "Clear", "Takes all points away", Clear);
     form->addRow(files);
-    middle = named(new QCheckBox("Through the middle"), "middle",
-                   "Takes the line through the middles of the cross-sections: it may then be clicked on the surface");
+    const StraightenTexts texts = straightenTexts();
+    middle = named(new QCheckBox(texts.middle.label), "middle", texts.middle.help);
     middle->setChecked(true);
     form->addRow(middle);
-    shape = named(new QComboBox, "becomes", "What the line becomes");
-    shape->addItems({"A straight line", "An arc", "The line of a layer"});
-    form->addRow("Becomes", shape);
-    angle = named(new QDoubleSpinBox, "angle",
-                  "By how many degrees the arc bends from end to end; negative: to the other side");
+    shape = named(new QComboBox, "becomes", texts.shape.help);
+    shape->addItems(texts.shape.values);
+    form->addRow(labelOf(texts.shape), shape);
+    angle = named(new QDoubleSpinBox, "angle", texts.angle.help);
     angle->setRange(-359, 359);
+    angle->setSuffix(" \u00b0");
     angle->setValue(StraightenMeshParam().angle);
-    form->addRow("Angle", angle);
-    target = named(new QComboBox, "target", "A layer with edges, along whose line this one is laid from its beginning");
-    form->addRow("Along", target);
-    reverse = named(new QCheckBox("From its other end"), "reverse", "Lays it along that line from its other end");
+    form->addRow(labelOf(texts.angle), angle);
+    const auto addDirection = [&](const char *name, const ParameterText &text) {
+        auto *edit = named(new QLineEdit("0 0 0"), name, text.help);
+        form->addRow(labelOf(text), edit);
+        connect(edit, &QLineEdit::editingFinished, this, &BendLineBox::changed);
+        return edit;
+    };
+    direction = addDirection("direction", texts.direction);
+    towards = addDirection("towards", texts.towards);
+    target = named(new QComboBox, "target", texts.target.help);
+    form->addRow(labelOf(texts.target), target);
+    reverse = named(new QCheckBox(texts.reverse.label), "reverse", texts.reverse.help);
     form->addRow(reverse);
-    length = named(new QDoubleSpinBox, "length",
-                   "How long the line gets, in world units: the layer is stretched along it; 0: as long as it is");
+    length = named(new QDoubleSpinBox, "length", texts.length.help);
     length->setRange(0, 1e6);
     length->setDecimals(4);
     length->setSpecialValueText("kept");
-    form->addRow("Length", length);
-    untwist = named(new QCheckBox("Take the twist out"), "untwist",
-                    "Turns the cross-sections about the line so that their longest axes lie alike");
+    form->addRow(labelOf(texts.length), length);
+    untwist = named(new QCheckBox(texts.untwist.label), "untwist", texts.untwist.help);
     form->addRow(untwist);
     auto *last = new QHBoxLayout;
     add(*last, "straighten", "Straighten to new layer",
@@ -63,14 +94,19 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     form->addRow(last);
     showLayers({});
     connect(source, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendLineBox::changed);
+    connect(middle, &QCheckBox::toggled, this, &BendLineBox::changed);
     connect(shape, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendLineBox::showWhatCounts);
     showWhatCounts();
 }
 
 void BendLineBox::showWhatCounts() {
-    angle->setEnabled(shape->currentIndex() == StraightenMeshParam::Arc);
-    for (QWidget *each : {static_cast<QWidget *>(target), static_cast<QWidget *>(reverse)})
-        each->setEnabled(shape->currentIndex() == StraightenMeshParam::Line);
+    const bool isArc = shape->currentIndex() == StraightenMeshParam::Arc,
+               isLine = shape->currentIndex() == StraightenMeshParam::Line;
+    angle->setEnabled(isArc);
+    towards->setEnabled(isArc);
+    direction->setEnabled(!isLine);
+    target->setEnabled(isLine);
+    reverse->setEnabled(isLine);
 }
 
 void BendLineBox::showLayers(const Layers &layers) {
@@ -96,6 +132,11 @@ StraightenMeshParam BendLineBox::param() const {
     param.middle = middle->isChecked();
     param.shape = StraightenMeshParam::Shape(shape->currentIndex());
     param.angle = rounded<Scalarm>(angle->value());
+    const StraightenTexts texts = straightenTexts();
+    if (param.shape != StraightenMeshParam::Line)
+        param.direction = directionIn(*direction, texts.direction);
+    if (param.shape == StraightenMeshParam::Arc)
+        param.towards = directionIn(*towards, texts.towards);
     param.reverse = reverse->isChecked();
     param.length = rounded<Scalarm>(length->value());
     param.untwist = untwist->isChecked();

@@ -10,6 +10,7 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
+#include <QLineEdit>
 #include <QWidget>
 
 /// What the panel has for the line that a layer is straightened along.
@@ -25,7 +26,8 @@ class BendLineBox : public QWidget {
     void showLayers(const Layers &layers);
     int lineLayer() const { return source->currentData().toInt(); }   ///< -1: the line is drawn
     int targetLayer() const { return target->currentData().toInt(); } ///< -1: none
-    /// The rest of what is asked for, in the host's precision.
+    bool isMiddle() const { return middle->isChecked(); }
+    /// The rest of what is asked for, in the host's precision. \throw vcg::fcd::Error a direction that is none
     StraightenMeshParam param() const;
 
   signals:
@@ -38,6 +40,7 @@ class BendLineBox : public QWidget {
     QComboBox *source, *shape, *target;
     QCheckBox *middle, *reverse, *untwist;
     QDoubleSpinBox *angle, *length;
+    QLineEdit *direction, *towards; ///< three numbers
     Layers shown;
 };
 

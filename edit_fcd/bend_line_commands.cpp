@@ -4,6 +4,10 @@
 #include "layer_ray.h"
 
 #include <layer_fcd/layer_straightener.h>
+#include <layer_fcd/line_sources.h>
+
+#include <cstdio>
+#include <cstdlib>
 
 #include <QFileDialog>
 
@@ -63,6 +67,8 @@ void BendTool::dragLinePoint() {
         return;
     line[*linePoint] = pointOf(*hit);
     session->setLine(std::move(line));
+    lookForLine();
+    panel->showState(stateText());
     view->update();
 }
 
@@ -111,8 +117,8 @@ void BendTool::onLineCommand(int which) {
     view->update();
 }
 
-/// What the layer shows becomes straight, or bent, in a new layer.
-void BendTool::straighten() {
+/// What is asked for. \throw vcg::fcd::Error a field of the panel, or there is no line
+StraightenMeshParam BendTool::lineParam() const {
     StraightenMeshParam param = panel->line().param();
     param.graphLayers = panel->graphLayers();
     param.targetLayer = document->getMesh(panel->line().targetLayer());
@@ -121,13 +127,46 @@ void BendTool::straighten() {
         session->expectLine();
         param.line = session->line();
     }
+    return param;
+}
+
+/// The line that is going to be used is looked for, and shown, where one is being given.
+void BendTool::lookForLine() {
+    if (!layer() || panel->mode() != BendPanel::Line) {
+        linePreview.reset();
+        return;
+    }
+    if (!linePreview)
+        linePreview = std::make_unique<BendLinePreview>([this] {
+            if (!layer() || !panel)
+                return;
+            panel->showState(stateText());
+            view->update();
+            const BendLinePreview::Found &last = linePreview->last();
+            if (std::getenv("FCD_TRACE") && linePreview->isFound())
+                std::fprintf(stderr, "FCD trace: line: %d vertices, %d points, length %.6g, in %.1f ms\n", model->cm.vn,
+                             int(session->state().line.size()), last.length, linePreview->milliseconds());
+        });
+    guarded([&] {
+        vcg::fcd::LineGoal goal;
+        const MeshModel *other = document->getMesh(panel->line().lineLayer());
+        goal.line = other ? readLine(*other) : session->line();
+        goal.middle = panel->line().isMiddle();
+        linePreview->look(*model, session->shape(), goal, StraightenMeshParam().bend);
+    });
+}
+
+/// What the layer shows becomes straight, or bent, in a new layer.
+void BendTool::straighten() {
+    const StraightenMeshParam param = lineParam();
     const vcg::fcd::LineGoal goal = lineGoalOf(*model, param);
+    const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();
     showVertices(true);
     const auto shape = std::make_shared<StraightenedShape>();
     beside(
         "Straightening",
-        [=](const vcg::fcd::Progress &progress) { *shape = straightened(*model, goal, param, progress); },
+        [=](const vcg::fcd::Progress &progress) { *shape = straightened(*model, goal, param, progress, known); },
         [=] {
             applyToNewLayer(
                 [&] {
@@ -152,11 +191,19 @@ void BendTool::showLines() {
 }
 
 QString BendTool::lineText() const {
+    const bool isOfLayer = panel->line().lineLayer() >= 0;
     const std::size_t points = session->state().line.size();
-    if (panel->line().lineLayer() >= 0)
-        return "The line is that of the layer: 'Straighten to new layer' does it.";
-    if (points < 2)
-        return "Click points along the layer, in their order, from one end to the other.";
-    return QString("%1 points: click more, drag one to move it, Del removes one. 'Straighten to new layer' does it.")
-        .arg(points);
+    if (!isOfLayer && points < 2)
+        return QString("Click points along the layer, in their order, from one end to the other.") +
+               (points == 1 ? " There is one." : "");
+    QString text = isOfLayer ? QString("The line of the layer") : QString("%1 points").arg(points);
+    if (!linePreview || !linePreview->isFound())
+        text += ": finding the middle ...";
+    else if (const BendLinePreview::Found &line = linePreview->last(); !line.error.empty())
+        text += ": " + QString::fromStdString(line.error);
+    else
+        text +=
+            QString(", %1 long%2.").arg(line.length, 0, 'g', 6).arg(panel->line().isMiddle() ? " in the middle" : "");
+    return text + (isOfLayer ? "" : "\nClick more, drag one to move it, Del removes one.") +
+           "\n'Straighten to new layer' does it.";
 }

@@ -61,6 +61,13 @@ std::string BendSession::straightenCall(const StraightenMeshParam &param, const 
         call << ", to=" << int(param.shape);
     if (param.shape == StraightenMeshParam::Arc)
         call << ", angle=" << ToText(param.angle);
+    const auto vector = [&](const char *name, const Eigen::Vector3d &value) {
+        if (!value.isZero(0))
+            call << ", " << name << "=numpy.array([" << ToText(value[0]) << ", " << ToText(value[1]) << ", "
+                 << ToText(value[2]) << "])";
+    };
+    vector("direction", param.direction);
+    vector("towards", param.towards);
     if (param.shape == StraightenMeshParam::Line) {
         call << ", target_layer=" << param.targetLayer->id();
         flag("reverse", param.reverse, usual.reverse);

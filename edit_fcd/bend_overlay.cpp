@@ -2,7 +2,6 @@
 #include "bend_overlay.h"
 
 #include <layer_fcd/edit_host.h>
-#include <vcg_ext/line/framed_line.h>
 
 #include <cmath>
 
@@ -129,25 +128,18 @@ void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, c
     drawPoint(gizmo.center, 14);
 }
 
-void drawLine(const Eigen::Matrix3Xd &points) {
+void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
     const FlatDrawing flat;
-    Eigen::Matrix3Xd way = points;
-    try {
-        const vcg::fcd::FramedLine line(points);
-        const int parts = 200;
-        way.resize(3, parts + 1);
-        for (int i = 0; i <= parts; ++i)
-            way.col(i) = line.At(line.Length() * i / parts).point;
-    } catch (const vcg::fcd::Error &) { // it is none yet
-    }
+    const bool isKnown = way.cols() > 0;
     for (const bool isInner : {false, true}) { // dark around light: seen on any ground
-        glLineWidth(isInner ? 2 : 4);
+        const float width = isKnown ? 2 : 1;
+        glLineWidth(isInner ? width : width + 2);
         if (isInner)
             glColor3ubv(litColor);
         else
             glColor3ub(20, 20, 20);
         glBegin(GL_LINE_STRIP);
-        for (const auto &place : way.colwise())
+        for (const auto &place : (isKnown ? way : points).colwise())
             put(place);
         glEnd();
         for (Eigen::Index i = 0; i < points.cols(); ++i)

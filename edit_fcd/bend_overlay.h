@@ -28,8 +28,9 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
 /// Draws the gizmo. \param drag may be null \param lit the part under the mouse
 void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit);
-/// Draws the smooth line through points, 3 x n, in the world, and these: the first one larger.
-void drawLine(const Eigen::Matrix3Xd &points);
+/// Draws points that a line is given by, the first one larger, and the line that is used, or, while that is not known,
+/// what leads through the points. \param points 3 x n \param way 3 x m, places of the line; both in the world
+void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way);
 /// Draws a polygon in the window.
 void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon);
 

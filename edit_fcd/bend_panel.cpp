@@ -9,6 +9,7 @@
 
 #include <layer_fcd/parameters.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
@@ -16,9 +17,11 @@
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QPushButton>
+#include <QScreen>
 #include <QScrollArea>
 #include <QTimer>
 #include <QVBoxLayout>
+#include <QWindow>
 
 BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     setObjectName("fcdBendPanel");
@@ -182,6 +185,7 @@ void BendPanel::connectOptions() {
         if (lineBox->isHidden() != isLine)
             return;
         marking->setVisible(!isLine);
+        list->setVisible(!isLine); // there is no room for all
         lineBox->setVisible(isLine);
         tracePlaces(*this);
     });
@@ -196,15 +200,22 @@ void BendPanel::showKeys() {
         page->close();
         return;
     }
-    page = new QLabel(bendKeyPage(), this, Qt::Tool);
+    auto *text = new QLabel(bendKeyPage());
+    text->setObjectName("page_text");
+    text->setTextFormat(Qt::RichText);
+    text->setWordWrap(true);
+    text->setMargin(8);
+    page = new QScrollArea(this);
+    page->setWindowFlags(Qt::Tool);
+    page->setObjectName("page");
     page->setAttribute(Qt::WA_DeleteOnClose);
     page->setAttribute(Qt::WA_ShowWithoutActivating);
     page->setWindowTitle("FCD: Bend, keys");
-    page->setTextFormat(Qt::RichText);
-    page->setWordWrap(true);
-    page->setMargin(8);
-    page->resize(560, page->heightForWidth(560));
-    page->setObjectName("page");
+    const QSize room = window()->windowHandle()->screen()->availableSize() * 0.9; // for its frame, too
+    const int edge = 2 * page->frameWidth(), width = std::min(900, room.width() - edge);
+    text->resize(width, text->heightForWidth(width));
+    page->setWidget(text);
+    page->resize(width + edge, std::min(text->height() + edge, room.height()));
     page->show();
     tracePlaces(*this);
 }

@@ -16,6 +16,7 @@
 #include <QLabel>
 #include <QPlainTextEdit>
 #include <QPointer>
+#include <QScrollArea>
 #include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
@@ -96,7 +97,7 @@ class BendPanel : public QDockWidget {
     BendPoseBox *poseBox;
     BendLineBox *lineBox;
     QWidget *marking, *moreOptions;
-    QPointer<QLabel> page; ///< of keys
+    QPointer<QScrollArea> page; ///< of keys
 };
 
 #endif

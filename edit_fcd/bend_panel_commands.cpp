@@ -81,7 +81,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     patchCount->setRange(1, 20000);
     patchCount->setValue(300);
     form->addRow("Initial patches", patchCount);
-    const EnumText words = weightsText();
+    const ParameterText words = weightsText();
     weightsChoice = new QComboBox;
     weightsChoice->setObjectName("distances");
     weightsChoice->addItems(words.values);
@@ -100,6 +100,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     take->setFocusPolicy(Qt::NoFocus);
     connect(take, &QPushButton::clicked, this, [this] { emit command(TakeMotions); });
     graphs = new QCheckBox("with graph layers");
+    graphs->setObjectName("graphs");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
     form->addRow(graphs, take);
     column.addWidget(moreOptions);

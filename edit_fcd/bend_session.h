@@ -14,6 +14,13 @@
 #include <string>
 #include <vector>
 
+/// How a filter is told of the motions.
+struct BendCall {
+    std::string transforms; ///< as "Motions as text" takes them
+    double pose;            ///< percent
+    bool isExact;           ///< it makes what is shown to the bit
+};
+
 /// A layer while it is bent: its rest shape, what is marked on it, how its handles move, and the deformer that is
 /// prepared for that. Knows nothing of mouse and screen.
 ///
@@ -28,6 +35,8 @@ class BendSession {
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return rest.fits(); }
+    /// A number for the shape that the layer has here. \pre nothing is being dragged
+    std::uint64_t shape() const { return rest.known(); }
     /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
     bool isUpToDate() const;
     /// The same, of all that a filter may have changed while the tool was elsewhere.
@@ -212,8 +221,12 @@ class BendSession {
     void handOver();
     std::string poseByFilter(const Remark &remark);
     void beginAnew();
-    std::string filterCall(const std::string &script, const std::string &more) const;
+    std::string filterCall(const std::string &script, const BendCall &call, const std::string &more) const;
     std::string shapeCall() const;
+    std::optional<std::size_t> poseOfFilter() const;
+    BendCall callOfPose() const;
+    std::string callInPlace() const;
+    std::string callToNewLayer(bool graphLayers) const;
     void setPoses(vcg::fcd::PoseSequence poses);
     void writePoses();
     void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);

@@ -145,8 +145,9 @@ void BendTool::drawOverlay() const {
     drawPoints(*session, drag.get(), isBending && !drag ? hovered : 0);
     if (!panel || isSuspended)
         return;
-    if (panel->mode() == BendPanel::Line && panel->line().lineLayer() < 0)
-        drawLine(session->line());
+    if (panel->mode() == BendPanel::Line)
+        drawLine(panel->line().lineLayer() < 0 ? session->line() : Eigen::Matrix3Xd(3, 0),
+                 linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag.get(), lit);
     if (panel->mode() == BendPanel::Brush) {

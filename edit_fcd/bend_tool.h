@@ -6,6 +6,7 @@
 
 #include "bend_drag.h"
 #include "bend_keys.h"
+#include "bend_line_preview.h"
 #include "bend_marking.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
@@ -83,6 +84,8 @@ class BendTool : public LayerTool {
     bool pressLine();
     void dragLinePoint();
     void removeLinePoint();
+    StraightenMeshParam lineParam() const;
+    void lookForLine();
     void straighten();
 
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
@@ -161,8 +164,9 @@ class BendTool : public LayerTool {
     std::size_t preparingNumber = 0; ///< of the last
     QTimer preparingTimer;           ///< to say how far that is
     std::unique_ptr<BendMarking> marking;
-    std::optional<std::size_t> linePoint; ///< that is dragged
-    QTimer playing;                       ///< of the next frame of the animation, while it is played
+    std::optional<std::size_t> linePoint;         ///< that is dragged
+    std::unique_ptr<BendLinePreview> linePreview; ///< while a line is given
+    QTimer playing;                               ///< of the next frame of the animation, while it is played
     QElapsedTimer sincePlay;
     double playLength = 0; ///< seconds
     QPointF mouse;

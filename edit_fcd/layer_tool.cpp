@@ -7,6 +7,12 @@ void LayerTool::enterView() {
     view->installEventFilter(this);
     connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
     view->setFocus();
+    // The host takes a layer for changed as soon as a tool has begun with it.
+    QTimer::singleShot(0, this, [this, layer = layerId, isChanged = model->meshModified()] {
+        MeshModel *same = view && view->md() && layer == layerId ? view->md()->getMesh(layer) : nullptr;
+        if (same)
+            same->setMeshModified(isChanged);
+    });
 }
 
 void LayerTool::leaveView(QDockWidget *panel) {
@@ -47,6 +53,7 @@ void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn)
         if (!view || !view->md() || !view->md()->mm())
             return;
         host::showTextures(*view, *view->md()->mm());
+        view->md()->mm()->setMeshModified(); // no file has it
         if (goesOn)
             action->trigger();
     });

@@ -26,7 +26,7 @@ class LayerTool : public HostEditTool {
     virtual void close() = 0;
     virtual void showVertices(bool full) = 0;
 
-    /// The tool gets what happens to the view, and ends with it.
+    /// The tool gets what happens to the view, and ends with it. \pre it has entered a layer
     void enterView();
     /// \param panel goes; may be null
     void leaveView(QDockWidget *panel);

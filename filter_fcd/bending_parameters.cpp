@@ -85,7 +85,7 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
         "would reach them (Eqs. 7 and 8), whatever is held gives no way and nothing runs over into it, and the shape "
         "is improved by plain steps until one moves no node by more than the tolerance. 'Distances' and 'Influence' "
         "are not read.");
-    const EnumText weights = weightsText();
+    const ParameterText weights = weightsText();
     addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights), weights.values, weights.label,
                            weights.help);
     addParameter<RichFloat>(list, Shown::Advanced, "influence", Scalarm(deformation.influence), "Influence",

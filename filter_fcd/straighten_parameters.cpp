@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common_parameters.h"
 
+#include <layer_fcd/straighten_texts.h>
+
 using host::addParameter;
 using host::Shown;
 
@@ -32,41 +34,21 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
         "Smooth the line (percent of its length)",
         "Smooths wiggles of the line away that are shorter than some six times this part of its length, such as the "
         "steps of a skeleton of voxels; 1 is much. <b>0</b> (the default): the line goes through its points.");
-    addParameter<RichBool>(
-        list, Shown::Always, "middle", param.middle, "Through the middle",
-        "Takes the line through the middles of the surface's cross-sections along the given one, which may then lie on "
-        "the surface, as picked points do. Without it, what lies beside the line at the inner side of a bend gets "
-        "longer, and the line keeps its length.");
-    addParameter<RichEnum>(list, Shown::Always, "to", int(param.shape),
-                           QStringList() << "A straight line"
-                                         << "An arc"
-                                         << "The line of a layer",
-                           "Becomes",
-                           "What the line becomes. A straight line, or an arc of a circle, lies where the line does: "
-                           "their middles are at one place. The frames along the line turn as little as they may.");
-    addParameter<RichFloat>(list, Shown::Always, "angle", Scalarm(param.angle), "Angle of the arc (degrees)",
-                            "By how much the arc bends from end to end, less than 360; negative: to the other side.");
-    addParameter<host::RichDirectionParam>(
-        list, Shown::Always, "direction", toPoint(param.direction), "Direction",
-        "That of the straight line, or of the middle of the arc. <b>0 0 0</b> (the default): from end to end of the "
-        "line.");
-    addParameter<host::RichDirectionParam>(list, Shown::Always, "towards", toPoint(param.towards), "Bends towards",
-                                           "The direction to which the ends of the arc bend. <b>0 0 0</b> (the "
-                                           "default): to where those of the line do.");
-    host::addLayerParameter(
-        list, Shown::Always, "target_layer", current, document, "Line of a layer",
-        "A layer with edges that form one open path. The line is laid along it from its beginning, "
-        "and goes on straight where it is longer. Only read when the line becomes that of a layer.");
-    addParameter<RichBool>(list, Shown::Always, "reverse", param.reverse, "From its other end",
-                           "Lays the line along that of the layer from its other end. A line of a layer begins at the "
-                           "end whose vertex has the smaller number.");
-    addParameter<RichFloat>(list, Shown::Always, "length", Scalarm(param.length), "Length",
-                            "How long the line gets, in world units: the surface is stretched along it, and keeps its "
-                            "cross-sections. <b>0</b> (the default): as long as it is.");
-    addParameter<RichBool>(list, Shown::Always, "untwist", param.untwist, "Take the twist out",
-                           "Turns the cross-sections about the line so that their longest axes lie alike, as that in "
-                           "the middle. They must "
-                           "not be round. Without it, the twist stays as it is.");
+    const StraightenTexts texts = straightenTexts();
+    addParameter<RichBool>(list, Shown::Always, "middle", param.middle, texts.middle.label, texts.middle.help);
+    addParameter<RichEnum>(list, Shown::Always, "to", int(param.shape), texts.shape.values, texts.shape.label,
+                           texts.shape.help);
+    addParameter<RichFloat>(list, Shown::Always, "angle", Scalarm(param.angle), texts.angle.label, texts.angle.help);
+    addParameter<host::RichDirectionParam>(list, Shown::Always, "direction", toPoint(param.direction),
+                                           texts.direction.label, texts.direction.help);
+    addParameter<host::RichDirectionParam>(list, Shown::Always, "towards", toPoint(param.towards), texts.towards.label,
+                                           texts.towards.help);
+    host::addLayerParameter(list, Shown::Always, "target_layer", current, document, texts.target.label,
+                            texts.target.help);
+    addParameter<RichBool>(list, Shown::Always, "reverse", param.reverse, texts.reverse.label, texts.reverse.help);
+    addParameter<RichFloat>(list, Shown::Always, "length", Scalarm(param.length), texts.length.label,
+                            texts.length.help);
+    addParameter<RichBool>(list, Shown::Always, "untwist", param.untwist, texts.untwist.label, texts.untwist.help);
     addInitialPatches(list, param.bend.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, param.bend.smoothness);
     addRandomSeed(list, param.bend.graph.randomSeed);

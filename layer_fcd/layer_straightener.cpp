@@ -2,7 +2,6 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "layer_contents.h"
-#include "layer_matrix.h"
 #include "layer_straightener.h"
 #include "line_sources.h"
 #include "new_layers.h"
@@ -18,17 +17,20 @@ using vcg::fcd::LineMotion;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
-    LineGoal goal;
+Eigen::Matrix3Xd lineOf(const MeshModel &layer, const StraightenMeshParam &param) {
     if (param.line.cols() > 0)
-        goal.line = param.line;
-    else if (!param.lineFile.isEmpty())
-        goal.line = readLine(param.lineFile);
-    else if (!param.lineLayer || param.lineLayer == &layer)
+        return param.line;
+    if (!param.lineFile.isEmpty())
+        return readLine(param.lineFile);
+    if (!param.lineLayer || param.lineLayer == &layer)
         throw Error("There is no line. Choose a layer with its edges as 'line_layer', or give a file with its points "
                     "as 'line_file'.");
-    else
-        goal.line = readLine(*param.lineLayer);
+    return readLine(*param.lineLayer);
+}
+
+LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
+    LineGoal goal;
+    goal.line = lineOf(layer, param);
     goal.smoothing = param.smoothing;
     goal.length = param.length;
     goal.middle = param.middle;
@@ -48,30 +50,34 @@ LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
     return goal;
 }
 
-StraightenedShape straightened(const MeshModel &layer, const LineGoal &goal, const StraightenMeshParam &param,
-                               const Progress &progress) {
+StraightenedShape straightened(const MeshModel &layer, LineGoal goal, const StraightenMeshParam &param,
+                               const Progress &progress, const KnownLine &known) {
     StraightenedShape shape;
     StraightenedLayers &made = shape.made;
     vcg::fcd::DeformationResult &result = made.result;
-    const Eigen::Affine3d world = invertibleMatrixOf(layer);
-    const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
-    const SurfaceView view = surface.View();
-    const vcg::fcd::Handles handles = vcg::fcd::AllFree(view.vertexSlots, world);
-    result.tags = vcg::fcd::CountTags(handles.tag, view.deleted);
-
+    LineSurface surface(layer, progress.Slice(0, 0.02));
     vcg::fcd::StraightenParam bend = param.bend;
     bend.linear = hasDirections(layer);
-    const auto prepared = std::make_shared<Prepared>();
-    prepared->deformer = vcg::fcd::PrepareDeformer(view, handles, bend, progress.Slice(0.02, 0.6));
-    prepared->tags = result.tags;
-    shape.prepared = prepared;
-    const Deformer &deformer = *prepared->deformer;
-    const LineMotion motion = vcg::fcd::MotionTo(goal, deformer, world, made.report);
-    result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.6, 0.75));
+    if (known.surface && surface.isSame(*known.surface)) {
+        surface.prepared = known.surface->prepared;
+        if (known.middle.cols() > 0) {
+            goal.line = known.middle;
+            goal.middle = false;
+        }
+    } else {
+        surface.prepare(bend, progress.Slice(0.02, 0.5));
+    }
+    shape.prepared = surface.prepared;
+    result.tags = surface.prepared->tags;
+    const SurfaceView view = surface.arrays.View();
+    const Eigen::Affine3d &world = surface.world;
+    const Deformer &deformer = *surface.prepared->deformer;
+    const LineMotion motion = vcg::fcd::MotionTo(goal, deformer, world, made.report, progress.Slice(0.5, 0.65));
+    result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.65, 0.75));
     result.converged = result.pose.solved.converged;
     result.position = view.Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
-    vcg::fcd::CarryPose(view, normal, handles, deformer, bend, progress.Slice(0.75, 0.95), result);
+    vcg::fcd::CarryPose(view, normal, surface.handles, deformer, bend, progress.Slice(0.75, 0.95), result);
     if (param.quality == StraightenMeshParam::Place)
         shape.quality = vcg::fcd::PlacesOfVertices(view, deformer, world, motion.From(), progress.Slice(0.95, 1));
     return shape;

@@ -2,8 +2,8 @@
 #ifndef FCD_LAYER_STRAIGHTENER_H
 #define FCD_LAYER_STRAIGHTENER_H
 
+#include "line_surface.h"
 #include "parameters.h"
-#include "prepared_layers.h"
 
 #include <memory>
 #include <string>
@@ -26,14 +26,23 @@ struct StraightenedShape {
     vcg::fcd::Stopwatch watch;
 };
 
+/// What is known of a line before a layer is straightened along it.
+struct KnownLine {
+    std::shared_ptr<const LineSurface> surface; ///< prepared; null: nothing is known
+    Eigen::Matrix3Xd middle;                    ///< 3 x n, as LineOf finds it on that surface, where it was looked for
+};
+
+/// The points of the line that \p param names, 3 x n, in the world. \throw vcg::fcd::Error each message says what to do
+Eigen::Matrix3Xd lineOf(const MeshModel &layer, const StraightenMeshParam &param);
+
 /// Which line goes where, from the layers and files that \p param names.
 /// \throw vcg::fcd::Error each message says what to do
 vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);
 
-/// What becomes of \p layer, which is only read, with that goal.
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
-StraightenedShape straightened(const MeshModel &layer, const vcg::fcd::LineGoal &goal, const StraightenMeshParam &param,
-                               const vcg::fcd::Progress &progress);
+/// What becomes of \p layer, which is only read, with that goal. \param known with the same goal and \p param, maybe
+/// when the layer was another surface \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
+StraightenedShape straightened(const MeshModel &layer, vcg::fcd::LineGoal goal, const StraightenMeshParam &param,
+                               const vcg::fcd::Progress &progress, const KnownLine &known = {});
 
 /// Puts that into new layers. A line that was given as points becomes one, too, in front of them. \param remark may be
 /// empty \throw vcg::fcd::Cancelled; the document is then as it was

@@ -70,7 +70,7 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
     return param;
 }
 
-EnumText weightsText() {
+ParameterText weightsText() {
     return {"Distances",
             {"Along the surface", "Euclidean"},
             "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close in space but "

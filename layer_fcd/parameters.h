@@ -211,14 +211,14 @@ struct SaveTagsParam {
 /// \p param with its numbers as they are when a host has handed them over to a filter: in the host's precision.
 vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param);
 
-/// A choice as people read it.
-struct EnumText {
+/// A parameter as people read it, in a dialog and in a panel.
+struct ParameterText {
     QString label;
-    QStringList values;
+    QStringList values; ///< of a choice; else none
     QString help;
 };
 
 /// That of "weights"; its values stand in the order of vcg::fcd::MappingWeights.
-EnumText weightsText();
+ParameterText weightsText();
 
 #endif

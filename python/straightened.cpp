@@ -38,9 +38,9 @@ nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const vcg::fcd::Progress &progress) {
         const Eigen::Affine3d world = Eigen::Affine3d::Identity();
-        pose = vcg::fcd::Straighten(*prepared->deformer, world,
-                                    vcg::fcd::MotionTo(wanted, *prepared->deformer, world, found), prepared->param,
-                                    found, progress);
+        const vcg::fcd::LineMotion motion =
+            vcg::fcd::MotionTo(wanted, *prepared->deformer, world, found, progress.Slice(0, 0.4));
+        pose = vcg::fcd::Straighten(*prepared->deformer, world, motion, prepared->param, found, progress.Slice(0.4, 1));
     });
     nb::dict all;
     all["length"] = found.length;

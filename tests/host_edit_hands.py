@@ -2,6 +2,7 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import os
 import re
 
 import numpy as np
@@ -12,7 +13,7 @@ from host_edit import MIDDLE, Filters, load, mark_two_regions, the_dialogs_are_t
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
 from host_edit_state import choose_layer, import_another, open_tube
-from host_meshlabserver import Run, sequence_filter, straighten_filter
+from host_meshlabserver import Run, pose_filter, sequence_filter
 
 pytestmark = host_edit.pytestmark
 
@@ -165,6 +166,19 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     assert gizmo > 20 and arrow() == 0 and state_text(w) != said
     w.key("Escape", "ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_the_page_of_keys_fits_a_small_screen(window, tmp_path):
+    """All of it, with room for the window's frame and bars of the desktop."""
+    w, *_ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("shift+question")
+    w.shot("page_of_keys")
+    x, y, width, height = w.box("page")
+    assert x >= 0 and y >= 0 and x + width <= 1366 and y + height <= 768
+    assert width <= 0.75 * 1366 and height <= 0.75 * 768
+    _, _, text_width, text_height = w.box("page_text")
+    assert text_width <= width and text_height <= height # nothing to scroll
 
 
 def test_a_pull_takes_a_tip_along(window, tmp_path):
@@ -442,11 +456,83 @@ def test_a_pose_takes_the_place_of_another(window, tmp_path):
     blend = load(w.save("blend.ply"))[0]
     w.do("mousemove", X, Y + 200)
     w.key("ctrl+Return")
-    w.wait("to the bit it is a key frame of FCD: Pose Sequence")
+    w.wait("(nearly: no filter blends poses in place; a new layer has this blend to the bit by open('poses.csv'")
     assert np.array_equal(load(w.save("in_place.ply"))[0], blend)
     w.key("ctrl+z", "ctrl+shift+Return")
-    w.wait("to the bit it is a key frame of FCD: Pose Sequence", 2)
+    w.wait("FCD: Bend: open('poses.csv'")
     assert np.array_equal(load(w.save("new_layer.ply"))[0], blend)
+
+
+def calls_in(text, folder):
+    """The filter calls of a line of the log, as Python makes them in a folder: names and parameters."""
+    calls = []
+
+    class Recorder:
+        def apply_filter(self, name, **parameters):
+            calls.append((name, parameters))
+
+    folder.mkdir()
+    before = os.getcwd()
+    os.chdir(folder)
+    try:
+        exec(text, {"ms": Recorder(), "numpy": np})
+    finally:
+        os.chdir(before)
+    return calls
+
+
+def test_the_log_has_the_calls_that_make_blends(window, tmp_path):
+    """To the bit, as far as a filter can."""
+    w, points, faces, tags = tube_with_poses(window, tmp_path)
+    rest = write_ply(tmp_path / "tagged.ply", points, faces, tags)
+    w.drag((X + 225, Y), (X + 165, Y - 150)) # which does not turn it
+    keep_pose(w, "don't")
+    w.key("BackSpace")
+    w.do("mousemove", X + 225, Y)
+    w.key("r", "x", "2", "0", "0", "Return")
+    keep_pose(w, "turned, \\ far")
+    applied = lambda: re.findall(r"FCD: Bend: ((?:open|ms\.).*\))$", w.text(), re.MULTILINE)
+
+    def apply(keys, name, *percents):
+        for i, percent in enumerate(percents):
+            if percent: # none is shown yet
+                show_percent(w, i, percent)
+        shown = load(w.save(f"shown_{name}.ply"))[0]
+        w.do("mousemove", X, Y + 200)
+        count = len(applied())
+        w.key(keys)
+        w.until("call", lambda: len(applied()) > count)
+        assert np.array_equal(load(w.save(f"{name}.ply"))[0], shown)
+        return shown, applied()[-1]
+
+    def back():
+        choose_layer(w, 0)
+        unfolded = w.text().count("trace: place: keep ")
+        w.click(w.place("poses_fold"))
+        w.wait("trace: place: keep ", unfolded + 1) # where all is from then on
+
+    shape, text = apply("ctrl+Return", "one", 0, 40) # one that turns the handle, as no other does more
+    (name, parameters), = calls_in(text, tmp_path / "calls1")
+    assert name == "apply_coord_fcd_deformation" and parameters["pose"] == 40
+    (tmp_path / "server1").mkdir()
+    run = Run(tmp_path / "server1", rest, pose_filter(transforms=parameters["transforms"], pose=40))
+    assert np.array_equal(run.meshes["tagged"].vertex_matrix(), shape)
+    w.key("ctrl+z")
+    for i, percents in enumerate([(40, 75), (100, 0)]): # the latter keeps its own turn, as the other pose turns it
+        shape, text = apply("ctrl+shift+Return", f"new{i}", *percents)
+        (name, parameters), = calls_in(text, tmp_path / f"calls2{i}")
+        assert name == "generate_fcd_pose_sequence" and parameters == {"poses_file": "poses.csv", "handles": 2, "tag_attribute": "fcd_applied"}
+        made, = sequenced(tmp_path / f"server2{i}", points, faces, tags, tmp_path / f"calls2{i}" / "poses.csv")
+        assert np.array_equal(made, shape)
+        back()
+    w.more()
+    w.click(w.place("graphs"))
+    assert "(which makes no graph layers; with these, and nearly: ms.apply_filter('generate_fcd_deformed_mesh'" in apply("ctrl+shift+Return", "graphs", 40, 75)[1]
+    back()
+    w.more()
+    w.do("mousemove", *w.place("distances"), "click", 5) # the wheel: Euclidean
+    assert "(nearly: no filter blends poses in place)" in apply("ctrl+Return", "euclidean_in_place", 40, 75)[1]
+    assert "(nearly: FCD: Pose Sequence, which blends poses, has no other distances)" in apply("ctrl+shift+Return", "euclidean", 40, 75)[1]
 
 
 def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tmp_path):
@@ -552,77 +638,3 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     w.key("ctrl+z") # those that the tool had
     answer(w, "saveposes", "Save poses", str(tmp_path / "back.csv"))
     assert (tmp_path / "back.csv").read_text().startswith("time,easing,bent\n")
-
-
-def straightened(folder, rest, line, **parameters):
-    """The tube that meshlabserver straightens along a line."""
-    folder.mkdir()
-    run = Run(folder, rest, straighten_filter(0, line, straightened_quality=0, towards=(0, 0, 0), **parameters))
-    assert run.code == 0, run.log
-    return run.meshes["tubestraightened"].vertex_matrix()
-
-
-def straighten(w):
-    """Presses the button, and returns the call for a script."""
-    calls = w.text().count("FCD: Bend: In a script: ")
-    started = w.text().count("Started Mode FCD: Bend")
-    w.click(w.place("straighten"))
-    w.wait("FCD: Bend: In a script: ", calls + 1)
-    w.wait("Started Mode FCD: Bend", started + 1) # with the new layer
-    w.settle()
-    return re.findall(r"FCD: Bend: In a script: (.*\))", w.text())[-1]
-
-
-def test_a_layer_is_straightened_along_a_line(window, tmp_path):
-    """Which is clicked on it, point by point, or that of a layer; the filter makes the same of it, to the bit."""
-    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.1)
-    points[:, 1] += 0.3 * np.cos(1.5 * points[:, 0]) - 0.2
-    rest = write_ply(tmp_path / "tube.ply", points, faces)
-    w = window(rest)
-    w.start_tool()
-    w.key("n")
-    w.click(w.place("straighten"))
-    w.wait("There is no line yet: click points along the layer, in their order, or choose a layer with edges.")
-    place = lambda x: (round(X + 285 * x), round(Y - 285 * (0.3 * np.cos(1.5 * x) - 0.16)))
-    for x in (-0.9, -0.6, -0.3, 0.3):
-        w.click(place(x))
-    w.drag(place(0.3), place(0))
-    for x in (0.3, 0.6, 0.9, 0.75):
-        w.click(place(x))
-    w.key("Delete") # the one under the mouse
-    w.key("ctrl+z", "ctrl+shift+z")
-    w.do("mousemove", X, Y + 200)
-    w.key("Delete", "ctrl+z") # the last one
-    w.click(place(0.92)) # which is close to that, and takes it
-    w.shot("line")
-    answer(w, "saveline", "Save line", str(tmp_path / "line"))
-    w.wait("Saved the line as")
-    line = np.loadtxt(tmp_path / "line.csv", delimiter=",", skiprows=1)
-    assert len(line) == 7 and np.all(np.diff(line[:, 0]) > 0.2) and abs(line[3, 0]) < 0.05
-    call = straighten(w)
-    assert call == "ms.apply_filter('generate_fcd_straightened_mesh', line_layer=1, middle=True, graph_layers=False)"
-    w.shot("straight")
-    straight = load(w.save("straight.ply"))[0]
-    assert np.array_equal(straight, straightened(tmp_path / "server", rest, tmp_path / "line.csv", to=0, middle=True))
-    assert np.abs(straight[:, 1] - straight[:, 1].mean()).max() < 0.12
-
-    choose_layer(w, 0) # at rest, with its line
-    w.key("n")
-    answer(w, "saveline", "Save line", str(tmp_path / "again.csv"))
-    w.wait("again.csv.")
-    assert (tmp_path / "again.csv").read_text() == (tmp_path / "line.csv").read_text()
-    w.click(w.place("clearline"))
-    w.do("mousemove", *w.place("line"), "click", 5) # the wheel: the layer with the line
-    w.do("mousemove", *w.place("becomes"), "click", 5) # an arc
-    call = straighten(w)
-    assert call.endswith("line_layer=1, middle=True, to=1, angle=90, graph_layers=False)"), call
-    bent = load(w.save("bent.ply"))[0]
-    assert np.array_equal(bent, straightened(tmp_path / "server2", rest, tmp_path / "line.csv", to=1, middle=True))
-
-    choose_layer(w, 0)
-    w.key("n")
-    (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
-    answer(w, "loadline", "Load line", str(tmp_path / "far.csv"))
-    w.click(w.place("straighten"))
-    w.wait("The line is outside of the surface")
-    w.key("ctrl+z") # the points of before

@@ -105,11 +105,11 @@ def fit_filter(target_layer, graph_layers=True, fit_quality=0, landmarks="", lan
             choice("fit_quality", fit_quality, 3) + handles + "</filter>")
 
 
-def straighten_filter(layer, line_file, to=1, angle=90, straightened_quality=1, middle=False, towards=(0, 0, 1)):
+def straighten_filter(layer, line_file, to=1, angle=90, straightened_quality=1, middle=False, direction=(0, 0, 0), towards=(0, 0, 1)):
     return ('<filter name="FCD: Straighten Mesh">' + parameter("Mesh", "line_layer", value=layer) +
             parameter("OpenFile", "line_file", value=line_file, exts_cardinality=3, exts_val0="*.pp", exts_val1="*.csv", exts_val2="*.txt") +
             parameter("Float", "line_smoothing", value=0) + boolean("middle", middle) + choice("to", to, 3) +
-            parameter("Float", "angle", value=angle) + point("direction", (0, 0, 0)) + point("towards", towards) +
+            parameter("Float", "angle", value=angle) + point("direction", direction) + point("towards", towards) +
             parameter("Mesh", "target_layer", value=layer) + boolean("reverse", False) + parameter("Float", "length", value=0) +
             boolean("untwist", False) + parameter("Int", "initial_patches", value=1000) + parameter("Float", "smoothness", value=0.0058) +
             parameter("Int", "random_seed", value=1) + boolean("graph_layers", True) +

@@ -292,6 +292,7 @@ fi
 wait_beside bend-2020.09 with_meshlabserver tests/host_edit.py
 wait_beside bend-state-2020.09 with_meshlabserver tests/host_edit_state.py
 wait_beside bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
+wait_beside bend-lines-2020.09 with_meshlabserver tests/host_edit_lines.py
 wait_beside fit-2020.09 with_meshlabserver tests/host_edit_fit.py
 # What takes longest begins first.
 start hosts hosts

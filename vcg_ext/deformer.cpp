@@ -69,7 +69,7 @@ HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
         const Motion motion = given == handles.motion.end() ? Motion() : given->second;
         m.motion[tag] = handles.ToMesh(motion.At(percent, handles.world * middle));
         detail::ExpectNear(surface.frame, m.motion[tag], "Handle " + std::to_string(tag));
-        m.rotates[tag] = motion.matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !motion.turn.isZero(0);
+        m.rotates[tag] = motion.Turns();
         m.turn[tag] = motion.Rotation() * (percent / 100);
     }
     for (std::size_t i = 0; i < point.size(); ++i) {

@@ -34,19 +34,26 @@ struct StraightenReport {
 /// A tag for each vertex slot that lets all of them go along.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// The motion from one line to another one, with what the surface tells of it.
-/// \param deformer of a surface, all of which is free, prepared with bendsUnheld \param world the matrix of its layer
-/// \throw BadInput as MotionTo; a line less than half of which lies in the box of the surface; too few cross-sections
-/// to find their middles, or too round ones to tell a twist
-LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report);
+/// The line that a surface goes with: that of \p goal, or, where it says so, the one through the middles of the
+/// surface's cross-sections along it. \param deformer of a surface, all of which is free, prepared with bendsUnheld
+/// \param world the matrix of its layer \return 3 x n, its points, in the world
+/// \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface; too few cross-sections
+/// to find their middles \throw Cancelled
+Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
+                        const Progress &progress = {});
 
-/// The pose that goes with a line. \param deformer, world as of MotionTo \param motion in the world
+/// The motion from one line to another one, with what the surface tells of it. \param deformer, world as of LineOf
+/// \throw BadInput as LineOf, and as MotionTo; too round cross-sections to tell a twist \throw Cancelled
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
+                    const Progress &progress = {});
+
+/// The pose that goes with a line. \param deformer, world as of LineOf \param motion in the world
 /// \throw Unsolvable \throw Cancelled
 Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
 /// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less
-/// than that, or more than its length. \param deformer as of MotionTo
+/// than that, or more than its length. \param deformer as of LineOf
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 

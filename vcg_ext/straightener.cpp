@@ -82,7 +82,7 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
     double squares = 0;
     std::size_t count = 0;
     for (const detail::LineSample &each :
-         detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress.threads)) {
+         detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
         bool isOfLine = constrained[std::size_t(patch)]; // and so is all around it
         for (Index i : deformer.graph.graph.adjacency[patch])
@@ -120,11 +120,16 @@ void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen:
 
 } // namespace
 
-LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report) {
-    FramedLine line(goal.line, goal.smoothing);
+Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
+                        const Progress &progress) {
+    const FramedLine line(goal.line, goal.smoothing);
     ExpectInside(line, deformer, world);
-    if (goal.middle)
-        goal.line = detail::MiddleOf(deformer, world, line);
+    return goal.middle ? detail::MiddleOf(deformer, world, line, progress) : goal.line;
+}
+
+LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
+                    const Progress &progress) {
+    goal.line = LineOf(goal, deformer, world, progress);
     LineMotion motion = MotionTo(goal);
     report.length = motion.From().Length();
     report.newLength = motion.Length();

@@ -5,6 +5,9 @@
 #include <vcg_ext/straighten/line_places.h>
 #include "test_support.h"
 
+#include <limits>
+#include <random>
+
 using namespace vcg::fcd;
 using namespace fcd_test;
 using Eigen::Affine3d;
@@ -80,7 +83,7 @@ Straight Along(const Shape &shape, const LineGoal &goal, const Affine3d &world =
     progress.threads = threads;
     const auto deformer = PrepareDeformer(arrays.View(), AllFree(shape.position.size(), world), param, progress);
     Straight made;
-    const LineMotion motion = MotionTo(goal, *deformer, world, made.report);
+    const LineMotion motion = MotionTo(goal, *deformer, world, made.report, progress);
     const Deformer::Pose pose = vcg::fcd::Straighten(*deformer, world, motion, param, made.report, progress);
     made.position = arrays.View().Copy();
     Carrier(*deformer, pose).Apply(made.position, &made.linear);
@@ -117,6 +120,32 @@ TEST(FramedLine, IsTheCircleThroughPointsOfACircle) {
     EXPECT_LT((beyond.point - end.point - 2 * end.axes.col(0)).norm(), 1e-12);
     EXPECT_NEAR(line.Nearest(beyond.point + beyond.axes.col(1), 0, line.Length()), line.Length() + 2, 1e-9);
     EXPECT_NEAR(line.Nearest(line.At(-1).point, 0, line.Length()), -1, 1e-9);
+}
+
+TEST(FramedLine, FindsTheNearestOfAllPlaces) {
+    std::vector<Vector3d> points; // of turns that lie beside each other
+    for (int i = 0; i <= 60; ++i)
+        points.emplace_back((2 + 0.02 * i) * std::cos(0.4 * i), (2 + 0.02 * i) * std::sin(0.4 * i), 0.01 * i);
+    const FramedLine line(Points(points));
+    const int places = 20000;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> any(-4, 4), part(0, 1);
+    for (int n = 0; n < 100; ++n) {
+        const Vector3d p(any(random), any(random), 0.3 * any(random));
+        double from = 0, to = line.Length();
+        if (n % 2 == 1) {
+            from = part(random) * line.Length();
+            to = from + 0.1 * part(random) * line.Length();
+        }
+        double least = std::numeric_limits<double>::infinity();
+        for (int i = 0; i <= places; ++i)
+            if (const double s = line.Length() * i / places; s >= from && s <= to)
+                least = std::min(least, (line.At(s).point - p).norm());
+        const double s = line.Nearest(p, from, to);
+        EXPECT_LE((line.At(s).point - p).norm(), least + line.Length() / 4000);
+        EXPECT_GE(s, from - 0.01 * line.Length());
+        EXPECT_LE(s, s > line.Length() ? s : to + 0.01 * line.Length());
+    }
 }
 
 TEST(FramedLine, DoesNotTurnAboutItself) {
@@ -276,6 +305,31 @@ TEST(Straighten, MakesABentTubeStraight) {
     // The same bits with one thread.
     const Straight alone = Along(bent, goal, Affine3d::Identity(), 1);
     EXPECT_EQ(alone.position, through.position);
+}
+
+TEST(Straighten, TellsTheLineThatIsUsed) {
+    const double length = 10;
+    const Shape shape = Tube(length, 0.6, 0.6, 101, 24);
+    const MeshD mesh(shape);
+    const Arrays arrays = Read(mesh);
+    const Affine3d world = Affine3d::Identity();
+    const auto deformer = PrepareDeformer(arrays.View(), AllFree(shape.position.size(), world), StraightenParam());
+    LineGoal goal;
+    goal.line = Points({{1, 0.5, 0.3}, {5, 0.6, 0}, {9, 0.3, 0.5}});
+    EXPECT_EQ(LineOf(goal, *deformer, world), goal.line);
+    goal.middle = true;
+    StraightenReport report, again;
+    MotionTo(goal, *deformer, world, report);
+    const Matrix3Xd line = LineOf(goal, *deformer, world);
+    for (const auto &each : line.colwise())
+        EXPECT_LT(each.tail<2>().norm(), 0.06); // 0.6 is where the surface is
+    EXPECT_EQ(FramedLine(line).Length(), report.length);
+    goal.line = line; // which is taken as it is then, with the same bits
+    goal.middle = false;
+    MotionTo(goal, *deformer, world, again);
+    EXPECT_EQ(again.length, report.length);
+    goal.middle = true;
+    EXPECT_THROW(LineOf(goal, *deformer, world, Progress([](const int, const char *) { return false; })), Cancelled);
 }
 
 TEST(Straighten, BendsAndComesBack) {

@@ -35,6 +35,8 @@ struct Motion {
 
     /// The rotation of the whole way: along its axis, as long as its angle in radians.
     Eigen::Vector3d Rotation() const;
+    /// Whether it does more than shift.
+    bool Turns() const { return matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !turn.isZero(0); }
 
     /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
     /// fraction of its angle, scaling by the power. With a turn, the point goes about the pivot's axis by the fraction

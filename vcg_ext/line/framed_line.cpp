@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -168,24 +169,44 @@ void FramedLine::FindFrames() {
     }
 }
 
-FramedLine::Frame FramedLine::At(double s) const {
-    Frame frame;
-    const double within = std::clamp(s, 0.0, length);
-    const Eigen::Index i = std::min(Eigen::Index(within / step), stretches - 1);
-    const double t = within / step - double(i), r = 1 - t;
-    const Eigen::Vector3d u = tangent.col(i), v = tangent.col(i + 1);
-    frame.point =
-        r * r * (1 + 2 * t) * point.col(i) + t * t * (1 + 2 * r) * point.col(i + 1) + step * t * r * (r * u - t * v);
-    const Eigen::Vector3d along = (r * u + t * v).normalized();
-    Eigen::Vector3d across = r * up[std::size_t(i)] + t * up[std::size_t(i) + 1];
-    across = (across - across.dot(along) * along).normalized();
-    frame.axes << along, across, along.cross(across);
-    frame.bend = r * bend.col(i) + t * bend.col(i + 1);
-    frame.bend -= frame.bend.dot(along) * along;
-    if (s != within) { // straight on
-        frame.point += (s - within) * along;
-        frame.bend.setZero();
+namespace {
+
+/// What is at a place \p s of a line that is told at \p stretches + 1 places, \p step apart; beyond its ends it goes on
+/// straight.
+struct Place {
+    Eigen::Index i; ///< the stretch that it is in, or next to
+    double t, r;    ///< how far it is in it, and how far from its end, both of 1
+    Eigen::Vector3d point, along, bend;
+
+    Place(double s, double length, double step, const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &tangent,
+          const Eigen::Matrix3Xd &bends) {
+        const double within = std::clamp(s, 0.0, length);
+        i = std::min(Eigen::Index(within / step), stretches - 1);
+        t = within / step - double(i);
+        r = 1 - t;
+        const Eigen::Vector3d u = tangent.col(i), v = tangent.col(i + 1);
+        point = r * r * (1 + 2 * t) * points.col(i) + t * t * (1 + 2 * r) * points.col(i + 1) +
+                step * t * r * (r * u - t * v);
+        along = (r * u + t * v).normalized();
+        bend = r * bends.col(i) + t * bends.col(i + 1);
+        bend -= bend.dot(along) * along;
+        if (s != within) {
+            point += (s - within) * along;
+            bend.setZero();
+        }
     }
+};
+
+} // namespace
+
+FramedLine::Frame FramedLine::At(double s) const {
+    const Place place(s, length, step, point, tangent, bend);
+    Frame frame;
+    frame.point = place.point;
+    Eigen::Vector3d across = place.r * up[std::size_t(place.i)] + place.t * up[std::size_t(place.i) + 1];
+    across = (across - across.dot(place.along) * place.along).normalized();
+    frame.axes << place.along, across, place.along.cross(across);
+    frame.bend = place.bend;
     return frame;
 }
 
@@ -196,23 +217,52 @@ Eigen::Vector3d FramedLine::Middle() const {
     return sum / double(point.cols());
 }
 
+namespace {
+
+/// The first of the points that are nearest to \p p, of those from \p first to \p last. \param step what neighbours are
+/// apart at most
+std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p, std::size_t first, std::size_t last,
+                         double step) {
+    // Between two points of the line that are so many steps apart, none is nearer than the mean of their distances less
+    // half of these steps: mostly, that leaves all but a few out.
+    constexpr std::size_t coarse = 16, most = std::size_t(stretches) / coarse + 2;
+    const auto square = [&](std::size_t i) { return (point.col(Eigen::Index(i)) - p).squaredNorm(); };
+    std::array<double, most> distance;
+    double bound = std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+    for (std::size_t i = first; i <= last; i += coarse)
+        bound = std::min(bound, distance[count++] = std::sqrt(square(i)));
+    std::size_t best = first;
+    double least = square(first);
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t begin = first + k * coarse, end = std::min(last + 1, begin + coarse);
+        if (k + 1 < count) {
+            const double both = distance[k] + distance[k + 1], way = double(coarse) * step;
+            if (0.5 * (both - way) > bound + 1e-9 * (both + way)) // but for rounding
+                continue;
+        }
+        for (std::size_t i = begin; i < end; ++i)
+            if (const double its = square(i); its < least) {
+                least = its;
+                best = i;
+            }
+    }
+    return best;
+}
+
+} // namespace
+
 double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) const {
     const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches))); };
-    std::size_t best = place(from);
-    double least = (point.col(Eigen::Index(best)) - p).squaredNorm();
-    for (std::size_t i = best + 1; i <= place(to); ++i)
-        if (const double square = (point.col(Eigen::Index(i)) - p).squaredNorm(); square < least) {
-            least = square;
-            best = i;
-        }
+    const std::size_t best = NearestPoint(point, p, place(from), std::max(place(from), place(to)), step);
     constexpr double any = std::numeric_limits<double>::infinity();
     const double begin = double(best) * step, low = best == 0 ? -any : begin - step,
                  high = best == std::size_t(stretches) ? any : begin + step;
     double s = begin;
     for (int k = 0; k < 4; ++k) { // Newton's, from within a stretch
-        const Frame frame = At(s);
-        const Eigen::Vector3d off = p - frame.point;
-        s += off.dot(frame.axes.col(0)) / std::max(0.1, 1 - frame.bend.dot(off));
+        const Place its(s, length, step, point, tangent, bend);
+        const Eigen::Vector3d off = p - its.point;
+        s += off.dot(its.along) / std::max(0.1, 1 - its.bend.dot(off));
         s = std::clamp(s, low, high);
     }
     return s;

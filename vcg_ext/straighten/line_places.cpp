@@ -83,7 +83,7 @@ double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld
 }
 
 std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
-                                     const std::vector<double> &place, Index count, unsigned threads) {
+                                     const std::vector<double> &place, Index count, const Progress &progress) {
     const SurfaceGraph &surface = deformer.surface;
     const Index stride = std::max<Index>(1, surface.graph.Size() / count);
     std::vector<LineSample> samples;
@@ -94,7 +94,7 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &def
     if (std::all_of(samples.begin(), samples.end(), [](const LineSample &each) { return !(each.weight > 0); }))
         for (LineSample &each : samples) // points that stand for no area
             each.weight = 1;
-    ParallelFor(threads, samples.size(), 256, [&](std::size_t begin, std::size_t end) {
+    ParallelFor(progress, "Following the line", samples.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);
     });

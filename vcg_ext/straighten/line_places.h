@@ -49,8 +49,9 @@ struct LineSample {
 };
 
 /// \param place of each node of the deformation graph \param count about so many, however many vertices there are
+/// \throw Cancelled
 std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
-                                     const std::vector<double> &place, Index count, unsigned threads = 0);
+                                     const std::vector<double> &place, Index count, const Progress &progress);
 
 } // namespace detail
 } // namespace fcd

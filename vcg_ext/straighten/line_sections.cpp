@@ -39,10 +39,10 @@ double AngleOf(const Complex &z) { return ArcTangent(z.imag(), z.real()); }
 /// Samples within the line. \param take is called with each, the frame of its place, and where it is across
 template <class Take>
 void ForSamples(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line, Index count,
-                const Take &take) {
+                const Progress &progress, const Take &take) {
     const ToWorld toWorld(deformer.surface.frame, world);
     const std::vector<double> place = PlacesAlong(line, deformer.graph.graph.adjacency, NodesOf(deformer, toWorld));
-    for (const LineSample &each : SamplesAlong(line, deformer, toWorld, place, count)) {
+    for (const LineSample &each : SamplesAlong(line, deformer, toWorld, place, count, progress)) {
         if (!(each.s >= 0 && each.s < line.Length()))
             continue;
         const FramedLine::Frame frame = line.At(each.s);
@@ -53,16 +53,18 @@ void ForSamples(const Deformer &deformer, const Eigen::Affine3d &world, const Fr
 
 } // namespace
 
-Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &given) {
+Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &given,
+                          const Progress &progress) {
     const std::size_t bins = 512; // narrower than thick, up to what is hundreds of times as long as thick
     FramedLine line = given;
     Eigen::Matrix3Xd points;
     // Each time, the planes of the cross-sections stand better across the body.
-    for (int round = 0; round < 5; ++round) {
+    const int rounds = 5;
+    for (int round = 0; round < rounds; ++round) {
         std::vector<Complex> sum(bins, 0);
         std::vector<double> weight(bins, 0);
         double thick = 0, all = 0;
-        ForSamples(deformer, world, line, 200000,
+        ForSamples(deformer, world, line, 200000, progress.Slice(double(round) / rounds, double(round + 1) / rounds),
                    [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &across) {
                        // At the outer side of a bend there is more surface to a stretch of the line.
                        const double w =
@@ -107,13 +109,14 @@ LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &wor
         double round = 0;
     };
     std::vector<Section> section(bins);
-    ForSamples(deformer, world, line, 20000, [&](const LineSample &each, const FramedLine::Frame &, const Complex &z) {
-        Section &its = section[std::size_t(each.s / line.Length() * double(bins))];
-        its.weight += each.weight;
-        its.sum += each.weight * z;
-        its.square += each.weight * z * z;
-        its.round += each.weight * std::norm(z);
-    });
+    ForSamples(deformer, world, line, 20000, {},
+               [&](const LineSample &each, const FramedLine::Frame &, const Complex &z) {
+                   Section &its = section[std::size_t(each.s / line.Length() * double(bins))];
+                   its.weight += each.weight;
+                   its.sum += each.weight * z;
+                   its.square += each.weight * z * z;
+                   its.round += each.weight * std::norm(z);
+               });
     // Twice the angle of the longest axis is that of the second moment, which is as long as that axis is plain.
     std::vector<Complex> moment;
     double plain = 0, all = 0;

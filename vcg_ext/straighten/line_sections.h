@@ -14,8 +14,9 @@ namespace detail {
 
 /// Points of the line through the middles of the cross-sections along \p line, as long as it. \param world the matrix
 /// of the layer \param line in the world, on the surface, in it or beside it \return 3 x n, in the world \throw
-/// BadInput where there is hardly a cross-section
-Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
+/// BadInput where there is hardly a cross-section \throw Cancelled
+Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+                          const Progress &progress = {});
 
 /// What takes the twist of a surface about a line out: the longest axes of the cross-sections turn to where that in the
 /// middle is. \throw BadInput where the cross-sections are so round that they have none
