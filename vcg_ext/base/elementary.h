@@ -95,7 +95,7 @@ inline double Exponential(double x) {
 /// x = 2^exponent (1 + s) / (1 - s), |s| <= 0.172.
 struct Scaled {
     double s;
-    int exponent;
+    int exponent = 0; // frexp sets it, which GCC does not know
 
     explicit Scaled(double x) {
         double part = std::frexp(x, &exponent);
