@@ -6,8 +6,6 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/motion_sources.h>
 
-#include <algorithm>
-
 // The filter calls that make of a layer in a script what is applied here.
 
 using vcg::fcd::Motion;

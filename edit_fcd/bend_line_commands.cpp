@@ -117,19 +117,6 @@ void BendTool::onLineCommand(int which) {
     view->update();
 }
 
-/// What is asked for. \throw vcg::fcd::Error a field of the panel, or there is no line
-StraightenMeshParam BendTool::lineParam() const {
-    StraightenMeshParam param = panel->line().param();
-    param.graphLayers = panel->graphLayers();
-    param.targetLayer = document->getMesh(panel->line().targetLayer());
-    param.lineLayer = document->getMesh(panel->line().lineLayer());
-    if (!param.lineLayer) {
-        session->expectLine();
-        param.line = session->line();
-    }
-    return param;
-}
-
 /// The line that is going to be used is looked for, and shown, where one is being given.
 void BendTool::lookForLine() {
     if (!layer() || panel->mode() != BendPanel::Line) {
@@ -158,7 +145,14 @@ void BendTool::lookForLine() {
 
 /// What the layer shows becomes straight, or bent, in a new layer.
 void BendTool::straighten() {
-    const StraightenMeshParam param = lineParam();
+    StraightenMeshParam param = panel->line().param();
+    param.graphLayers = panel->graphLayers();
+    param.targetLayer = document->getMesh(panel->line().targetLayer());
+    param.lineLayer = document->getMesh(panel->line().lineLayer());
+    if (!param.lineLayer) {
+        session->expectLine();
+        param.line = session->line();
+    }
     const vcg::fcd::LineGoal goal = lineGoalOf(*model, param);
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();

@@ -30,7 +30,6 @@ void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const Li
     const bool isOther = surface && shape != shapeOfSurface;
     if (isOther) {
         surface.reset();
-        ready.reset();
         if (work)
             work->cancel();
     } else if (isSameLine(goal, asked) && (isLast || work))
@@ -86,7 +85,6 @@ void BendLinePreview::ended(std::size_t which) {
         job->found.error = e.what();
     }
     work.reset();
-    takePrepared();
     took = 1000 * job->watch.Seconds();
     if (isWhole && job->surface == surface) {
         found = std::move(job->found);
@@ -97,17 +95,11 @@ void BendLinePreview::ended(std::size_t which) {
     changed();
 }
 
-/// \pre no work runs
-void BendLinePreview::takePrepared() {
-    if (surface && surface->prepared)
-        ready = surface;
-}
-
 KnownLine BendLinePreview::stop(const LineGoal &goal) {
     KnownLine known;
     work.reset(); // waits for it
-    takePrepared();
-    known.surface = ready;
+    if (surface && surface->prepared)
+        known.surface = surface;
     if (isLast && goal.middle && isSameLine(goal, asked))
         known.middle = found.points;
     asked.line.resize(3, 0); // what is looked for next is looked for anew

@@ -51,15 +51,13 @@ class BendLinePreview : public QObject {
     };
     void begin();
     void ended(std::size_t which);
-    void takePrepared();
 
     std::function<void()> changed;
     vcg::fcd::LineGoal asked;
     vcg::fcd::StraightenParam bend;
     std::uint64_t shapeOfSurface = 0;
-    std::shared_ptr<LineSurface> surface;     ///< as it was read
-    std::shared_ptr<const LineSurface> ready; ///< the same, once it is prepared
-    std::shared_ptr<Job> job;                 ///< that runs, or ran last
+    std::shared_ptr<LineSurface> surface; ///< as it was read; prepared by the first work that is not stopped before
+    std::shared_ptr<Job> job;             ///< that runs, or ran last
     Found found;
     bool isLast = false;
     double took = 0;

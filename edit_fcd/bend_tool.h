@@ -84,7 +84,6 @@ class BendTool : public LayerTool {
     bool pressLine();
     void dragLinePoint();
     void removeLinePoint();
-    StraightenMeshParam lineParam() const;
     void lookForLine();
     void straighten();
 

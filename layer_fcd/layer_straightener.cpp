@@ -17,20 +17,17 @@ using vcg::fcd::LineMotion;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-Eigen::Matrix3Xd lineOf(const MeshModel &layer, const StraightenMeshParam &param) {
-    if (param.line.cols() > 0)
-        return param.line;
-    if (!param.lineFile.isEmpty())
-        return readLine(param.lineFile);
-    if (!param.lineLayer || param.lineLayer == &layer)
-        throw Error("There is no line. Choose a layer with its edges as 'line_layer', or give a file with its points "
-                    "as 'line_file'.");
-    return readLine(*param.lineLayer);
-}
-
 LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
     LineGoal goal;
-    goal.line = lineOf(layer, param);
+    if (param.line.cols() > 0)
+        goal.line = param.line;
+    else if (!param.lineFile.isEmpty())
+        goal.line = readLine(param.lineFile);
+    else if (!param.lineLayer || param.lineLayer == &layer)
+        throw Error("There is no line. Choose a layer with its edges as 'line_layer', or give a file with its points "
+                    "as 'line_file'.");
+    else
+        goal.line = readLine(*param.lineLayer);
     goal.smoothing = param.smoothing;
     goal.length = param.length;
     goal.middle = param.middle;

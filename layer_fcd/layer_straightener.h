@@ -32,9 +32,6 @@ struct KnownLine {
     Eigen::Matrix3Xd middle;                    ///< 3 x n, as LineOf finds it on that surface, where it was looked for
 };
 
-/// The points of the line that \p param names, 3 x n, in the world. \throw vcg::fcd::Error each message says what to do
-Eigen::Matrix3Xd lineOf(const MeshModel &layer, const StraightenMeshParam &param);
-
 /// Which line goes where, from the layers and files that \p param names.
 /// \throw vcg::fcd::Error each message says what to do
 vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);

@@ -19,7 +19,7 @@ import pytest
 from PIL import ImageGrab
 
 import host_window
-from conftest import is_busy, record, settle
+from conftest import record, settle
 from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
 
 MESHLAB = Path(os.environ.get("FCD_MESHLAB", Path(SERVER).with_name("meshlab")))
@@ -137,10 +137,6 @@ class Window:
             assert self.meshlab.poll() is None, "MeshLab ended: " + self.text()[-2000:]
             assert time.time() < end, f"no {what}: " + self.text()[-2000:]
             time.sleep(0.05)
-
-    def is_busy(self):
-        """Whether the screen, the window manager or MeshLab has something to do."""
-        return is_busy([process.pid for process in self.processes])
 
     def settle(self):
         settle([process.pid for process in self.processes])
