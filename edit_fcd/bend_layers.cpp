@@ -115,6 +115,8 @@ void BendTool::close() {
     if (session)
         usual = session->options;
     session.reset();
+    if (panel)
+        usualSizes = {panel->brush(), panel->radius()};
     leaveView(panel);
     panel = nullptr;
 }

@@ -18,9 +18,13 @@ void BendTool::say(const std::string &text, bool warning) {
 // --- marks ---
 
 /// What is marked next to a handle that was moved is another handle, at rest.
+int BendTool::tagToMark() const {
+    return panel->tag() >= 2 && session->state().motion.count(panel->tag()) ? session->unusedTag() : panel->tag();
+}
+
 void BendTool::takeNewHandle() {
-    if (panel->tag() >= 2 && session->state().motion.count(panel->tag()))
-        panel->setRole(BendPanel::Handle, session->unusedTag());
+    if (const int tag = tagToMark(); tag != panel->tag())
+        panel->setRole(BendPanel::Handle, tag);
 }
 
 void BendTool::beginMarking(BendMarking::Kind kind) {
