@@ -87,6 +87,8 @@ void BendTool::dragWhenPrepared() {
         endDrag(false);
         throw;
     }
+    if (!session->isStretchShown())
+        moving = BendMoving::of(*view, *model, session->tags(), session->overlay());
     drag->moveTo(seen, mouseInWindow());
     if (isReleased && !grip.modal)
         endDrag(true);
@@ -104,6 +106,9 @@ void BendTool::endDrag(bool keep) {
     else if (layer())
         session->setMotion(drag->tag, motion); // solved below, to the end
     drag.reset();
+    if (moving)
+        overlay->move();
+    moving.reset();
     isStepWanted = false;
     sinceEvent.start();
     if (layer())

@@ -104,6 +104,7 @@ void BendTool::close() {
     if (drag && layer())
         endDrag(false);
     drag.reset();
+    moving.reset();
     if (marking && layer())
         session->cancel();
     marking.reset();

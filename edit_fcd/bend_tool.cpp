@@ -69,12 +69,19 @@ void BendTool::endMarking() {
 void BendTool::showVertices(bool full) {
     if (!layer())
         return;
+    isPainted = false;
+    if (moving) {
+        moving->move(session->tags());
+        if (!full) {
+            view->update();
+            return;
+        }
+    }
     display->updateShape(full || display->showsFaces());
     if (session->isStretchShown())
         showOverlay();
     else
         overlay->move();
-    isPainted = false;
 }
 
 /// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
@@ -130,7 +137,12 @@ void BendTool::draw() {
     if (preparing) {
         overlay->draw(model->cm);
     } else if (layer()) {
-        overlay->draw(model->cm);
+        if (moving && !moving->draw(seen)) {
+            moving.reset();
+            showVertices(false);
+        }
+        if (!moving)
+            overlay->draw(model->cm);
         drawOverlay();
     } else if (!session && !isEnding && view)
         QTimer::singleShot(0, this, [this] {

@@ -8,6 +8,7 @@
 #include "bend_keys.h"
 #include "bend_line_preview.h"
 #include "bend_marking.h"
+#include "bend_moving.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
 #include "bend_work.h"
@@ -159,6 +160,7 @@ class BendTool : public LayerTool {
     QPointer<MeshDocument> document;
     BendView seen;
     std::unique_ptr<BendDrag> drag;
+    std::unique_ptr<BendMoving> moving;  ///< while something is dragged, and the host does not draw the layer
     Grip grip;                           ///< of what is dragged
     Eigen::Vector3d gripped;             ///< where the mouse was then, window
     double tookToPrepare = 0;            ///< milliseconds

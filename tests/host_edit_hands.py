@@ -294,6 +294,58 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert w.save("undone.ply").read_bytes() == before
 
 
+def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
+    """While it is dragged; what stays looks as it did, what moves as afterwards, and at the end MeshLab draws all of it again."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
+    colors = np.uint8(128 + 100 * np.sin(12 * points))
+    w = window(write_ply(tmp_path / "large.ply", points, faces, colors=colors))
+    w.start_tool()
+    w.key("v", "t", "f")
+    for side in (-1, 1): # marks that stay, and are seen
+        w.drag((X + side * 80, Y + 200), (X + side * 280, Y - 200))
+    w.key("m")
+    w.do("mousemove", X, Y - 230)
+    before = w.seen()
+    still = np.zeros(before.shape[:2], bool)
+    still[:, :150] = still[:, -150:] = True
+
+    def press_and_drag(to):
+        w.do("mousemove", X, Y, "mousedown", 1)
+        for i in range(1, 5):
+            w.do("mousemove", X + i * to[0] // 4, Y + i * to[1] // 4)
+        w.until("drag", lambda: w.traces("drag"))
+        w.settle()
+
+    press_and_drag((30, -80))
+    w.shot("dragged")
+    drawn = re.findall(r"trace: moving: (\d+) of (\d+) faces", w.text())
+    assert len(drawn) >= 4 and all(0 < int(some) < int(all) / 2 for some, all in drawn)
+    dragged = w.seen()
+    assert np.mean(abs(dragged - before).max(-1)[still] > 4) < 1e-3
+    assert np.mean(abs(dragged - before).max(-1) > 40) > 0.03
+    w.key("space") # no key of a drag: it goes on
+    w.do("click", 4) # the wheel: other vertices move
+    w.settle()
+    assert np.mean(abs(w.seen() - before).max(-1)[still] > 4) < 1e-3
+    w.do("click", 5)
+    w.settle()
+    w.do("mouseup", 1)
+    w.do("mousemove", X, Y - 230)
+    after = w.seen()
+    w.shot("released")
+    assert np.mean(abs(after - dragged).max(-1) > 40) < 0.02
+    count = len(re.findall("trace: moving", w.text()))
+    w.key("ctrl+z")
+    w.do("mousemove", X, Y - 230)
+    assert np.mean(abs(w.seen() - before).max(-1) > 4) < 1e-3
+    assert len(re.findall("trace: moving", w.text())) == count # MeshLab draws it
+    press_and_drag((30, -80))
+    w.key("Escape")
+    w.do("mouseup", 1, "mousemove", X, Y - 230)
+    assert np.mean(abs(w.seen() - before).max(-1) > 4) < 1e-3
+    assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
+
+
 def test_esc_stops_what_was_begun_before_it(window, tmp_path):
     """However late Esc is for the preparing of a large layer, and also where the window gets the press only after it."""
     points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
