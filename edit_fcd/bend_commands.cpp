@@ -18,6 +18,10 @@ void BendTool::makePanel() {
             session->change();
     });
     connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
+    connect(panel, &BendPanel::roleChanged, this, [this] {
+        hint.clear();
+        refresh();
+    });
     connectHandles();
     connectPoses();
     connect(&panel->line(), &BendLineBox::command, this, [this](int which) { guarded([&] { onLineCommand(which); }); });
@@ -28,6 +32,10 @@ void BendTool::makePanel() {
     });
     connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
     panel->allowStretch(model->cm.fn > 0);
+    if (usualSizes) {
+        panel->setBrush(usualSizes->first);
+        panel->setRadius(usualSizes->second);
+    }
     showOptions();
     dockPanel(*view, *panel);
     if (session->isMarked())
@@ -214,6 +222,24 @@ void BendTool::showHandles() {
 
 // --- what the panel says ---
 
+/// What is to be done in a mode that marks.
+QString BendTool::markingText() const {
+    const int tag = tagToMark();
+    const QString role = tag >= 2 ? QString::fromStdString(session->nameOf(tag))
+                                  : QString(tag == 1   ? "free"
+                                            : tag == 0 ? "fixed"
+                                                       : "outside"),
+                  what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
+    switch (panel->mode()) {
+    case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
+    case BendPanel::Polyline:
+        return QString("Click the corners of a polygon; Enter or a double click ends it: %1 becomes %2.")
+            .arg(what, role);
+    default:
+        return QString("Drag over the surface: what the brush meets becomes %1. Its size is on the wheel.").arg(role);
+    }
+}
+
 QString BendTool::stateText() const {
     if (isSuspended)
         return "The mouse is the camera's: Esc gives it back.";
@@ -224,7 +250,9 @@ QString BendTool::stateText() const {
     if (panel->mode() == BendPanel::Line)
         return lineText();
     QString text;
-    if (session->handleTags().empty())
+    if (panel->mode() != BendPanel::Bend)
+        text = markingText();
+    else if (session->handleTags().empty())
         text = session->isMarked() ? "Mark a handle (red), then drag it."
                                    : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     else if (drag)

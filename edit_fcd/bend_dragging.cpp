@@ -43,6 +43,7 @@ void BendTool::beginDrag(const Grip &what) {
     session->setPose(100); // a drag says where that is
     panel->setPose(100);
     grip = what;
+    grip.isNew = !what.tag;
     gripped = mouseInWindow();
     isReleased = false;
     const double radius = panel->radius() * session->diagonal();
@@ -86,6 +87,8 @@ void BendTool::dragWhenPrepared() {
         endDrag(false);
         throw;
     }
+    if (!session->isStretchShown())
+        moving = BendMoving::of(*view, *model, session->tags(), session->overlay());
     drag->moveTo(seen, mouseInWindow());
     if (isReleased && !grip.modal)
         endDrag(true);
@@ -96,11 +99,16 @@ void BendTool::dragWhenPrepared() {
 void BendTool::endDrag(bool keep) {
     if (!drag)
         return;
+    const std::vector<vcg::fcd::MotionStep> motion = drag->motion(seen);
+    isClicked = keep && grip.isNew && motion.empty();
     if (!keep)
         session->cancel();
     else if (layer())
-        session->setMotion(drag->tag, drag->motion(seen)); // solved below, to the end
+        session->setMotion(drag->tag, motion); // solved below, to the end
     drag.reset();
+    if (moving)
+        overlay->move();
+    moving.reset();
     isStepWanted = false;
     sinceEvent.start();
     if (layer())

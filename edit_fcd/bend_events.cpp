@@ -36,6 +36,7 @@ void BendTool::toCamera(QMouseEvent *event) {
 void BendTool::press(QMouseEvent *event) {
     sinceEvent.start();
     hint.clear();
+    isClicked = false;
     mouse = event->localPos();
     if (preparing) {
         if (event->button() == Qt::RightButton)
@@ -88,6 +89,30 @@ void BendTool::press(QMouseEvent *event) {
     if (panel->mode() == BendPanel::Line && std::getenv("FCD_TRACE"))
         std::fprintf(stderr, "FCD trace: click: %d vertices, %d points, since the event %.1f ms\n", model->cm.vn,
                      int(session->state().line.size()), double(sinceEvent.nsecsElapsed()) / 1e6);
+}
+
+/// What is marked quickly is marked; else the view turns about the place under the mouse from then on, as the host has
+/// it, and the handle that the first click was about to make is none.
+void BendTool::doubleClick(QMouseEvent *event) {
+    if (panel->mode() != BendPanel::Bend && event->button() == Qt::LeftButton) {
+        if (marking && marking->kind == BendMarking::Polygon)
+            endMarking();
+        else
+            press(event);
+        return;
+    }
+    if (drag)
+        return;
+    if (preparing) {
+        preparing->cancel();
+    } else if (isClicked && layer()) {
+        session->cancel();
+        showOverlay();
+        solve(true);
+        refresh();
+    }
+    isClicked = false;
+    toHost(*view, event);
 }
 
 /// Whether the mouse, which has moved or was released, is for the layer, and not for the camera.

@@ -27,13 +27,8 @@ bool BendTool::eventFilter(QObject *object, QEvent *event) {
             if (key)
                 escaped = pressed.timestamp();
         }
-        if (event->type() == QEvent::MouseButtonDblClick && panel && panel->mode() != BendPanel::Bend) {
-            guarded([&] {
-                if (marking && marking->kind == BendMarking::Polygon)
-                    endMarking();
-                else
-                    press(static_cast<QMouseEvent *>(event));
-            });
+        if (event->type() == QEvent::MouseButtonDblClick && panel) {
+            guarded([&] { doubleClick(static_cast<QMouseEvent *>(event)); });
             return true;
         }
     }
@@ -88,10 +83,14 @@ void BendTool::placePivot() {
         throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
     findMouse();
     const int other = handleAtMouse();
+    const bool isOther = other != 0 && other != tag;
+    const std::optional<Eigen::Vector3d> place = isOther ? session->centerOf(other) : pick();
     session->change();
-    session->setPivot(tag, other == tag ? std::nullopt
-                           : other != 0 ? std::optional<Eigen::Vector3d>(session->centerOf(other))
-                                        : pick());
+    session->setPivot(tag, place);
+    hint = QString::fromStdString(session->nameOf(tag)) +
+           (!place    ? QString(": turns about its middle again.")
+            : isOther ? ": turns about the middle of " + QString::fromStdString(session->nameOf(other)) + "."
+                      : QString(": turns about this place; P beside the mesh takes that back."));
 }
 
 void BendTool::act(BendAction action) {
@@ -137,6 +136,7 @@ void BendTool::pressKey(QKeyEvent *event) {
         return;
     event->accept();
     hint.clear();
+    isClicked = false;
     if (preparing) {
         if (event->key() == Qt::Key_Escape)
             preparing->cancel();

@@ -25,7 +25,7 @@ const std::vector<BendKey> &bendKeys() {
         {BendAction::Scale, "S", "scale it"},
         {BendAction::Pivot, "P",
          "what the mouse points at is where the selected handle turns: a place of the surface, or another handle's "
-         "middle; beside the mesh, its own again"},
+         "middle; beside the mesh, its own middle again"},
         {BendAction::Undo, "Ctrl+Z", "undo, also over applies"},
         {BendAction::Redo, "Ctrl+Shift+Z", "redo"},
         {BendAction::Reset, "Backspace", "take all motions back"},
@@ -72,7 +72,7 @@ QString bendKeyPage() {
                         "under the mouse; "
                         "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels");
     add("Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held");
-    add("camera", "drag beside the mesh, or with the right or middle button; wheel");
+    add("camera", "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place");
     // Side by side, since small screens are wide and not high.
     const auto column = [&](int begin, int count) {
         return "<td width='50%'><table>" + rows.mid(begin, count).join("") + "</table></td>";

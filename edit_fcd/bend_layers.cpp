@@ -104,6 +104,7 @@ void BendTool::close() {
     if (drag && layer())
         endDrag(false);
     drag.reset();
+    moving.reset();
     if (marking && layer())
         session->cancel();
     marking.reset();
@@ -115,6 +116,8 @@ void BendTool::close() {
     if (session)
         usual = session->options;
     session.reset();
+    if (panel)
+        usualSizes = {panel->brush(), panel->radius()};
     leaveView(panel);
     panel = nullptr;
 }

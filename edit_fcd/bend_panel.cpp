@@ -180,6 +180,9 @@ void BendPanel::connectOptions() {
     for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
     connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
+    connect(role, QOverload<int>::of(&QComboBox::activated), this, &BendPanel::roleChanged);
+    connect(number, QOverload<int>::of(&QSpinBox::valueChanged), this, &BendPanel::roleChanged);
+    connect(through, &QCheckBox::clicked, this, &BendPanel::roleChanged);
     connect(modes, QOverload<QAbstractButton *, bool>::of(&QButtonGroup::buttonToggled), this, [this] {
         const bool isLine = mode() == Line;
         if (lineBox->isHidden() != isLine)

@@ -74,6 +74,7 @@ class BendPanel : public QDockWidget {
     void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
+    void roleChanged(); ///< what is marked, by a person
     void command(int which);
 
   private:

@@ -14,9 +14,9 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-const std::size_t mostTags = 64;       // of those that a person gives
-const unsigned char markOpacity = 150; // of 255: the surface is still seen
-const double pointSize = 0.08;         // of a point's radius: so far it is held, that a single vertex makes no spike
+const std::size_t mostTags = 64;   // of those that a person gives
+const unsigned char opacity = 150; // of marks, and of stretch, of 255: the surface is still seen
+const double pointSize = 0.08;     // of a point's radius: so far it is held, that a single vertex makes no spike
 
 } // namespace
 
@@ -189,7 +189,7 @@ std::vector<vcg::Color4b> BendSession::overlay() {
     if (isStretchShown()) {
         if (!stretch)
             stretch = std::make_unique<StretchColors>(layer);
-        return stretch->of(rest.positions(), rest.world().linear());
+        return stretch->of(rest.positions(), rest.world().linear(), opacity);
     }
     std::vector<vcg::Color4b> color;
     if (!marking && !now.marks)
@@ -205,7 +205,7 @@ std::vector<vcg::Color4b> BendSession::overlay() {
         for (std::size_t i = first; i < last; ++i)
             if (shown[i] != 1 && held[i] != 1 && !isHidden(shown[i])) {
                 color[i] = colorOfTag(shown[i]);
-                color[i][3] = markOpacity;
+                color[i][3] = opacity;
             }
     });
     return color;

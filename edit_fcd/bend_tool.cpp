@@ -18,9 +18,13 @@ void BendTool::say(const std::string &text, bool warning) {
 // --- marks ---
 
 /// What is marked next to a handle that was moved is another handle, at rest.
+int BendTool::tagToMark() const {
+    return panel->tag() >= 2 && session->state().motion.count(panel->tag()) ? session->unusedTag() : panel->tag();
+}
+
 void BendTool::takeNewHandle() {
-    if (panel->tag() >= 2 && session->state().motion.count(panel->tag()))
-        panel->setRole(BendPanel::Handle, session->unusedTag());
+    if (const int tag = tagToMark(); tag != panel->tag())
+        panel->setRole(BendPanel::Handle, tag);
 }
 
 void BendTool::beginMarking(BendMarking::Kind kind) {
@@ -65,12 +69,19 @@ void BendTool::endMarking() {
 void BendTool::showVertices(bool full) {
     if (!layer())
         return;
+    isPainted = false;
+    if (moving) {
+        moving->move(session->tags());
+        if (!full) {
+            view->update();
+            return;
+        }
+    }
     display->updateShape(full || display->showsFaces());
     if (session->isStretchShown())
         showOverlay();
     else
         overlay->move();
-    isPainted = false;
 }
 
 /// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
@@ -126,7 +137,12 @@ void BendTool::draw() {
     if (preparing) {
         overlay->draw(model->cm);
     } else if (layer()) {
-        overlay->draw(model->cm);
+        if (moving && !moving->draw(seen)) {
+            moving.reset();
+            showVertices(false);
+        }
+        if (!moving)
+            overlay->draw(model->cm);
         drawOverlay();
     } else if (!session && !isEnding && view)
         QTimer::singleShot(0, this, [this] {

@@ -8,6 +8,7 @@
 #include "bend_keys.h"
 #include "bend_line_preview.h"
 #include "bend_marking.h"
+#include "bend_moving.h"
 #include "bend_overlay.h"
 #include "bend_panel.h"
 #include "bend_work.h"
@@ -18,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <QElapsedTimer>
@@ -88,6 +90,7 @@ class BendTool : public LayerTool {
     void straighten();
 
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
+    QString markingText() const;
     QString stateText() const;
     void beginApply();
     void refresh();
@@ -97,6 +100,7 @@ class BendTool : public LayerTool {
     /// What the mouse points at in the world, none where there is nothing.
     std::optional<Eigen::Vector3d> pick() const;
     void toCamera(QMouseEvent *event);
+    void doubleClick(QMouseEvent *event);
     bool isForLayer(QMouseEvent *event);
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);
@@ -120,6 +124,7 @@ class BendTool : public LayerTool {
         std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
         GizmoPart part;
         bool modal = false;
+        bool isNew = false; ///< what is at \p tag was made of \p slot
     };
     void beginDrag(const Grip &grip);
     void dragWhenPrepared();
@@ -133,6 +138,7 @@ class BendTool : public LayerTool {
     void step();
     void solve(bool full);
 
+    int tagToMark() const;
     void takeNewHandle();
     void trackMouse();
     void beginMarking(BendMarking::Kind kind);
@@ -150,13 +156,16 @@ class BendTool : public LayerTool {
     std::unique_ptr<BendSession> session;
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
     BendOptions usual;                                ///< what the next layer begins with: as the last one had it
+    std::optional<std::pair<int, double>> usualSizes; ///< of brush and point, as the panel has them
     QPointer<MeshDocument> document;
     BendView seen;
     std::unique_ptr<BendDrag> drag;
+    std::unique_ptr<BendMoving> moving;  ///< while something is dragged, and the host does not draw the layer
     Grip grip;                           ///< of what is dragged
     Eigen::Vector3d gripped;             ///< where the mouse was then, window
     double tookToPrepare = 0;            ///< milliseconds
     bool isReleased = false;             ///< the button, before the layer was prepared
+    bool isClicked = false;              ///< what was begun last is a new handle, which was not moved
     std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
     QString preparingWhat;
     std::function<void()> whenPrepared, whenStopped;

@@ -23,7 +23,7 @@ LayerOverlay::LayerOverlay() : elements(QOpenGLBuffer::IndexBuffer) {
     positions.setUsagePattern(QOpenGLBuffer::DynamicDraw);
 }
 
-void LayerOverlay::show(const CMeshO &mesh, const std::vector<vcg::Color4b> &shown) {
+void LayerOverlay::show(const CMeshO &mesh, const std::vector<vcg::Color4b> &shown, const std::vector<char> *isIn) {
     hide();
     std::vector<std::uint32_t> place(mesh.vert.size(), none);
     const auto placeOf = [&](std::size_t i) {
@@ -34,8 +34,9 @@ void LayerOverlay::show(const CMeshO &mesh, const std::vector<vcg::Color4b> &sho
         }
         return place[i];
     };
-    for (const CFaceO &face : mesh.face) {
-        if (face.IsD())
+    for (std::size_t f = 0; f < mesh.face.size(); ++f) {
+        const CFaceO &face = mesh.face[f];
+        if (face.IsD() || (isIn && !(*isIn)[f]))
             continue;
         std::size_t corner[3];
         for (int k = 0; k < 3; ++k)

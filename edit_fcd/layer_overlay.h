@@ -18,8 +18,9 @@ class LayerOverlay {
     LayerOverlay();
 
     /// Shows colours over the faces of a layer, or over its vertices where it has no faces.
-    /// \param color one per vertex slot; where alpha is 0, nothing is shown
-    void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color);
+    /// \param color one per vertex slot; where alpha is 0, nothing is shown \param isIn one per face slot: only over
+    /// these; null: over all
+    void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color, const std::vector<char> *isIn = nullptr);
     void hide();
     /// The vertices of the layer have other positions from now on.
     void move() { isMoved = true; }

@@ -48,7 +48,8 @@ void StretchColors::connect() {
     });
 }
 
-std::vector<vcg::Color4b> StretchColors::of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world) {
+std::vector<vcg::Color4b> StretchColors::of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world,
+                                            unsigned char opacity) {
     const CMeshO &mesh = layer.cm;
     const std::size_t grain = 1 << 13;
     const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
@@ -81,6 +82,7 @@ std::vector<vcg::Color4b> StretchColors::of(const std::vector<Point3m> &rest, co
                 weight += area[faceOf[k]];
             }
             color[i] = colorOfStretch(weight > 0 ? double(sum / weight) : 0);
+            color[i][3] = opacity;
         }
     });
     return color;

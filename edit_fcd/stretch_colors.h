@@ -20,8 +20,8 @@ class StretchColors {
 
     /// One colour per vertex slot, by the mean of the TriangleStretch::Exponent() of its faces, weighed by their area
     /// at rest. \param rest positions at rest, one a vertex slot \param world of the layer's matrix: stretch is that in
-    /// the world
-    std::vector<vcg::Color4b> of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world);
+    /// the world \param opacity of all, to 255
+    std::vector<vcg::Color4b> of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world, unsigned char opacity);
 
   private:
     void connect();

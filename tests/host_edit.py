@@ -536,6 +536,7 @@ def test_stretch_is_shown_and_leaves_nothing(window, tmp_path):
     shown = w.seen()
     assert w.save("shown.ply").read_bytes() == bent.read_bytes()
     expect_stretch(shown, plain, points, load(bent)[0], faces)
+    assert np.ptp(shown[250:350, 70].mean(-1)) > 10 # the shape is still seen, where nothing is stretched, too
     w.key("b") # who marks sees the marks: there are none
     w.do("mousemove", x, y - 250)
     red = w.seen()

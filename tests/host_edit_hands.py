@@ -4,6 +4,7 @@ in host_edit.py, with the same environment."""
 
 import os
 import re
+import time
 
 import numpy as np
 import pytest
@@ -125,6 +126,94 @@ def test_handles_are_things(window, tmp_path):
     assert colored(w, (X + 205, Y), LIT) > 80
 
 
+def test_a_handle_turns_about_a_place_of_itself(window, tmp_path):
+    """Such as a joint at its edge, where P is pressed; beside the mesh, P takes that back."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.key("v", "t", "h")
+    w.drag((X + 60, Y - 200), (X + 230, Y + 200))
+    w.key("m")
+    right = points[:, 0] > 0.4
+    w.do("mousemove", X + 80, Y) # x is about 0.3 there
+    said = state_text(w)
+    w.key("p")
+    w.shot("placed")
+    assert state_text(w) != said
+    w.key("r", "z", "9", "0", "Return")
+    turn, joint = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]), [0.3, 0, 0]
+    turned = load(w.save("turned.ply"))[0]
+    assert np.abs(turned[right] - ((points - joint) @ turn + joint)[right]).max() < 0.06
+    w.key("ctrl+z")
+    w.do("mousemove", X, Y - 200)
+    w.key("p", "r", "z", "9", "0", "Return")
+    turned = load(w.save("turned_again.ply"))[0]
+    assert np.abs(turned[right].mean(0) - points[right].mean(0)).max() < 0.15
+
+
+def across(w):
+    """Where a grey mesh is in the view, from left to right, in pixels from its middle."""
+    columns = np.flatnonzero(np.ptp(w.seen()[300], axis=-1) < 20)
+    return columns[0] - 270, columns[-1] - 270
+
+
+def test_a_double_click_centers_the_view(window, tmp_path):
+    """As elsewhere in MeshLab; it makes no handle, and leaves those that there are."""
+    points, faces = tube_of(np.linspace(-0.4, 0.4, 40), 64, 0.4)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+
+    def double_click(dx, button):
+        count = w.text().count("Recentering on point")
+        for _ in range(2): # MeshLab begins with hasToGetPickCoords unset, and may take the first one for that
+            w.do("mousemove", X + dx, Y, "click", "--repeat", 2, "--delay", 60, button)
+            if w.text().count("Recentering on point") > count:
+                break
+            time.sleep(0.6)
+        w.wait("Recentering on point", count + 1, 10)
+        w.do("mousemove", X, Y - 250)
+
+    w.start_tool()
+    w.do("mousemove", X, Y - 250)
+    right = across(w)[1]
+    double_click(right - 60, 1)
+    w.shot("centered")
+    assert across(w)[1] < right - 40
+    w.key("g")
+    w.wait("There is no handle yet")
+    w.key("b")
+    before = across(w)[0]
+    double_click(before + 60, 3)
+    w.shot("back")
+    assert across(w)[0] > before + 40
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
+
+
+def test_each_mode_says_what_it_does(window, tmp_path):
+    """And what becomes of what is marked; brush and radius are as wide on the next layer."""
+    w, _, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    said = [state_text(w)]
+    for key in ("b", "f", "u", "o", "v", "t", "l", "h"):
+        w.key(key)
+        said.append(state_text(w))
+    assert len(set(said)) == len(said)
+    w.key("b")
+    w.do("mousemove", X, Y + 200, "click", "--repeat", 5, "--delay", 50, 4)
+
+    def brush():
+        x, y, width, height = w.box("brush")
+        return np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].tobytes()
+
+    wider = brush()
+    w.key("m")
+    w.drag((X, Y), (X, Y - 60))
+    places = w.text().count("trace: place: brush")
+    w.key("ctrl+shift+Return")
+    w.wait("trace: place: brush", places + 1)
+    w.shot("next_layer")
+    assert brush() == wider
+
+
 def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     """Also after a number was typed; what the host would do with them does not happen; Esc and the slider of the pose say what they did."""
     w, points, _ = open_tube(window, tmp_path)
@@ -208,6 +297,58 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
     w.key("ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
+    """While it is dragged; what stays looks as it did, what moves as afterwards, and at the end MeshLab draws all of it again."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
+    colors = np.uint8(128 + 100 * np.sin(12 * points))
+    w = window(write_ply(tmp_path / "large.ply", points, faces, colors=colors))
+    w.start_tool()
+    w.key("v", "t", "f")
+    for side in (-1, 1): # marks that stay, and are seen
+        w.drag((X + side * 80, Y + 200), (X + side * 280, Y - 200))
+    w.key("m")
+    w.do("mousemove", X, Y - 230)
+    before = w.seen()
+    still = np.zeros(before.shape[:2], bool)
+    still[:, :150] = still[:, -150:] = True
+
+    def press_and_drag(to):
+        w.do("mousemove", X, Y, "mousedown", 1)
+        for i in range(1, 5):
+            w.do("mousemove", X + i * to[0] // 4, Y + i * to[1] // 4)
+        w.until("drag", lambda: w.traces("drag"))
+        w.settle()
+
+    press_and_drag((30, -80))
+    w.shot("dragged")
+    drawn = re.findall(r"trace: moving: (\d+) of (\d+) faces", w.text())
+    assert len(drawn) >= 4 and all(0 < int(some) < int(all) / 2 for some, all in drawn)
+    dragged = w.seen()
+    assert np.mean(abs(dragged - before).max(-1)[still] > 4) < 1e-3
+    assert np.mean(abs(dragged - before).max(-1) > 40) > 0.03
+    w.key("space") # no key of a drag: it goes on
+    w.do("click", 4) # the wheel: other vertices move
+    w.settle()
+    assert np.mean(abs(w.seen() - before).max(-1)[still] > 4) < 1e-3
+    w.do("click", 5)
+    w.settle()
+    w.do("mouseup", 1)
+    w.do("mousemove", X, Y - 230)
+    after = w.seen()
+    w.shot("released")
+    assert np.mean(abs(after - dragged).max(-1) > 40) < 0.02
+    count = len(re.findall("trace: moving", w.text()))
+    w.key("ctrl+z")
+    w.do("mousemove", X, Y - 230)
+    assert np.mean(abs(w.seen() - before).max(-1) > 4) < 1e-3
+    assert len(re.findall("trace: moving", w.text())) == count # MeshLab draws it
+    press_and_drag((30, -80))
+    w.key("Escape")
+    w.do("mouseup", 1, "mousemove", X, Y - 230)
+    assert np.mean(abs(w.seen() - before).max(-1) > 4) < 1e-3
+    assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
 
 
 def test_esc_stops_what_was_begun_before_it(window, tmp_path):
