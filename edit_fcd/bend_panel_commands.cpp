@@ -77,9 +77,10 @@ void BendPanel::addMore(QBoxLayout &column) {
     smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
     patchCount = new QSpinBox;
-    patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer");
-    patchCount->setRange(1, 20000);
-    patchCount->setValue(300);
+    patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "
+                           "Automatic (0): 300, or 4800 where the surface is so thin or torn that it needs them");
+    patchCount->setRange(0, 20000);
+    patchCount->setSpecialValueText("automatic");
     form->addRow("Initial patches", patchCount);
     const ParameterText words = weightsText();
     weightsChoice = new QComboBox;

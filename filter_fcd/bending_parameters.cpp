@@ -32,10 +32,13 @@ void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDoc
 void addInitialPatches(RichParameterList &list, int initialPatches) {
     addParameter<RichInt>(
         list, Shown::Always, "initial_patches", initialPatches, "Initial patches",
-        "Number of patches to start from, all of them where the surface is free; splitting adds to it. <b>Raising "
-        "it</b> lets the deformation bend in finer "
-        "detail "
-        "and costs a little time; a few hundred are enough for most scans, whatever their number of vertices.");
+        QString("Number of patches to start from, all of them where the surface is free; splitting adds to it. ") +
+            (initialPatches == 0
+                 ? "<b>0</b> (the default): 300, which is enough for most scans, whatever their number "
+                   "of vertices, and 4800 where a surface that is bent is so thin or torn that 300 would bend it "
+                   "otherwise. "
+                 : "A few hundred are enough for most scans, whatever their number of vertices. ") +
+            "<b>Raising it</b> lets the deformation bend in finer detail, and takes longer.");
 }
 
 void addRandomSeed(RichParameterList &list, unsigned randomSeed) {

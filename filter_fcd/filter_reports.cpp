@@ -113,7 +113,7 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
 }
 
 std::string describeDiscretisation(double error) {
-    if (!(error > 0.01)) // what one sees
+    if (!(error > vcg::fcd::coarseError))
         return {};
     std::ostringstream line;
     line.precision(2);

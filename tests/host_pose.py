@@ -367,7 +367,7 @@ def test_errors_leave_the_layer_as_it_was():
         ms.apply_filter(RESET)
     for _ in range(2):
         before = snapshot(ms.current_mesh())
-        for parameters, word in ((dict(transforms="3: scale 2"), "no vertex has tag 3"), (dict(initial_patches=0), "patches"),
+        for parameters, word in ((dict(transforms="3: scale 2"), "no vertex has tag 3"), (dict(initial_patches=-1), "patches"),
                                  (dict(handles=1), "selected"), (dict(transforms="2: scale 1e300"), "too far"),
                                  (dict(point_handles_file="/no/such.csv"), "no/such")):
             with pytest.raises(pymeshlab.PyMeshLabException, match=word):

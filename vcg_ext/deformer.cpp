@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/deformer.h>
-#include <vcg_ext/patches/given_nodes.h>
-#include <vcg_ext/solve/discretisation_error.h>
 #include <vcg_ext/surface/part_removal.h>
 
 #include <algorithm>
@@ -81,12 +79,16 @@ HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
         detail::ExpectNear(surface.frame, motion, name);
         (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) = motion;
     }
+    HoldOriginals(m);
+    return m;
+}
+
+void Deformer::HoldOriginals(HeldMotions &m) const {
     for (std::size_t s = 0; s < held.original.size(); ++s)
         if (held.original[s] >= 0) {
             m.motion[-1 - Index(s)] = Eigen::Matrix4d(m.motion.at(held.original[s]));
             m.rotates[-1 - Index(s)] = m.rotates[held.original[s]];
         }
-    return m;
 }
 
 NodeConstraints Deformer::ConstraintsOf(const Pose &pose) const {
@@ -96,20 +98,6 @@ NodeConstraints Deformer::ConstraintsOf(const Pose &pose) const {
     if (!beyond.compliance)
         given.compliant.assign(given.compliant.size(), false);
     return given;
-}
-
-double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver) const {
-    NodeConstraints given = ConstraintsOf(pose);
-    given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
-    SolverParam steps = solver;
-    steps.accelerated = solver.accelerated && beyond.acceleration;
-    steps.follow = beyond.steps;
-    const double error =
-        vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape);
-    if (!(error > 0)) // also without any nodes
-        return error;
-    const Eigen::Matrix3Xf &rest = graph.graph.position;
-    return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
 }
 
 Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
@@ -216,35 +204,6 @@ std::shared_ptr<const Deformer::System> Deformer::SystemOf(const NodeConstraints
     return latest;
 }
 
-void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
-    D = TargetRadius(surface, param.graph, param.shape.patchRadius);
-    if (param.nodes.cols() == 0)
-        patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
-    else {
-        const std::vector<Index> nodes =
-            detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
-        patches = GrowPatches(surface.graph, held.tag, nodes, progress.Slice(0, 0.9));
-        D = 0;
-        for (float radius : patches.radius)
-            D = std::max(D, double(radius));
-    }
-    small = detail::FindSmallParts(surface.graph, held.tag, D, param.shape);
-    detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
-    AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
-    graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
-                                 progress.Slice(0.9, 1), param.shape);
-    for (Index j = 0; j < graph.Size(); ++j)
-        if (const Index t = held.tag[patches.center[j]];
-            t != 1 && (!HeldNodes::IsSingle(t) || held.original[-1 - t] >= 0))
-            holding.push_back(HeldNodes::IsSingle(t) ? held.original[-1 - t] : t);
-    std::sort(holding.begin(), holding.end());
-    holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
-    nodeArea.assign(graph.Size(), 0);
-    for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (patches.patchOf[u] >= 0)
-            nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
-}
-
 bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {
     const Frame &frame = deformer.surface.frame;
     if (nodes.cols() != deformer.graph.Size())
@@ -289,7 +248,7 @@ std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles
     const Eigen::Matrix3d metric = handles.world.linear();
     SurfaceGraph surface = ReadFreeSurface(mesh, handles.tag, {}, metric, progress.Slice(0, 0.25), param.weldDistance);
     HeldNodes held = HoldNodes(surface, slotTag, point, progress.Slice(0.25, 0.25));
-    const double patch = surface.area / param.graph.initialPatches;
+    const double patch = surface.area / param.graph.Patches();
     LooseSurface loose = FindLoose(slotTag, point, surface, held.tag, progress.Slice(0.25, 0.3),
                                    param.bendsUnheld ? patch : std::numeric_limits<double>::infinity());
     if (loose.isPartOfSurface) {

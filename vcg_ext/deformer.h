@@ -36,6 +36,9 @@ enum class LooseParts {
     Stay    ///< none
 };
 
+/// A DiscretisationError that is seen: above it, more patches are made, or asked for.
+constexpr double coarseError = 0.01;
+
 /// How a mesh is prepared to be deformed.
 struct DeformerParam {
     GraphParam graph;
@@ -63,6 +66,10 @@ struct DeformationParam : DeformerParam, SolverParam {
 /// A surface that is prepared to be deformed: built once from the surface and its regions (tags, places of point
 /// handles, parameters), it owns patches, graph, factorisation and mapping. Then each pose is solved from the motions
 /// alone, and carried to the vertices.
+///
+/// Where neither the number of patches nor their radius is given, there are GraphParam::Patches, or sixteen times
+/// as many where those make a shape that is off by more than coarseError when what moves turns by 60 degrees
+/// (TurnError). That is decided once for all poses, so that each is part of the way to the others.
 class Deformer : public MovingSurface {
   public:
     using Pose = SurfacePose;
@@ -119,6 +126,14 @@ class Deformer : public MovingSurface {
     };
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
+    void MakeGraph(const PositionsRef &rest, const Progress &progress);
+    /// Gives nodes that are held alone the motion of what they belong to.
+    void HoldOriginals(HeldMotions &m) const;
+    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth
+    /// of the diagonal along it.
+    HeldMotions Probe(int axis) const;
+    /// DiscretisationError when what holds the surface moves so: the largest of the three axes.
+    double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     std::shared_ptr<const System> SystemOf(const NodeConstraints &given) const;
 

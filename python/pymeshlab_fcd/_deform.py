@@ -29,7 +29,7 @@ def deform(
     percent: float = 100.0,
     steps: int = 1,
     smoothness: float = 0.0058,
-    patches: int = 300,
+    patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
     nodes: ArrayLike | None = None,
@@ -56,7 +56,7 @@ def deform(
         percent: How much of all motions is carried out.
         steps: The pose is reached over so many.
         smoothness: 0.001 is loose, 0.1 is stiff.
-        patches: How many patches to begin with.
+        patches: How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
         target_radius: How far a patch may reach; 0: automatic.
         seed: Chooses where the first patches are.
         nodes: k x 3, centres of patches to use instead.
@@ -98,7 +98,7 @@ def deformation(
     percent: float = 100.0,
     steps: int = 1,
     smoothness: float = 0.0058,
-    patches: int = 300,
+    patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
     nodes: ArrayLike | None = None,
@@ -125,7 +125,7 @@ def deformation(
         percent: How much of all motions is carried out.
         steps: The pose is reached over so many.
         smoothness: 0.001 is loose, 0.1 is stiff.
-        patches: How many patches to begin with.
+        patches: How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
         target_radius: How far a patch may reach; 0: automatic.
         seed: Chooses where the first patches are.
         nodes: k x 3, centres of patches to use instead.

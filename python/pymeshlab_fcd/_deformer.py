@@ -123,7 +123,8 @@ class Deformer:
         normals: n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
         smoothness: How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the
             paper).
-        patches: How many patches to begin with, from 1; more let the deformation bend in finer detail (k0 of sec. 2.1).
+        patches: How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where
+            the surface is so thin or torn that 300 would bend it otherwise.
         target_radius: How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches
             and the area that can bend (D of sec. 2.1).
         seed: Chooses where the first patches are, 0 to 2147483647.
@@ -161,7 +162,7 @@ class Deformer:
         *,
         normals: ArrayLike | None = None,
         smoothness: float = 0.0058,
-        patches: int = 300,
+        patches: int = 0,
         target_radius: float = 0.0,
         seed: int = 1,
         nodes: ArrayLike | None = None,
@@ -196,7 +197,7 @@ class Deformer:
         self._normals = None if normals is None else _inputs.normals(normals, n)
         kind, by_vertices = tuple(_GRAPH_WEIGHTS.values())[_inputs.choice("graph_weights", graph_weights, tuple(_GRAPH_WEIGHTS))]
         param: dict[str, Any] = {
-            "patches": _inputs.whole("patches", patches, 1),
+            "patches": _inputs.whole("patches", patches, 0),
             "target_radius": _inputs.single("target_radius", target_radius),
             "seed": _inputs.whole("seed", seed, 0),
             "by_vertices": by_vertices,

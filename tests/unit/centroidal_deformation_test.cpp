@@ -753,8 +753,8 @@ TEST(DeformCentroidal, RefusesParametersOutOfRange) {
         contains(ParamError([&](DeformationParam &p) { p.pose = bad; }), "pose");
         contains(ParamError([&](DeformationParam &p) { p.nodes = Matrix3Xd::Constant(3, 2, bad); }), "finite");
     }
+    contains(ParamError([&](DeformationParam &p) { p.graph.initialPatches = -1; }), "patches");
     for (int bad : {0, -1}) {
-        contains(ParamError([&](DeformationParam &p) { p.graph.initialPatches = bad; }), "patches");
         contains(ParamError([&](DeformationParam &p) { p.graph.maxIterations = bad; }), "iterations");
         contains(ParamError([&](DeformationParam &p) { p.maxIterations = bad; }), "iterations");
     }
@@ -1326,7 +1326,7 @@ TEST(BuildCentroidalGraph, CanBeCancelledAnywhere) {
 
 TEST(BuildCentroidalGraph, RefusesParametersOutOfRange) {
     GraphParam param;
-    param.initialPatches = 0;
+    param.initialPatches = -1;
     EXPECT_THROW(BuildCentroidalGraph(MeshD(Grid(3, 3)), param), Error);
     EXPECT_THROW(BuildCentroidalGraph(MeshD(), {}), Error);
 }

@@ -3,6 +3,10 @@
 #include <vcg_ext/graph/coarse_graph.h>
 #include "test_support.h"
 
+#include <cmath>
+#include <map>
+#include <utility>
+
 using namespace vcg::fcd;
 using namespace fcd_test;
 using Eigen::Affine3d;
@@ -56,7 +60,7 @@ static std::pair<double, double> ErrorOf(const Case &c, int patches) {
     const DeformationResult some = vcg::tri::DeformCentroidal(mesh, c.handles, param);
     param.graph.initialPatches = 20 * c.shape.Size();
     const DeformationResult all = vcg::tri::DeformCentroidal(mesh, c.handles, param);
-    EXPECT_GT(all.rest.position.cols(), 5 * some.rest.position.cols() / 2);
+    EXPECT_GT(5 * all.rest.position.cols(), 4 * all.tags.free);
     double sum = 0, free = 0;
     for (int i = 0; i < c.shape.Size(); ++i)
         if (c.handles.tag[i] == 1) {
@@ -101,4 +105,81 @@ TEST(DiscretisationError, IsNothingWhereNothingMovesAndUnknownForOneNode) {
     EXPECT_GT(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
     c.handles.motion.clear();
     EXPECT_EQ(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
+}
+
+/// A band that goes to and fro, as wide as a cell: few patches lie on each way.
+static Case BandCase() {
+    Shape band;
+    std::map<std::pair<int, int>, int> number;
+    const auto corner = [&](int a, int b) {
+        const auto found = number.emplace(std::make_pair(a, b), band.Size());
+        if (found.second)
+            band.position.emplace_back(a, b, 0);
+        return found.first->second;
+    };
+    for (int a = 0; a < 61; ++a)
+        for (int b = 0; b < 31; ++b)
+            if (a % 2 == 0 || b == (a % 4 == 1 ? 0 : 30)) {
+                const int q[4] = {corner(a, b), corner(a + 1, b), corner(a + 1, b + 1), corner(a, b + 1)};
+                band.face.push_back({q[0], q[1], q[2]});
+                band.face.push_back({q[0], q[2], q[3]});
+            }
+    const Eigen::Translation3d middle(58, 15, 0);
+    return CaseOf(
+        band, [](const Vector3d &p) { return p[0] < 6    ? 0
+                                             : p[0] > 55 ? 2
+                                                         : 1; },
+        middle * Eigen::AngleAxisd(1, Vector3d::UnitZ()) * middle.inverse());
+}
+
+static Eigen::Index NodesOf(const Case &c, const DeformationParam &param) {
+    return vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).rest.position.cols();
+}
+
+TEST(AutomaticPatches, AreMoreWhereFewBendTheSurfaceOtherwise) {
+    const Case c = BandCase();
+    EXPECT_LT(ErrorOf(c, 0).first, ErrorOf(c, GraphParam().Patches()).first / 3);
+}
+
+TEST(AutomaticPatches, AreFewWhereThatIsEnough) {
+    const Case c = CaseOf(Tube(50, 40), [](const Vector3d &p) { return p[2] < 0.7 ? 0 : p[2] > 5.3 ? 2 : 1; });
+    DeformationParam param, few;
+    few.graph.initialPatches = GraphParam().Patches();
+    for (unsigned seed : {1, 5}) {
+        param.graph.randomSeed = few.graph.randomSeed = seed;
+        const MeshD mesh(c.shape);
+        EXPECT_EQ(vcg::tri::DeformCentroidal(mesh, c.handles, param).position,
+                  vcg::tri::DeformCentroidal(mesh, c.handles, few).position);
+    }
+}
+
+TEST(AutomaticPatches, AreAsManyForAnyPoseAndSeedAndAnyThreads) {
+    Case c = BandCase();
+    DeformationParam param;
+    const Eigen::Index many = NodesOf(c, param);
+    param.graph.randomSeed = 2;
+    EXPECT_LT(std::abs(double(NodesOf(c, param) - many)), 0.1 * double(many));
+    param.graph.randomSeed = 1;
+    Progress one;
+    one.threads = 1;
+    const MeshD mesh(c.shape);
+    EXPECT_EQ(vcg::tri::DeformCentroidal(mesh, c.handles, param, one).position,
+              vcg::tri::DeformCentroidal(mesh, c.handles, param).position);
+    c.handles.motion.clear();
+    EXPECT_EQ(NodesOf(c, param), many);
+}
+
+TEST(AutomaticPatches, AreThoseThatArePickedOnceANumberARadiusOrThePaperIs) {
+    const Case c = BandCase();
+    const Eigen::Index many = NodesOf(c, {});
+    DeformationParam param;
+    param.graph.initialPatches = GraphParam().Patches();
+    const Eigen::Index few = NodesOf(c, param);
+    EXPECT_LT(few, many / 2 + 100);
+    param.graph.initialPatches = 0;
+    param.graph.targetRadius = 4;
+    EXPECT_LE(NodesOf(c, param), few);
+    param.graph.targetRadius = 0;
+    param.graphWeights = GraphWeights::Printed;
+    EXPECT_LE(NodesOf(c, param), few);
 }

@@ -25,13 +25,14 @@ struct BeyondPaper {
     bool compliance;   ///< the rotation of what is constrained gives way, with the depth (Eq. 5)
     bool acceleration; ///< of the local and global steps, if asked for (Eqs. 5 and 6)
     bool steps;        ///< a pose that turns far is reached in steps (sec. 2.2)
+    bool refinement;   ///< more patches where few make another shape (sec. 2.1)
     bool linearMaps;   ///< nodes stretch as their edges do, and not only rotate (Eq. 7)
     bool
         smoothMapping; ///< a blend of second order with smooth weights, which runs into what is constrained (Eqs. 7, 8)
 
     explicit BeyondPaper(GraphWeights weights = GraphWeights::Border) {
-        barycenters = borders = surfaceBalls = compliance = acceleration = steps = linearMaps = smoothMapping =
-            weights != GraphWeights::Printed;
+        barycenters = borders = surfaceBalls = compliance = acceleration = steps = refinement = linearMaps =
+            smoothMapping = weights != GraphWeights::Printed;
     }
 };
 

@@ -9,8 +9,8 @@ namespace fcd {
 void GraphParam::Validate() const {
     if (!(targetRadius >= 0) || std::isinf(targetRadius))
         throw BadInput("The target radius must be 0 (automatic) or a positive, finite length.");
-    if (initialPatches < 1)
-        throw BadInput("The number of initial patches must be at least 1.");
+    if (initialPatches < 0)
+        throw BadInput("The number of initial patches must be at least 1, or 0 for as many as are needed.");
     if (maxIterations < 1)
         throw BadInput("The maximum number of iterations must be at least 1.");
     if (!(tolerance >= 0 && tolerance < 1))
@@ -20,7 +20,7 @@ void GraphParam::Validate() const {
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius) {
     if (param.targetRadius > 0)
         return param.targetRadius / surface.frame.scale;
-    const double automatic = patchRadius * std::sqrt(surface.area / param.initialPatches);
+    const double automatic = patchRadius * std::sqrt(surface.area / param.Patches());
     return automatic > 0 ? automatic : surface.averageEdge > 0 ? surface.averageEdge : 1; // no surface
 }
 
@@ -28,7 +28,7 @@ Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag
                       const Progress &progress) {
     PatchParam p;
     p.targetRadius = D;
-    p.initialPatches = param.initialPatches;
+    p.initialPatches = param.Patches();
     p.maxIterations = param.maxIterations;
     p.tolerance = param.tolerance;
     p.randomSeed = param.randomSeed;

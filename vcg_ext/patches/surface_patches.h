@@ -16,12 +16,15 @@ enum class PatchMeasure {
 
 /// How the deformation graph is built.
 struct GraphParam {
-    double targetRadius = 0;  ///< D, mesh units, >= 0; 0 = 0.75 sqrt(area / initialPatches), of the area that can bend
-    int initialPatches = 300; ///< k0, >= 1
-    int maxIterations = 100;  ///< >= 1
-    double tolerance = 1e-3;  ///< of the cost, [0, 1)
+    double targetRadius = 0; ///< D, mesh units, >= 0; 0 = 0.75 sqrt(area / Patches()), of the area that can bend
+    int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and of a Deformer as many as the surface asks for
+    int maxIterations = 100; ///< >= 1
+    double tolerance = 1e-3; ///< of the cost, [0, 1)
     unsigned randomSeed = 1;
     PatchMeasure measure = PatchMeasure::Area;
+
+    /// How many to begin with: 300 where no number is given.
+    int Patches() const { return initialPatches > 0 ? initialPatches : 300; }
 
     /// \throw BadInput naming the value that is out of range
     void Validate() const;

@@ -11,3 +11,4 @@
 #include <vcg_ext/field/field_sampling.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/deform_surface.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/deformer.cpp>                // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/deformer_graph.cpp>          // NOLINT(bugprone-suspicious-include)

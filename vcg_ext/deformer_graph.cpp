@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How many patches a deformer's graph has, the graph, and how far off its poses are.
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/patches/given_nodes.h>
+#include <vcg_ext/solve/discretisation_error.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+// So many times the patches: the error falls eightfold, with their number to the power of 3 / 4 (DiscretisationError).
+// That is what an estimate which is low by three, as it may be where the surface is thin or torn, leaves room for.
+constexpr int finer = 16;
+
+} // namespace
+
+double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver) const {
+    NodeConstraints given = ConstraintsOf(pose);
+    given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
+    SolverParam steps = solver;
+    steps.accelerated = solver.accelerated && beyond.acceleration;
+    steps.follow = beyond.steps;
+    const double error =
+        vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape);
+    if (!(error > 0)) // also without any nodes
+        return error;
+    const Eigen::Matrix3Xf &rest = graph.graph.position;
+    return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
+}
+
+void Deformer::MakeGraph(const PositionsRef &rest, const Progress &progress) {
+    D = TargetRadius(surface, param.graph, param.shape.patchRadius);
+    if (param.nodes.cols() == 0)
+        patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
+    else {
+        const std::vector<Index> nodes =
+            detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
+        patches = GrowPatches(surface.graph, held.tag, nodes, progress.Slice(0, 0.9));
+        D = 0;
+        for (float radius : patches.radius)
+            D = std::max(D, double(radius));
+    }
+    small = detail::FindSmallParts(surface.graph, held.tag, D, param.shape);
+    detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
+    AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
+    graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
+                                 progress.Slice(0.9, 1), param.shape);
+    holding.clear();
+    for (Index j = 0; j < graph.Size(); ++j)
+        if (const Index t = held.tag[patches.center[j]];
+            t != 1 && (!HeldNodes::IsSingle(t) || held.original[-1 - t] >= 0))
+            holding.push_back(HeldNodes::IsSingle(t) ? held.original[-1 - t] : t);
+    std::sort(holding.begin(), holding.end());
+    holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
+    nodeArea.assign(graph.Size(), 0);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (patches.patchOf[u] >= 0)
+            nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
+}
+
+HeldMotions Deformer::Probe(int axis) const {
+    const double turn = double(EIGEN_PI) / 3, way = 0.1; // as far as one step leads; a tenth of the diagonal
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
+    const Eigen::Affine3d move(Eigen::Translation3d(way * along));
+    HeldMotions m;
+    m.motion[0].setIdentity();
+    for (const auto &[tag, middle] : center) {
+        const Eigen::Vector3d about = surface.frame.ToFrame(middle);
+        m.motion[tag] = surface.frame.FromFrame(move * Eigen::Translation3d(about) * Eigen::AngleAxisd(turn, along) *
+                                                Eigen::Translation3d(-about));
+        m.rotates[tag] = true;
+    }
+    for (std::size_t i = 0; i < point.size(); ++i)
+        (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) =
+            surface.frame.FromFrame(move);
+    HoldOriginals(m);
+    return m;
+}
+
+double Deformer::TurnError(const Progress &progress) const {
+    std::array<double, 3> error{};
+    SolverParam solver;
+    solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
+    solver.maxIterations = 100;
+    solver.follow = beyond.steps;
+    ParallelFor(progress, "Estimating the error", 3, 1, [&](std::size_t first, std::size_t last) {
+        for (std::size_t axis = first; axis < last; ++axis)
+            try {
+                error[axis] = DiscretisationError(Solve(Probe(int(axis)), solver), solver);
+            } catch (const Unsolvable &) { // for whoever poses it
+            }
+    });
+    double most = 0;
+    for (double e : error)
+        most = e > most ? e : most; // not a number: it cannot be told
+    return most;
+}
+
+void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
+    if (param.graph.initialPatches > 0 || !beyond.refinement || param.nodes.cols() > 0 ||
+        param.graph.targetRadius > 0) {
+        MakeGraph(rest, progress);
+        return;
+    }
+    // Whether so few are enough is asked once for all seeds: shapes of few and of many patches may differ by more than
+    // those of two seeds.
+    const unsigned seed = param.graph.randomSeed;
+    param.graph.randomSeed = GraphParam().randomSeed;
+    MakeGraph(rest, progress.Slice(0, 0.3));
+    const bool isCoarse = TurnError(progress.Slice(0.3, 0.4)) > coarseError;
+    if (!isCoarse && seed == param.graph.randomSeed)
+        return;
+    if (isCoarse)
+        param.graph.initialPatches = finer * param.graph.Patches();
+    param.graph.randomSeed = seed;
+    latest = nullptr;
+    MakeGraph(rest, progress.Slice(0.4, 1));
+}
+
+} // namespace fcd
+} // namespace vcg
