@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How many patches a deformer's graph has, the graph, and how far off its poses are.
+#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/patches/given_nodes.h>
 #include <vcg_ext/solve/discretisation_error.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace vcg {
 namespace fcd {
@@ -71,8 +71,9 @@ HeldMotions Deformer::Probe(int axis) const {
     m.motion[0].setIdentity();
     for (const auto &[tag, middle] : center) {
         const Eigen::Vector3d about = surface.frame.ToFrame(middle);
-        m.motion[tag] = surface.frame.FromFrame(move * Eigen::Translation3d(about) * Eigen::AngleAxisd(turn, along) *
-                                                Eigen::Translation3d(-about));
+        Eigen::Affine3d moved(detail::RotationBy(turn, along));
+        moved.translation() = about - moved.linear() * about;
+        m.motion[tag] = surface.frame.FromFrame(move * moved);
         m.rotates[tag] = true;
     }
     for (std::size_t i = 0; i < point.size(); ++i)
