@@ -405,7 +405,7 @@ def test_textures_and_colors_survive(tmp_path):
     ("(x &lt; 0.5) ? 0 : 2", {}, "free"),
     (BONE_TAGS, {"handles": 3, "tag_file": "/no/such.sel"}, "/no/such.sel"),
     (BONE_TAGS, {"transforms": "2: turn 0 0 1 90"}, "character 4: expected"),
-    (BONE_TAGS, {"initial_patches": 0}, "patches"),
+    (BONE_TAGS, {"initial_patches": -1}, "patches"),
 ])
 def test_an_error_is_a_message_and_no_new_layer(tmp_path, quality, parameters, word):
     run = Run(tmp_path, BONE, quality_filter(quality), deform_filter(**parameters))
