@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "layer_part.h"
 
-#include <layer_fcd/layer_contents.h>
+#include "layer_drawing.h"
+
+#include <utility>
 
 using Names = MLRenderingData::ATT_NAMES;
 
@@ -41,42 +43,19 @@ LayerPart::LayerPart(const CMeshO &mesh, const std::vector<char> &isIn, const La
     : mesh(mesh), look(look), elements(QOpenGLBuffer::IndexBuffer) {
     positions.setUsagePattern(QOpenGLBuffer::DynamicDraw);
     normals.setUsagePattern(QOpenGLBuffer::DynamicDraw);
-    const std::uint32_t none = std::uint32_t(-1);
-    std::vector<std::uint32_t> place(mesh.vert.size(), none);
-    for (std::size_t f = 0; f < mesh.face.size(); ++f) {
-        if (!isIn[f] || mesh.face[f].IsD())
-            continue;
-        for (int k = 0; k < 3; ++k) {
-            const auto i = std::size_t(mesh.face[f].cV(k) - mesh.vert.data());
-            if (place[i] == none) {
-                place[i] = std::uint32_t(slot.size());
-                slot.push_back(std::uint32_t(i));
-            }
-            element.push_back(place[i]);
-        }
-    }
+    DrawnVertices placeOf(mesh);
+    for (std::size_t f = 0; f < mesh.face.size(); ++f)
+        for (int k = 0; k < 3 && isIn[f] && !mesh.face[f].IsD(); ++k)
+            element.push_back(placeOf(std::size_t(mesh.face[f].cV(k) - mesh.vert.data())));
+    slot = std::move(placeOf.slot);
 }
 
 void LayerPart::write() {
-    const auto fill = [](QOpenGLBuffer &buffer, const auto &values) {
-        if (!buffer.isCreated())
-            buffer.create();
-        buffer.bind();
-        buffer.allocate(values.data(), int(values.size() * sizeof values[0]));
-        buffer.release();
-    };
     if (isMoved) {
-        position.resize(3 * slot.size());
-        normal.resize(3 * slot.size());
-        vcg::fcd::ParallelFor(0, slot.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t j = first; j < last; ++j)
-                for (int d = 0; d < 3; ++d) {
-                    position[3 * j + std::size_t(d)] = float(mesh.vert[slot[j]].cP()[d]);
-                    normal[3 * j + std::size_t(d)] = float(mesh.vert[slot[j]].cN()[d]);
-                }
-        });
-        fill(positions, position);
-        fill(normals, normal);
+        fillVectors(
+            positions, slot, [&](std::uint32_t i) { return mesh.vert[i].cP(); }, position);
+        fillVectors(
+            normals, slot, [&](std::uint32_t i) { return mesh.vert[i].cN(); }, normal);
     }
     if (isNew) {
         fill(elements, element);
@@ -92,8 +71,7 @@ void LayerPart::draw(const GLArea &view) {
     if (element.empty())
         return;
     write();
-    glPushAttrib(GL_ALL_ATTRIB_BITS);
-    glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+    const LayerDrawing drawing(mesh);
     const auto light = [](GLenum what, const vcg::Color4b &color) {
         glLightfv(GL_LIGHT0, what, vcg::Color4f::Construct(color).V());
     };
@@ -114,32 +92,9 @@ void LayerPart::draw(const GLArea &view) {
     glColor4ubv(look.color.V());
     if (look.hasVertexColors)
         glColorMaterial(GL_FRONT_AND_BACK, GL_AMBIENT_AND_DIFFUSE);
-    Eigen::Matrix4d matrix;
-    mesh.Tr.ToEigenMatrix(matrix);
-    glMatrixMode(GL_MODELVIEW);
-    glPushMatrix();
-    glMultMatrixd(matrix.data());
-
-    glEnableClientState(GL_VERTEX_ARRAY);
-    glEnableClientState(GL_NORMAL_ARRAY);
-    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
-    positions.bind();
-    glVertexPointer(3, GL_FLOAT, 0, nullptr);
-    normals.bind();
-    glNormalPointer(GL_FLOAT, 0, nullptr);
-    normals.release();
-    if (look.hasVertexColors) {
-        glEnableClientState(GL_COLOR_ARRAY);
-        colors.bind();
-        glColorPointer(4, GL_UNSIGNED_BYTE, 0, nullptr);
-        colors.release();
-    } else {
-        glDisableClientState(GL_COLOR_ARRAY);
-    }
-    elements.bind();
-    glDrawElements(GL_TRIANGLES, int(element.size()), GL_UNSIGNED_INT, nullptr);
-    elements.release();
-    glPopMatrix();
-    glPopClientAttrib();
-    glPopAttrib();
+    usePositions(positions);
+    useNormals(normals);
+    if (look.hasVertexColors)
+        useColors(colors);
+    drawTriangles(elements, element.size());
 }
