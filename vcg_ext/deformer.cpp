@@ -77,10 +77,14 @@ HeldMotions Deformer::MotionsOf(const Handles &handles, double percent) const {
         Eigen::Matrix4d motion = Eigen::Matrix4d::Identity();
         motion.topRightCorner<3, 1>() = (handles.point[i].target - pointRest[i]) * (percent / 100);
         detail::ExpectNear(surface.frame, motion, name);
-        (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) = motion;
+        MovePoint(m, i, motion);
     }
     HoldOriginals(m);
     return m;
+}
+
+void Deformer::MovePoint(HeldMotions &m, std::size_t i, const Eigen::Matrix4d &motion) const {
+    (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) = motion;
 }
 
 void Deformer::HoldOriginals(HeldMotions &m) const {

@@ -127,6 +127,8 @@ class Deformer : public MovingSurface {
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
     void MakeGraph(const PositionsRef &rest, const Progress &progress);
+    /// Gives a point handle its motion, mesh units. \param i which one
+    void MovePoint(HeldMotions &m, std::size_t i, const Eigen::Matrix4d &motion) const;
     /// Gives nodes that are held alone the motion of what they belong to.
     void HoldOriginals(HeldMotions &m) const;
     /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth

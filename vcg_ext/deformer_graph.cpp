@@ -77,8 +77,7 @@ HeldMotions Deformer::Probe(int axis) const {
         m.rotates[tag] = true;
     }
     for (std::size_t i = 0; i < point.size(); ++i)
-        (HeldNodes::IsSingle(held.pointTag[i]) ? m.motion[held.pointTag[i]] : m.pointMotion[point[i]]) =
-            surface.frame.FromFrame(move);
+        MovePoint(m, i, surface.frame.FromFrame(move));
     HoldOriginals(m);
     return m;
 }
