@@ -171,6 +171,8 @@ std::string describe(const FittedLayers &made) {
     if (!made.landmarksOnly)
         line << " " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
              << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+    if (report.bothWays)
+        line << " Parts of the target drew what is nearest to them, too.";
     if (report.insideOut)
         line << " Its normals point to the other side than those of the target, which were taken turned over.";
     if (made.landmarks > 0)
@@ -192,6 +194,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
                    {"landmark_pull", report.pull},
+                   {"both_ways", report.bothWays},
                    {"inside_out", report.insideOut},
                    {"nodes", int(made.result.rest.position.cols())},
                    {"steps", report.steps},

@@ -76,8 +76,9 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     addParameter<RichBool>(list, Shown::Always, "both_ways", fit.bothWays, "Matches both ways",
                            "Places of the target that nothing of the layer lies near draw what is nearest, too, so "
                            "that thin and long parts "
-                           "of the target are reached. Leave it <b>off</b> (the default) where the target has parts "
-                           "that the layer lacks.");
+                           "of the target are reached. <b>Off</b> (the default): where parts of the target are left, "
+                           "that is tried, and taken if nothing of it is left then and more of the layer has a "
+                           "counterpart. Leave it off where the target has parts that the layer lacks.");
     addInitialPatches(list, fit.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, fit.smoothness);
     addRandomSeed(list, fit.graph.randomSeed);

@@ -112,6 +112,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["landmarks"] = points.shape(0);
     all["landmark_residual"] = found.landmarks;
     all["landmark_pull"] = found.pull;
+    all["both_ways"] = found.bothWays;
     all["inside_out"] = found.insideOut;
     all["steps"] = found.steps;
     all["beyond"] = found.beyond;

@@ -18,7 +18,7 @@ FIT_DEFAULTS = {
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
     "median": float, "percentile_95": float, "matched": float, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
-    "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
+    "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
 PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
@@ -100,6 +100,14 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     assert not result["converged"] and "did not come to rest: raise fit_steps" in log
 
 
+@pytest.mark.parametrize("degrees", [60.0, 110.0])
+def test_a_tube_is_found_that_is_bent_far(capfd, degrees):
+    ms, truth = pair(degrees=degrees)
+    result, log = fit_logged(ms, capfd)
+    assert result["both_ways"] and "drew what is nearest to them, too" in log
+    assert rms(ms.current_mesh().vertex_matrix(), truth) < 1, "one way, it is off by more than 2"
+
+
 def test_parameters_names_order_and_defaults():
     assert FIT in pymeshlab.filter_list()
     ms, _ = pair()
@@ -134,9 +142,14 @@ def test_an_untagged_layer_comes_near_the_truth():
 
 @pytest.mark.parametrize("kind", ["index", "coordinates", "picked"])
 def test_landmarks_lead_where_the_shape_alone_does_not(tmp_path, kind):
-    ms, truth = pair(degrees=60.0)
-    far = rms(fit(ms, graph_layers=False)[1], truth)
+    def turned(points):  # about the axis: at 120 degrees, its bumps are nearly the same again
+        return points @ [[np.cos(2), np.sin(2), 0], [-np.sin(2), np.cos(2), 0], [0, 0, 1]]
+
+    points, faces = tube(97, 53, shift=0.5)
+    ms, _ = pair(target=(turned(points), faces))
     source = tube()[0]
+    truth = bent(turned(source))
+    far = rms(fit(ms, graph_layers=False)[1], truth)
     chosen = np.arange(5, len(truth), len(truth) // 12)
     file = point_file(tmp_path / ("p.pp" if kind == "picked" else "p.csv"), kind, chosen, source[chosen], truth[chosen])
     ms.set_current_mesh(1)

@@ -3,7 +3,7 @@
 (find: comparing the layer with what is prepared; solve: the graph; map: positions and normals of vertices; normals: of faces;
 host: the rest of the call), and what filters cost in times of what MeshLab itself does in the same process: a deformed layer, with
 the deformer kept and without, in copies of the layer (generate_copy_of_current_mesh); the graph filter in steps of Laplacian
-smoothing. Medians.
+smoothing; and a deformed layer of the vertices as a cloud in those of the mesh. Medians.
 
     build/venv/bin/python tests/poses.py PLUGIN.so MESH...
 
@@ -37,14 +37,18 @@ def load(path, shuffle):
     longest = vertices[:, np.argmax(np.ptp(vertices, axis=0))]
     low, high = np.quantile(longest, [0.1, 0.9])
     tags = np.where(longest < low, 0.0, np.where(longest > high, 2.0, 1.0))
+    return vertices, faces, tags
+
+
+def document(vertices, faces, tags):
     ms = pymeshlab.MeshSet(verbose=False)
     ms.add_mesh(pymeshlab.Mesh(vertices, faces, v_scalar_array=tags))
     return ms
 
 
 def measure(path, shuffle, times):
-    ms = load(path, shuffle)
-    vertices = ms.current_mesh().vertex_number()
+    vertices, faces, tags = load(path, shuffle)
+    ms = document(vertices, np.zeros((0, 3), np.int32), tags)
 
     def turn(i):
         return f"2: rotate 1 1 0 {20 + i}"
@@ -66,6 +70,8 @@ def measure(path, shuffle, times):
             drop()
         return statistics.median(taken)
 
+    cloud = timed(lambda i: deform(i, random_seed=100 + i))
+    ms = document(vertices, faces, tags)
     copied = timed(lambda _: ms.generate_copy_of_current_mesh())
     anew = timed(lambda i: deform(i, random_seed=100 + i))
     kept = timed(lambda i: deform(i, random_seed=100 + times - 1))
@@ -78,8 +84,8 @@ def measure(path, shuffle, times):
     whole = statistics.median(taken for taken, _ in poses)
     part = {name: statistics.median(values["seconds_" + name] for _, values in poses) for name in PARTS}
     host = whole - sum(part.values())
-    print(f"| {vertices} | {first:.2f} | {whole:.3f} | {1 / whole:.1f} | " + " | ".join(f"{part[name]:.3f}" for name in PARTS) +
-          f" | {host:.3f} | {anew / copied:.2f} | {kept / copied:.2f} | {graph / smooth:.2f} |", flush=True)
+    print(f"| {len(vertices)} | {first:.2f} | {whole:.3f} | {1 / whole:.1f} | " + " | ".join(f"{part[name]:.3f}" for name in PARTS) +
+          f" | {host:.3f} | {anew / copied:.2f} | {kept / copied:.2f} | {graph / smooth:.2f} | {cloud / anew:.2f} |", flush=True)
 
 
 if __name__ == "__main__":
@@ -91,7 +97,7 @@ if __name__ == "__main__":
     given = arguments.parse_args()
     pymeshlab.load_plugin(given.plugin)
     print("| vertices | first pose s | pose s | poses/s | " + " | ".join(PARTS) +
-          " | host | deformed layer / copy | the same, kept | graph / Laplacian step |")
-    print("|---" * 12 + "|")
+          " | host | deformed layer / copy | the same, kept | graph / Laplacian step | cloud / mesh |")
+    print("|---" * 13 + "|")
     for path in given.mesh:
         measure(path, given.shuffle, given.times)

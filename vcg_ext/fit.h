@@ -54,8 +54,10 @@ struct FitParam : DeformationParam {
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
     int samples = 6000;                  ///< places of the source that are matched, >= 100
-    bool bothWays = false;               ///< places of the target that none of the source is near draw the nearest one
-    double landmarkTolerance = 0;        ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
+    /// Places of the target that none of the source is near draw the nearest one; false: where too many are left, that
+    /// is tried as well, and taken where it fits better.
+    bool bothWays = false;
+    double landmarkTolerance = 0; ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
 
     /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Nothing has to be matched
     /// step by step then, and the surface comes to rest in far fewer steps.
@@ -77,6 +79,7 @@ struct FitReport {
     double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
     double beyond = 0;      ///< how far the landmarks are beyond their tolerance, at most, world units
     double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
+    bool bothWays = false;  ///< places of the target drew what is nearest, too: as asked, or as it fits better
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     int steps = 0;
     bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,

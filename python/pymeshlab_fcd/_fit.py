@@ -44,6 +44,8 @@ class FitInfo(PoseInfo):
     """The largest distance of a landmark from where it belongs."""
     landmark_pull: float
     """How far the surface had to give way at last so that all landmarks are there: much where they contradict each other."""
+    both_ways: bool
+    """Places of the target drew what is nearest, too: as asked, or as it fits better."""
     inside_out: bool
     """Its normals point to the other side than those of the target, which were taken turned over."""
 
@@ -100,7 +102,8 @@ class Fitter:
         largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
         landmarks_only: The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
         both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
-            reached. Not where the target has parts that the surface lacks.
+            reached. Not where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and
+            taken if nothing of it is left then and more of the surface has a counterpart.
         landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
         patches: How many patches to begin with, from 1.
         smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
@@ -290,7 +293,7 @@ def fit(
         largest_distance: What is farther from the target has no counterpart there. 0: no limit.
         largest_angle: Of the normals of counterparts, in degrees.
         landmarks_only: The surface follows its landmarks alone; `target_vertices` may be None.
-        both_ways: The target draws the surface where nothing of it is near, too.
+        both_ways: The target draws the surface where nothing of it is near, too. False: where that fits better.
         landmark_tolerance: So far a landmark may stay from where it belongs. 0: it is exact.
         patches: How many patches to begin with.
         smoothness: 0.001 is loose, 0.1 is stiff.

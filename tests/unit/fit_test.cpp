@@ -239,11 +239,50 @@ TEST(Fit, MatchesBothWaysReachWhatIsThin) {
     FitParam param = Small();
     param.graph.initialPatches = 100;
     const auto reached = [&](const Fitted &fitted) { return fitted.position.row(0).maxCoeff(); };
-    const double oneWay = reached(Fit(from, to, param));
+    const Fitted asItIs = Fit(from, to, param);
+    const double oneWay = reached(asItIs);
+    EXPECT_FALSE(asItIs.report.bothWays) << "drawn out, it has no more counterparts than before";
     param.bothWays = true;
     const double bothWays = reached(Fit(from, to, param));
     EXPECT_LT(oneWay, 7.3);
     EXPECT_GT(bothWays, oneWay + 0.2);
+}
+
+/// A ball with waves and two arms.
+/// \param degrees that the longer arm is turned by, towards the other one
+Shape Armed(int rows, int columns, double degrees) {
+    Shape shape = Grid(columns + 1, rows);
+    const Vector3d arm(1, 0, 0), other(std::sqrt(0.5), 0, std::sqrt(0.5));
+    for (Vector3d &p : shape.position) {
+        const double down = double(EIGEN_PI) * p[1] / (rows - 1), round = 2 * double(EIGEN_PI) * p[0] / columns;
+        const Vector3d d(std::sin(down) * std::cos(round), std::sin(down) * std::sin(round), std::cos(down));
+        const auto bell = [&](const Vector3d &to) {
+            return std::exp(-std::pow(std::acos(std::min(1.0, std::max(-1.0, d.dot(to)))) / 0.3, 2));
+        };
+        p = d * (1 + 0.08 * std::sin(3 * d[0] + 1) * std::cos(4 * d[1]) + 0.05 * std::sin(5 * d[2]) + 2.2 * bell(arm) +
+                 1.76 * bell(other));
+        if (p.normalized().dot(arm) < std::cos(0.5))
+            continue;
+        const double t = std::min(1.0, std::max(0.0, (p.dot(arm) - 1) / 1.2));
+        const Eigen::AngleAxisd turn(degrees * double(EIGEN_PI) / 180 * t * t * (3 - 2 * t), Vector3d(0, -1, 0));
+        p = arm + turn * (p - arm);
+    }
+    return shape;
+}
+
+// So far that its end is nearer to the other arm: matched one way it shrinks onto that, and the end of the target stays
+// bare. Nobody has to ask for the other way.
+TEST(Fit, AnArmThatIsNotFoundIsFoundBothWays) {
+    const Shape arms = Armed(70, 120, 0), turned = Armed(70, 120, 25);
+    FitParam param = Small();
+    param.samples = 6000; // so dense that the end's bareness shows
+    param.fitSteps = 25;
+    const Fitted fitted = Fit(arms, Armed(61, 101, 25), param);
+    double far = 0;
+    for (std::size_t i = 0; i < turned.position.size(); ++i)
+        far = std::max(far, (fitted.position.col(Eigen::Index(i)) - turned.position[i]).norm());
+    EXPECT_TRUE(fitted.report.bothWays);
+    EXPECT_LT(far, 0.25) << "and 0.8 one way";
 }
 
 // Rolled so far that the nearest points are wrong ones.

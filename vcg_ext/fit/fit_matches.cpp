@@ -38,11 +38,8 @@ double Quantile(std::vector<double> values, double part) {
 
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
-      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()) {
-    if (param.bothWays)
-        reach = target.Places(Size());
-    reaches.resize(reach.size());
-}
+      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()), reach(target.Places(Size())),
+      reaches(param.bothWays ? reach.size() : 0) {}
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -60,7 +57,7 @@ void FitMatches::Search(const GraphPose &pose, unsigned threads) {
         for (std::size_t s = begin; s < end; ++s)
             back[s] = (at[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
     });
-    ParallelFor(threads, reach.size(), 64, [&](std::size_t begin, std::size_t end) {
+    ParallelFor(threads, reaches.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r)
             reaches[r] = tree.Nearest(reach[r].point);
     });
@@ -100,19 +97,23 @@ FitSystem::Pull FitMatches::PullOf(double weight, std::size_t s, const Eigen::Ve
     return pull;
 }
 
+/// How much a place of the target draws the sample that is nearest to it, [0, 1]: not at all where it is reached.
+/// \param n out: where it does, the mean of the normals at both
+double FitMatches::Draw(std::size_t r, std::size_t s, Eigen::Vector3d &n) const {
+    const double far = (at[s] - reach[r].point).norm();
+    return far <= 2 * param.spacing || far > param.farthest ? 0 : Angular(reach[r], s, n);
+}
+
 /// All that one sample is drawn to counts as one match together, and no less where it is far: that is what it is for.
 void FitMatches::DrawBack(std::vector<FitSystem::Pull> &pull) const {
-    std::vector<double> sum(Size(), 0), weight(reach.size(), 0);
-    std::vector<Eigen::Vector3d> mean(reach.size());
-    for (std::size_t r = 0; r < reach.size(); ++r) {
+    std::vector<double> sum(Size(), 0), weight(reaches.size(), 0);
+    std::vector<Eigen::Vector3d> mean(reaches.size());
+    for (std::size_t r = 0; r < reaches.size(); ++r) {
         const std::size_t s = std::size_t(reaches[r]);
-        const double far = (at[s] - reach[r].point).norm();
-        if (far <= 2 * param.spacing || far > param.farthest)
-            continue;
-        weight[r] = Angular(reach[r], s, mean[r]);
+        weight[r] = Draw(r, s, mean[r]);
         sum[s] += weight[r];
     }
-    for (std::size_t r = 0; r < reach.size(); ++r) {
+    for (std::size_t r = 0; r < reaches.size(); ++r) {
         if (weight[r] <= 0)
             continue;
         const std::size_t s = std::size_t(reaches[r]);
@@ -121,6 +122,17 @@ void FitMatches::DrawBack(std::vector<FitSystem::Pull> &pull) const {
         pull[s].form += each.form;
         pull[s].gradient += each.gradient;
     }
+}
+
+double FitMatches::Unreached() const {
+    if (Size() == 0 || reach.empty())
+        return 0;
+    const PointTree<double> tree(at);
+    std::size_t unreached = 0;
+    Eigen::Vector3d mean;
+    for (std::size_t r = 0; r < reach.size(); ++r)
+        unreached += Draw(r, std::size_t(tree.Nearest(reach[r].point)), mean) > 0;
+    return double(unreached) / double(reach.size());
 }
 
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {

@@ -29,8 +29,9 @@ struct MatchParam {
 /// of Godin 1994 and Zinsser 2003): something else of the surface is nearer to the place. Nor does one where the target
 /// ends that is farther than they mostly are. So what has no counterpart is not drawn to what lies beside it.
 ///
-/// Both ways: a place of the target that no sample is within two spacings of draws the nearest one that looks to the
-/// same side, so that what is thin and long is reached (both directions, as Zinsser and others match).
+/// Both ways: a place of the target that is not reached, as no sample is within two spacings of it, draws the nearest
+/// one if that looks to the same side, so that what is thin and long is reached (both directions, as Zinsser and others
+/// match).
 class FitMatches {
   public:
     /// Nearer than this, of the diagonal, is as good as on the target.
@@ -42,6 +43,9 @@ class FitMatches {
     /// \param pull out: of each sample, from point to plane (Chen and Medioni 1992), with the mean of both normals
     /// (Rusinkiewicz 2019)
     void Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull);
+
+    /// The share of the target's places that are not reached where the samples are now, [0, 1].
+    double Unreached() const;
 
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
@@ -56,6 +60,7 @@ class FitMatches {
     void Search(const GraphPose &pose, unsigned threads);
     FitSystem::Pull PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
                            double along) const;
+    double Draw(std::size_t r, std::size_t s, Eigen::Vector3d &normal) const;
     void DrawBack(std::vector<FitSystem::Pull> &pull) const;
     double Angular(const FitTarget::Match &match, std::size_t s, Eigen::Vector3d &normal) const;
 
@@ -69,8 +74,8 @@ class FitMatches {
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
-    std::vector<FitTarget::Match> reach; // of the target, what is to be reached
-    std::vector<Index> reaches;          // of each of them, the nearest sample
+    const std::vector<FitTarget::Match> reach; // of the target, what is to be reached
+    std::vector<Index> reaches;                // of each of them, the nearest sample; both ways
 };
 
 /// A part of a list, as if it were sorted; 0 of none.
