@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include <vcg_ext/base/rotation_vector.h>
-
 #include <layer_fcd/kept_poses.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/marks.h>
@@ -19,28 +17,6 @@ using vcg::fcd::KeyFrame;
 using vcg::fcd::Motion;
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
-
-namespace {
-
-/// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
-std::vector<MotionStep> stepsOf(const Motion &motion, const Eigen::Vector3d &center) {
-    const Eigen::Affine3d whole(motion.matrix);
-    const Eigen::Vector3d turn = motion.Rotation(), moved = whole * center - center;
-    const Eigen::Matrix3d stretch = vcg::fcd::detail::RotationBy(turn).transpose() * whole.linear();
-    std::vector<MotionStep> steps;
-    if (stretch.isDiagonal(1e-12) && !stretch.isIdentity(1e-12))
-        steps.push_back(MotionStep::Scale(stretch.diagonal()));
-    else if (!stretch.isIdentity(1e-12))
-        steps.push_back(MotionStep::Affine(
-            (Eigen::Translation3d(center) * Eigen::Affine3d(stretch) * Eigen::Translation3d(-center)).matrix()));
-    if (turn.norm() > 1e-12)
-        steps.push_back(MotionStep::Rotate(turn.normalized(), turn.norm() * 180 / vcg::fcd::detail::pi));
-    if (moved.norm() > 1e-12 * (center.norm() + moved.norm()))
-        steps.push_back(MotionStep::Translate(moved));
-    return steps;
-}
-
-} // namespace
 
 std::map<int, std::vector<MotionStep>> &BendSession::motionByHand() {
     now.weights.clear();

@@ -23,6 +23,7 @@ void BendReach::clear() {
     pending = {};
     surface.reset();
     from.clear();
+    reached.clear();
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
@@ -87,6 +88,50 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
             all.push_back(i);
+    return all;
+}
+
+std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const int unknown = -1, connected = -2;
+    std::vector<int> partOf(std::size_t(graph.Size()), unknown);
+    std::vector<char> isNodeIn(std::size_t(graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    Eigen::AlignedBox3f box;
+    float areaIn = 0;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (!isNodeIn[std::size_t(u)])
+            continue;
+        box.extend(Eigen::Vector3f(graph.position.col(u)));
+        areaIn += surface->nodeArea[std::size_t(u)];
+        if (partOf[std::size_t(u)] == unknown)
+            relabel(graph, u, connected, partOf);
+    }
+    if (box.isEmpty())
+        return {};
+    const Eigen::Vector3f around = Eigen::Vector3f::Constant(float(hair / surface->frame.scale));
+    box = {box.min() - around, box.max() + around};
+    std::vector<char> isLoose; // of the parts
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (partOf[std::size_t(u)] != unknown)
+            continue;
+        float area = 0;
+        bool isAmong = true;
+        for (const vcg::fcd::Index v : relabel(graph, u, int(isLoose.size()), partOf)) {
+            area += surface->nodeArea[std::size_t(v)];
+            isAmong = isAmong && box.contains(Eigen::Vector3f(graph.position.col(v)));
+        }
+        isLoose.push_back(isAmong && area < largestTip * areaIn);
+    }
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i) {
+        const int which = surface->nodeOf[i] < 0 ? connected : partOf[std::size_t(surface->nodeOf[i])];
+        if (which >= 0 && isLoose[std::size_t(which)])
+            all.push_back(i);
+    }
     return all;
 }
 

@@ -32,6 +32,11 @@ class BendReach {
     /// isReady()
     std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
+    /// The vertices of parts that are not connected with others, but lie among them, and are clearly smaller: nails of
+    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units \pre
+    /// isReady()
+    std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
+
   private:
     void wait();
 
