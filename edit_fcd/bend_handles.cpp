@@ -87,6 +87,8 @@ void BendSession::makeGrip(int tag) {
     if (point == now.points.end() || point->second.isGrip)
         return;
     const int other = mirrored(tag);
+    const auto tagsBefore = effective;
+    const auto centerBefore = center;
     point->second.isGrip = true;
     if (BendHandle changed = handle(tag); !changed.pivot) {
         changed.pivot = rest.world() * rest.at(point->second.slot);
@@ -94,14 +96,21 @@ void BendSession::makeGrip(int tag) {
     }
     updateTags();
     keepPlace(tag);
+    keepPlaceInPoses(tag, tagsBefore, centerBefore);
     if (other)
         makeGrip(other);
 }
 
-/// A handle has the motion that leaves it, as far as a rigid one can, where the layer shows it.
+/// A handle has the motion that leaves it where the layer shows it.
 void BendSession::keepPlace(int tag) {
     if (!rest.isPosed() || now.pose != 100)
         return;
+    if (std::vector<MotionStep> steps = stepsSeen(tag); !steps.empty())
+        motionByHand()[tag] = std::move(steps);
+}
+
+/// What a rigid motion can tell of where the layer shows a handle; none where that is at rest.
+std::vector<MotionStep> BendSession::stepsSeen(int tag) const {
     std::vector<std::size_t> held;
     for (std::size_t i = 0; i < effective->size(); ++i)
         if ((*effective)[i] == tag)
@@ -113,7 +122,7 @@ void BendSession::keepPlace(int tag) {
         after.col(Eigen::Index(i)) = positionOf(held[i]) - middle;
     }
     if ((after - before).colwise().norm().maxCoeff() < 1e-6 * rest.diagonal())
-        return;
+        return {};
     Eigen::Affine3d motion = Eigen::Affine3d::Identity();
     motion.translation() = after.rowwise().mean();
     const Eigen::Vector3d extent = // squared, ascending
@@ -126,7 +135,7 @@ void BendSession::keepPlace(int tag) {
         step.vector = step.vector.unaryExpr(&inFewDigits);
         step.degrees = inFewDigits(step.degrees);
     }
-    motionByHand()[tag] = std::move(steps);
+    return steps;
 }
 
 Eigen::Vector3d BendSession::normalOf(int tag) const {

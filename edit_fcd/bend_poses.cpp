@@ -35,6 +35,31 @@ std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
     return motionsOf(*now.poses, document, layer, center, rest.world());
 }
 
+/// The poses that have names leave a handle, which holds other vertices now, where they did. \param tagsBefore tags
+/// before that \param centerBefore centers then
+void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
+                                   const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
+    if (!now.poses)
+        return;
+    PoseSequence changed = *now.poses;
+    const auto motions = motionsOf(*now.poses, document, layer, centerBefore, rest.world());
+    const BendRest::Shown shown = rest.shown();
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+        auto steps = vcg::fcd::ReadMotionText(changed.pose[i].motions);
+        if (!steps.count(tag))
+            continue;
+        effective.swap(tagsBefore);
+        prepare();
+        writePose(solver.solve({motions[i].begin(), motions[i].end()}, options, true));
+        effective.swap(tagsBefore);
+        steps[tag] = stepsSeen(tag);
+        changed.pose[i].motions = vcg::fcd::WriteMotionText(steps);
+    }
+    rest.restoreVertices();
+    rest.show(shown);
+    setPoses(std::move(changed));
+}
+
 bool BendSession::takePoses() {
     std::optional<PoseSequence> kept = posesOf(layer);
     if (!kept && !now.poses)

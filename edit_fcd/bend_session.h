@@ -228,6 +228,9 @@ class BendSession {
     int rankOf(int tag) const;
     int rankOfNew() const;
     void keepPlace(int tag);
+    std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
+    void keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
+                          const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore);
     void setRims(const std::vector<std::size_t> &vertices, double radius);
     void freeGaps(BendTags &made);
     void expectReach();
