@@ -91,6 +91,40 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     return all;
 }
 
+std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const vcg::fcd::Index own = surface->nodeOf[slot];
+    if (own < 0)
+        return slot;
+    const int unknown = -1;
+    std::vector<int> partOf(std::size_t(graph.Size()), unknown);
+    std::vector<float> area; // of the parts
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (partOf[std::size_t(u)] != unknown)
+            continue;
+        float sum = 0;
+        for (const vcg::fcd::Index v : relabel(graph, u, int(area.size()), partOf))
+            sum += surface->nodeArea[std::size_t(v)];
+        area.push_back(sum);
+    }
+    const auto areaOf = [&](vcg::fcd::Index u) { return area[std::size_t(partOf[std::size_t(u)])]; };
+    vcg::fcd::Index nearest = -1;
+    const double most = hair / surface->frame.scale;
+    double least = most;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
+        if (distance > 2 * most && partOf[std::size_t(u)] == partOf[std::size_t(own)])
+            return slot;
+        if (distance < least && areaOf(own) < largestTip * areaOf(u)) {
+            least = distance;
+            nearest = u;
+        }
+    }
+    const auto found = std::find(surface->nodeOf.begin(), surface->nodeOf.end(), nearest);
+    return nearest < 0 ? slot : std::size_t(found - surface->nodeOf.begin());
+}
+
 std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;

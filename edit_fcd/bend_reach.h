@@ -37,6 +37,11 @@ class BendReach {
     /// isReady()
     std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
 
+    /// The vertex that is pulled where someone points at another one, of a part that is no larger than some hairs: the
+    /// nearest one of a part that is clearly larger, if there is one within \param hair, world units; else that one.
+    /// \pre isReady()
+    std::size_t carrierOf(std::size_t slot, double hair);
+
   private:
     void wait();
 

@@ -200,6 +200,10 @@ int BendSession::addPoint(std::size_t slot, double radius) {
         updateTags();
         return tag;
     };
+    expectReach();
+    if (const std::size_t carrier = reachOfRest.carrierOf(slot, usualGap());
+        isFree(carrier) && (*effective)[carrier] < 2)
+        slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
     if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&

@@ -92,8 +92,8 @@ class BendSession {
     /// \param rim of what was marked, world units
     void endMarks(double rim);
     void clearMarks();
-    /// A new handle around a vertex, where that is now. \pre it isFree(), the layer has the pose at 100 % \return its
-    /// tag
+    /// A new handle around a vertex, or around what carries it where that is of a small part, where that is now. \pre
+    /// it isFree(), the layer has the pose at 100 % \return its tag
     int addPoint(std::size_t slot, double radius);
     /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
     /// vertex. \pre the layer has the pose at 100 %
