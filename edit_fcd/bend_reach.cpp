@@ -5,6 +5,8 @@
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <algorithm>
+#include <array>
+#include <set>
 
 void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
     auto arrays = std::make_shared<const vcg::fcd::SurfaceArrays>(vcg::tri::ReadSurface(layer.cm));
@@ -146,19 +148,33 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
     }
     if (box.isEmpty())
         return {};
-    const Eigen::Vector3f around = Eigen::Vector3f::Constant(float(hair / surface->frame.scale));
-    box = {box.min() - around, box.max() + around};
+    const auto cell = float(hair / surface->frame.scale);
+    box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
+    using Cell = std::array<int, 3>;
+    const auto cellOf = [&](vcg::fcd::Index u) {
+        const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
+        return Cell{at[0], at[1], at[2]};
+    };
+    std::set<Cell> near; // cells of the others, and those beside them
+    Cell last{};
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
+        if (isNodeIn[std::size_t(u)] && (near.empty() || cellOf(u) != last)) {
+            last = cellOf(u);
+            for (int i = 0; i < 27; ++i)
+                near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
+        }
     std::vector<char> isLoose; // of the parts
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
         if (partOf[std::size_t(u)] != unknown)
             continue;
         float area = 0;
-        bool isAmong = true;
+        bool isAmong = true, isNear = false;
         for (const vcg::fcd::Index v : relabel(graph, u, int(isLoose.size()), partOf)) {
             area += surface->nodeArea[std::size_t(v)];
             isAmong = isAmong && box.contains(Eigen::Vector3f(graph.position.col(v)));
+            isNear = isNear || (isAmong && near.count(cellOf(v)) > 0);
         }
-        isLoose.push_back(isAmong && area < largestTip * areaIn);
+        isLoose.push_back(isAmong && isNear && area < largestTip * areaIn);
     }
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < isIn.size(); ++i) {
