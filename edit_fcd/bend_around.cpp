@@ -79,7 +79,8 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
             own[i] = isIn[i] = 1;
         add(reachOfRest.tips(isIn));
     }
-    add(reachOfRest.tips(own));
+    if (handles.size() > 1 || (!isApart && rank > 0)) // else that has been done
+        add(reachOfRest.tips(own));
     bool isLess = false;
     if (isApart) {
         for (const std::size_t i : reach(lower, gap)) {

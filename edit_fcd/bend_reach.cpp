@@ -16,11 +16,6 @@ void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
     });
 }
 
-void BendReach::wait() {
-    if (pending.valid())
-        surface = pending.get();
-}
-
 void BendReach::clear() {
     pending = {};
     surface.reset();
@@ -93,32 +88,39 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     return all;
 }
 
+void BendReach::wait() {
+    if (!pending.valid())
+        return;
+    surface = pending.get();
+    const int unknown = -1;
+    const vcg::fcd::Graph &graph = surface->graph;
+    partOf.assign(std::size_t(graph.Size()), unknown);
+    partArea.clear();
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (partOf[std::size_t(u)] != unknown)
+            continue;
+        float area = 0;
+        for (const vcg::fcd::Index v : relabel(graph, u, int(partArea.size()), partOf))
+            area += surface->nodeArea[std::size_t(v)];
+        partArea.push_back(area);
+    }
+}
+
 std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;
     const vcg::fcd::Index own = surface->nodeOf[slot];
     if (own < 0)
         return slot;
-    const int unknown = -1;
-    std::vector<int> partOf(std::size_t(graph.Size()), unknown);
-    std::vector<float> area; // of the parts
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        if (partOf[std::size_t(u)] != unknown)
-            continue;
-        float sum = 0;
-        for (const vcg::fcd::Index v : relabel(graph, u, int(area.size()), partOf))
-            sum += surface->nodeArea[std::size_t(v)];
-        area.push_back(sum);
-    }
-    const auto areaOf = [&](vcg::fcd::Index u) { return area[std::size_t(partOf[std::size_t(u)])]; };
-    vcg::fcd::Index nearest = -1;
+    const auto part = [&](vcg::fcd::Index u) { return std::size_t(partOf[std::size_t(u)]); };
     const double most = hair / surface->frame.scale;
     double least = most;
+    vcg::fcd::Index nearest = -1;
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
         const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
-        if (distance > 2 * most && partOf[std::size_t(u)] == partOf[std::size_t(own)])
+        if (distance > 2 * most && part(u) == part(own))
             return slot;
-        if (distance < least && areaOf(own) < largestTip * areaOf(u)) {
+        if (distance < least && partArea[part(own)] < largestTip * partArea[part(u)]) {
             least = distance;
             nearest = u;
         }
@@ -130,56 +132,50 @@ std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
 std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;
-    const int unknown = -1, connected = -2;
-    std::vector<int> partOf(std::size_t(graph.Size()), unknown);
-    std::vector<char> isNodeIn(std::size_t(graph.Size()), 0);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
-    Eigen::AlignedBox3f box;
-    float areaIn = 0;
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        if (!isNodeIn[std::size_t(u)])
-            continue;
-        box.extend(Eigen::Vector3f(graph.position.col(u)));
-        areaIn += surface->nodeArea[std::size_t(u)];
-        if (partOf[std::size_t(u)] == unknown)
-            relabel(graph, u, connected, partOf);
-    }
-    if (box.isEmpty())
-        return {};
     const auto cell = float(hair / surface->frame.scale);
-    box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
     using Cell = std::array<int, 3>;
     const auto cellOf = [&](vcg::fcd::Index u) {
         const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
         return Cell{at[0], at[1], at[2]};
     };
+    std::vector<char> isNodeIn(std::size_t(graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    Eigen::AlignedBox3f box;
     std::set<Cell> near; // cells of the others, and those beside them
     Cell last{};
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
-        if (isNodeIn[std::size_t(u)] && (near.empty() || cellOf(u) != last)) {
-            last = cellOf(u);
-            for (int i = 0; i < 27; ++i)
-                near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
-        }
-    std::vector<char> isLoose; // of the parts
+    float areaIn = 0;
+    std::vector<char> isConnected(partArea.size(), 0);
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        if (partOf[std::size_t(u)] != unknown)
+        if (!isNodeIn[std::size_t(u)])
             continue;
-        float area = 0;
-        bool isAmong = true, isNear = false;
-        for (const vcg::fcd::Index v : relabel(graph, u, int(isLoose.size()), partOf)) {
-            area += surface->nodeArea[std::size_t(v)];
-            isAmong = isAmong && box.contains(Eigen::Vector3f(graph.position.col(v)));
-            isNear = isNear || (isAmong && near.count(cellOf(v)) > 0);
-        }
-        isLoose.push_back(isAmong && isNear && area < largestTip * areaIn);
+        isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
+        areaIn += surface->nodeArea[std::size_t(u)];
+        box.extend(Eigen::Vector3f(graph.position.col(u)));
+        if (!near.empty() && cellOf(u) == last)
+            continue;
+        last = cellOf(u);
+        for (int i = 0; i < 27; ++i)
+            near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
+    }
+    if (near.empty())
+        return {};
+    box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
+    std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const auto part = std::size_t(partOf[std::size_t(u)]);
+        if (isConnected[part] || !isWithin[part])
+            continue;
+        isWithin[part] = box.contains(Eigen::Vector3f(graph.position.col(u)));
+        isNear[part] = isNear[part] || (isWithin[part] && near.count(cellOf(u)) > 0);
     }
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < isIn.size(); ++i) {
-        const int which = surface->nodeOf[i] < 0 ? connected : partOf[std::size_t(surface->nodeOf[i])];
-        if (which >= 0 && isLoose[std::size_t(which)])
+        if (surface->nodeOf[i] < 0)
+            continue;
+        const auto part = std::size_t(partOf[std::size_t(surface->nodeOf[i])]);
+        if (!isConnected[part] && isWithin[part] && isNear[part] && partArea[part] < largestTip * areaIn)
             all.push_back(i);
     }
     return all;

@@ -47,6 +47,8 @@ class BendReach {
 
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
     std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
+    std::vector<int> partOf;                                      ///< of each node of the surface, the connected part
+    std::vector<float> partArea;                                  ///< frame units^2
     std::vector<std::size_t> reached, from;                       ///< those of the last
     double within = 0;
 };

@@ -652,6 +652,7 @@ def test_a_pose_is_as_it_was_kept_when_its_point_is_turned_later(window, tmp_pat
     w, points = tip_of_a_limb(window, tmp_path)
     w.drag((X + 110, Y), (X + 110, Y - 60))
     pulled = load(w.save("pulled.ply"))[0]
+    w.do("mousemove", X, Y + 230) # where it changes nothing that the panel says
     w.click(w.place("poses_fold"))
     w.wait("trace: place: keep ")
     keep_pose(w, "up")
