@@ -7,6 +7,7 @@
 #include <algorithm>
 
 using vcg::fcd::Error;
+using vcg::fcd::MotionStep;
 
 void BendTool::makePanel() {
     if (panel)
@@ -17,7 +18,8 @@ void BendTool::makePanel() {
         if (session && !drag && !preparing)
             session->change();
     });
-    connect(panel, &BendPanel::modeChosen, this, [this] { view->setFocus(); });
+    for (const auto signal : {&BendPanel::modeChosen, &BendPanel::left})
+        connect(panel, signal, this, [this] { view->setFocus(); });
     connect(panel, &BendPanel::roleChanged, this, [this] {
         hint.clear();
         refresh();
@@ -182,7 +184,11 @@ void BendTool::connectHandles() {
     connect(list, &BendHandleList::edited, this,
             [this](int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
                 guarded([&] { editHandle(tag, name, motion, isShown, isLocked); });
-                QTimer::singleShot(0, this, [this] { refresh(); });
+                QTimer::singleShot(0, this, [this] {
+                    if (view)
+                        view->setFocus();
+                    refresh();
+                });
             });
 }
 
@@ -203,6 +209,25 @@ void BendTool::editHandle(int tag, const QString &name, const QString &motion, b
     showOverlay();
 }
 
+namespace {
+
+/// The motion of a handle, as far as the list has room.
+QString shortTextOf(const BendSession &session, int tag) {
+    const auto motion = session.state().motion.find(tag);
+    QStringList words;
+    if (motion != session.state().motion.end())
+        for (const MotionStep &step : motion->second)
+            switch (step.kind) {
+            case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
+            case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
+            case MotionStep::Scaling: words += QString("scale %1").arg(step.vector.maxCoeff(), 0, 'g', 3); break;
+            case MotionStep::Matrix: words += "matrix"; break;
+            }
+    return words.join(", ");
+}
+
+} // namespace
+
 void BendTool::showHandles() {
     std::vector<BendHandleRow> rows;
     for (const int tag : session->handleTags()) {
@@ -211,6 +236,7 @@ void BendTool::showHandles() {
         row.tag = tag;
         row.name = QString::fromStdString(session->nameOf(tag));
         row.motion = QString::fromStdString(session->motionTextOf(tag));
+        row.shortMotion = shortTextOf(*session, tag);
         row.color = QColor(color[0], color[1], color[2]);
         row.isShown = !session->handle(tag).isHidden;
         row.isLocked = session->handle(tag).isLocked;
@@ -267,7 +293,9 @@ QString BendTool::stateText() const {
         text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
     else
         text = "Drag a handle (red), or a point of the surface.";
-    if (session->isLocal())
+    if (drag && session->isKeptApart(drag->tag))
+        text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
+    else if (session->isLocal())
         text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
     if (session->nodes() > 0 && milliseconds > 0) {
         text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);

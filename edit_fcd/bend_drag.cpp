@@ -11,15 +11,6 @@ using vcg::fcd::MotionStep;
 
 namespace {
 
-/// A number in few digits, as people would write it; what is kept is what is written.
-double rounded(double x) {
-    char text[32];
-    const char *end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
-    double y = x;
-    vcg::fcd::detail::ToNumber(text, end, y);
-    return y == 0 ? 0 : y; // no -0
-}
-
 /// The steps and one more, joined with the last where that makes the same motion.
 std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &step) {
     if (!steps.empty() && steps.back().kind == step.kind && steps.back().about == step.about) {
@@ -27,17 +18,17 @@ std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &
         switch (step.kind) {
         case MotionStep::Translation:
             for (int d = 0; d < 3; ++d)
-                last.vector[d] = rounded(last.vector[d] + step.vector[d]);
+                last.vector[d] = inFewDigits(last.vector[d] + step.vector[d]);
             return steps;
         case MotionStep::Rotation:
             if (last.vector == step.vector) {
-                last.degrees = rounded(last.degrees + step.degrees);
+                last.degrees = inFewDigits(last.degrees + step.degrees);
                 return steps;
             }
             break;
         case MotionStep::Scaling:
             for (int d = 0; d < 3; ++d)
-                last.vector[d] = rounded(last.vector[d] * step.vector[d]);
+                last.vector[d] = inFewDigits(last.vector[d] * step.vector[d]);
             return steps;
         case MotionStep::Matrix: break;
         }
@@ -77,7 +68,7 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     const bool isTyped = vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number);
     const auto roundedAll = [](Eigen::Vector3d v) {
         for (int d = 0; d < 3; ++d)
-            v[d] = rounded(v[d]);
+            v[d] = inFewDigits(v[d]);
         return v;
     };
     const auto about = [&](MotionStep step) {
@@ -114,7 +105,7 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
         const Eigen::Vector3d eye = view.towardsEye(pivot);
         const Eigen::Vector3d line = roundedAll(axis < 0 ? eye : Eigen::Vector3d(axes.col(axis)));
         const double turned = snap ? inSteps(angle, snapDegrees) : angle;
-        const double degrees = rounded(isTyped ? number : line.dot(eye) < 0 ? -turned : turned);
+        const double degrees = inFewDigits(isTyped ? number : line.dot(eye) < 0 ? -turned : turned);
         if (degrees == 0)
             return {};
         return about(MotionStep::Rotate(line, degrees));
@@ -124,7 +115,7 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
         double factor = isTyped ? number : 1 + ((to - middle).norm() - (begun - middle).norm()) / length;
         if (!isTyped)
             factor = std::max(snap ? snapFactor : 0.01, snap ? inSteps(factor, snapFactor) : factor);
-        factor = rounded(factor);
+        factor = inFewDigits(factor);
         if (factor == 1 || !(factor > 0))
             return {};
         Eigen::Vector3d factors = Eigen::Vector3d::Constant(axis < 0 ? factor : 1);

@@ -40,8 +40,11 @@ void BendTool::beginDrag(const Grip &what) {
     if (what.tag && session->handle(what.tag).isLocked)
         throw vcg::fcd::Error(session->nameOf(what.tag) + " is locked: the list of handles unlocks it.");
     session->change();
-    session->setPose(100); // a drag says where that is
-    panel->setPose(100);
+    if (session->options.pose != 100) { // a drag says where that is
+        session->setPose(100);
+        panel->setPose(100);
+        solve(true);
+    }
     grip = what;
     grip.isNew = !what.tag;
     gripped = mouseInWindow();
@@ -50,6 +53,8 @@ void BendTool::beginDrag(const Grip &what) {
     const auto prepare = [this, radius](const vcg::fcd::Progress &progress) {
         if (!grip.tag)
             grip.tag = session->addPoint(grip.slot, radius);
+        if (grip.part.kind != BendDrag::Move)
+            session->makeGrip(grip.tag);
         tookToPrepare = session->prepare(progress);
     };
     beside(
@@ -87,6 +92,7 @@ void BendTool::dragWhenPrepared() {
         endDrag(false);
         throw;
     }
+    showOverlay(); // a grip is seen
     if (!session->isStretchShown())
         moving = BendMoving::of(*view, *model, session->tags(), session->overlay());
     drag->moveTo(seen, mouseInWindow());
@@ -94,6 +100,21 @@ void BendTool::dragWhenPrepared() {
         endDrag(true);
     else if (model->cm.vn > preparedAtOnce)
         requestStep();
+}
+
+/// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
+/// prepared anew.
+void BendTool::changeKind(BendDrag::Kind kind) {
+    const auto point = session->state().points.find(drag->tag);
+    if (kind == BendDrag::Move || point == session->state().points.end() || point->second.isGrip) {
+        drag->kind = kind;
+        return;
+    }
+    Grip again = grip;
+    again.tag = grip.isNew ? 0 : grip.tag;
+    again.part = {kind, drag->axis};
+    endDrag(false);
+    beginDrag(again);
 }
 
 void BendTool::endDrag(bool keep) {

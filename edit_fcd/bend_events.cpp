@@ -130,18 +130,23 @@ void BendTool::move(QMouseEvent *event) {
     sinceEvent.start();
     if (!isForLayer(event))
         return;
-    if (drag) {
+    const bool isHeld = event->buttons() & Qt::LeftButton;
+    if (drag && !drag->modal && !isHeld) { // it was released elsewhere, over a question of the host
+        endDrag(true);
+    } else if (drag) {
         drag->snap = event->modifiers() & Qt::ControlModifier;
         drag->onto.reset();
         if (event->modifiers() & Qt::ShiftModifier)
             drag->onto = hitOthers(*view->md(), *model, seen, mouseInWindow().head<2>());
         drag->moveTo(seen, mouseInWindow());
         requestStep();
+    } else if (marking && marking->kind != BendMarking::Polygon && !isHeld) {
+        endMarking();
     } else if (marking && marking->kind == BendMarking::Brush) {
         brush();
-    } else if (marking && (event->buttons() & Qt::LeftButton)) {
+    } else if (marking && isHeld) {
         marking->corners.back() = mouseInWindow().head<2>();
-    } else if (linePoint) {
+    } else if (linePoint && isHeld) {
         dragLinePoint();
     } else if (panel && panel->mode() == BendPanel::Brush) {
         view->update();
@@ -219,7 +224,7 @@ int BendTool::pointAt(const Eigen::Vector2d &window) const {
     double least = 12;
     int tag = 0;
     for (const auto &point : session->state().points) {
-        const double d = (seen.toWindow(session->centerOf(point.first)).head<2>() - window).norm();
+        const double d = (seen.toWindow(session->dotOf(point.first)).head<2>() - window).norm();
         if (d < least && !session->handle(point.first).isHidden) {
             least = d;
             tag = point.first;

@@ -3,30 +3,51 @@
 
 #include "tool_list.h"
 
+#include <utility>
+
 #include <QPixmap>
 #include <QSignalBlocker>
+
+namespace {
+
+/// A motion, which is shorter as long as it is not edited.
+class MotionItem : public QTableWidgetItem {
+  public:
+    MotionItem(const QString &text, QString shown) : QTableWidgetItem(text), shown(std::move(shown)) {
+        setToolTip(text);
+    }
+    QVariant data(int role) const override { return role == Qt::DisplayRole ? shown : QTableWidgetItem::data(role); }
+
+  private:
+    QString shown;
+};
+
+} // namespace
 
 BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(parent) {
     setUpList(*this,
               {{"Handle", "Click selects: the gizmo is on it, and G, R and S move it. Double click: its name", 104},
                {"seen", "Whether its marks and its gizmo are shown", 38},
                {"lock", "A locked handle is not moved by the mouse", 38},
-               {"Motion", "Its motion as the filters take it; double click to type, empty for none", 0},
+               {"Motion", "Its motion; double click to type it as the filters take it, empty for none", 0},
                {"", "Removes the handle: what it held is free", 22}});
     setWordWrap(false);
     setFixedHeight(116);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int) { onChanged(row); });
     connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
-        if (column == Remove)
+        if (column == Remove) {
             emit removed(shown[std::size_t(row)].tag);
-        else
-            emit selected(shown[std::size_t(row)].tag);
+            return;
+        }
+        if (column == Shown || column == Locked) // beside the box, too
+            item(row, column)->setCheckState(item(row, column)->checkState() ? Qt::Unchecked : Qt::Checked);
+        emit selected(shown[std::size_t(row)].tag);
     });
 }
 
 void BendHandleList::onChanged(int row) {
     const BendHandleRow before = shown[std::size_t(row)];
-    emit edited(before.tag, item(row, Name)->text(), item(row, Motion)->text(),
+    emit edited(before.tag, item(row, Name)->text(), item(row, Motion)->data(Qt::EditRole).toString(),
                 item(row, Shown)->checkState() == Qt::Checked, item(row, Locked)->checkState() == Qt::Checked);
 }
 
@@ -38,18 +59,20 @@ void BendHandleList::showRows(const std::vector<BendHandleRow> &rows) {
     setRowCount(int(rows.size()));
     for (int row = 0; row < rowCount(); ++row) {
         const BendHandleRow &each = rows[std::size_t(row)];
-        const auto put = [&](int column, const QString &text, Qt::ItemFlags flags) {
-            auto *cell = new QTableWidgetItem(text);
+        const auto putItem = [&](int column, QTableWidgetItem *cell, Qt::ItemFlags flags) {
             cell->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | flags);
             setItem(row, column, cell);
             return cell;
         };
+        const auto put = [&](int column, const QString &text, Qt::ItemFlags flags) {
+            return putItem(column, new QTableWidgetItem(text), flags);
+        };
         QPixmap square(12, 12);
         square.fill(each.color);
         put(Name, each.name, Qt::ItemIsEditable)->setIcon(QIcon(square));
-        put(Shown, {}, Qt::ItemIsUserCheckable)->setCheckState(each.isShown ? Qt::Checked : Qt::Unchecked);
-        put(Locked, {}, Qt::ItemIsUserCheckable)->setCheckState(each.isLocked ? Qt::Checked : Qt::Unchecked);
-        put(Motion, each.motion, Qt::ItemIsEditable)->setToolTip(each.motion);
+        put(Shown, {}, {})->setCheckState(each.isShown ? Qt::Checked : Qt::Unchecked);
+        put(Locked, {}, {})->setCheckState(each.isLocked ? Qt::Checked : Qt::Unchecked);
+        putItem(Motion, new MotionItem(each.motion, each.shortMotion), Qt::ItemIsEditable);
         put(Remove, QString(QChar(0xd7)), {});
         if (each.isSelected)
             selectRow(row);

@@ -11,13 +11,15 @@
 /// A handle as the list shows it.
 struct BendHandleRow {
     int tag = 0;
-    QString name, motion;
+    QString name;
+    QString motion, shortMotion; ///< as it is typed, and as it is shown
     QColor color;
     bool isShown = true, isLocked = false, isSelected = false;
 
     bool operator==(const BendHandleRow &other) const {
-        return tag == other.tag && name == other.name && motion == other.motion && color == other.color &&
-               isShown == other.isShown && isLocked == other.isLocked && isSelected == other.isSelected;
+        return tag == other.tag && name == other.name && motion == other.motion && shortMotion == other.shortMotion &&
+               color == other.color && isShown == other.isShown && isLocked == other.isLocked &&
+               isSelected == other.isSelected;
     }
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 
 // What belongs to one handle: its name, whether it is seen and can be moved, its pivot, its axes.
@@ -62,6 +64,11 @@ Eigen::Affine3d BendSession::motionAt(int tag) const {
 
 Eigen::Vector3d BendSession::centerOf(int tag) const { return motionAt(tag) * (rest.world() * center.at(tag)); }
 
+Eigen::Vector3d BendSession::dotOf(int tag) const {
+    const auto point = now.points.find(tag);
+    return point == now.points.end() ? centerOf(tag) : motionAt(tag) * (rest.world() * rest.at(point->second.slot));
+}
+
 Eigen::Vector3d BendSession::pivotOf(int tag) const {
     const auto &pivot = handle(tag).pivot;
     return pivot ? motionAt(tag) * *pivot : centerOf(tag);
@@ -73,6 +80,62 @@ void BendSession::setPivot(int tag, const std::optional<Eigen::Vector3d> &place)
     if (place)
         changed.pivot = motionAt(tag).inverse() * *place;
     setHandle(tag, std::move(changed));
+}
+
+void BendSession::makeGrip(int tag) {
+    const auto point = now.points.find(tag);
+    if (point == now.points.end() || point->second.isGrip)
+        return;
+    const int other = mirrored(tag);
+    const auto tagsBefore = effective;
+    const auto centerBefore = center;
+    point->second.isGrip = true;
+    if (BendHandle changed = handle(tag); !changed.pivot) {
+        changed.pivot = rest.world() * rest.at(point->second.slot);
+        setHandle(tag, std::move(changed));
+    }
+    updateTags();
+    keepPlace(tag);
+    keepPlaceInPoses(tag, tagsBefore, centerBefore);
+    if (other)
+        makeGrip(other);
+}
+
+/// A handle has the motion that leaves it where the layer shows it.
+void BendSession::keepPlace(int tag) {
+    if (!rest.isPosed() || now.pose != 100)
+        return;
+    if (std::vector<MotionStep> steps = stepsSeen(tag); !steps.empty())
+        motionByHand()[tag] = std::move(steps);
+}
+
+/// What a rigid motion can tell of where the layer shows a handle; none where that is at rest.
+std::vector<MotionStep> BendSession::stepsSeen(int tag) const {
+    std::vector<std::size_t> held;
+    for (std::size_t i = 0; i < effective->size(); ++i)
+        if ((*effective)[i] == tag)
+            held.push_back(i);
+    const Eigen::Vector3d middle = rest.world() * center.at(tag);
+    Eigen::Matrix3Xd before(3, Eigen::Index(held.size())), after = before;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        before.col(Eigen::Index(i)) = rest.world() * rest.at(held[i]) - middle;
+        after.col(Eigen::Index(i)) = positionOf(held[i]) - middle;
+    }
+    if ((after - before).colwise().norm().maxCoeff() < 1e-6 * rest.diagonal())
+        return {};
+    Eigen::Affine3d motion = Eigen::Affine3d::Identity();
+    motion.translation() = after.rowwise().mean();
+    const Eigen::Vector3d extent = // squared, ascending
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(before * before.transpose()).eigenvalues();
+    if (extent[1] > 1e-12 * extent[2]) // else it has no direction
+        motion = Eigen::Affine3d(Eigen::umeyama(before, after, false));
+    std::vector<MotionStep> steps = stepsOf(
+        vcg::fcd::Motion((Eigen::Translation3d(middle) * motion * Eigen::Translation3d(-middle)).matrix()), middle);
+    for (MotionStep &step : steps) {
+        step.vector = step.vector.unaryExpr(&inFewDigits);
+        step.degrees = inFewDigits(step.degrees);
+    }
+    return steps;
 }
 
 Eigen::Vector3d BendSession::normalOf(int tag) const {

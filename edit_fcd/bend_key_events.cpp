@@ -53,9 +53,9 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
     case Qt::Key_X:
     case Qt::Key_Y:
     case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
-    case Qt::Key_G: drag->kind = BendDrag::Move; break;
-    case Qt::Key_R: drag->kind = BendDrag::Turn; break;
-    case Qt::Key_S: drag->kind = BendDrag::Scale; break;
+    case Qt::Key_G: changeKind(BendDrag::Move); break;
+    case Qt::Key_R: changeKind(BendDrag::Turn); break;
+    case Qt::Key_S: changeKind(BendDrag::Scale); break;
     case Qt::Key_Backspace:
         if (!drag->typed.empty())
             drag->typed.pop_back();

@@ -87,11 +87,11 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     for (const auto &point : session.state().points)
         if (!session.handle(point.first).isHidden) {
             glColor3ub(210, 60, 50);
-            drawPoint(session.positionOf(point.second.slot), 9);
+            drawPoint(session.dotOf(point.first), 9);
         }
     if (lit) {
         glColor3ubv(litColor);
-        drawPoint(session.centerOf(lit), 12);
+        drawPoint(session.dotOf(lit), 12);
     }
 }
 

@@ -16,6 +16,7 @@
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
+#include <QKeyEvent>
 #include <QPushButton>
 #include <QScreen>
 #include <QScrollArea>
@@ -221,6 +222,17 @@ void BendPanel::showKeys() {
     page->resize(width + edge, std::min(text->height() + edge, room.height()));
     page->show();
     tracePlaces(*this);
+}
+
+/// Esc in a field leaves it, and is not the host's.
+bool BendPanel::event(QEvent *event) {
+    const bool isKey = event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress;
+    if (!isKey || static_cast<QKeyEvent *>(event)->key() != Qt::Key_Escape)
+        return QDockWidget::event(event);
+    event->accept();
+    if (event->type() == QEvent::KeyPress)
+        emit left();
+    return true;
 }
 
 int BendPanel::tag() const {

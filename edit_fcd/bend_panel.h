@@ -74,8 +74,12 @@ class BendPanel : public QDockWidget {
     void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
+    void left();        ///< by Esc, in one of its fields
     void roleChanged(); ///< what is marked, by a person
     void command(int which);
+
+  protected:
+    bool event(QEvent *event) override;
 
   private:
     void addModes(QBoxLayout &column);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include <vcg_ext/base/rotation_vector.h>
-
 #include <layer_fcd/kept_poses.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/marks.h>
@@ -20,28 +18,6 @@ using vcg::fcd::Motion;
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
 
-namespace {
-
-/// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
-std::vector<MotionStep> stepsOf(const Motion &motion, const Eigen::Vector3d &center) {
-    const Eigen::Affine3d whole(motion.matrix);
-    const Eigen::Vector3d turn = motion.Rotation(), moved = whole * center - center;
-    const Eigen::Matrix3d stretch = vcg::fcd::detail::RotationBy(turn).transpose() * whole.linear();
-    std::vector<MotionStep> steps;
-    if (stretch.isDiagonal(1e-12) && !stretch.isIdentity(1e-12))
-        steps.push_back(MotionStep::Scale(stretch.diagonal()));
-    else if (!stretch.isIdentity(1e-12))
-        steps.push_back(MotionStep::Affine(
-            (Eigen::Translation3d(center) * Eigen::Affine3d(stretch) * Eigen::Translation3d(-center)).matrix()));
-    if (turn.norm() > 1e-12)
-        steps.push_back(MotionStep::Rotate(turn.normalized(), turn.norm() * 180 / vcg::fcd::detail::pi));
-    if (moved.norm() > 1e-12 * (center.norm() + moved.norm()))
-        steps.push_back(MotionStep::Translate(moved));
-    return steps;
-}
-
-} // namespace
-
 std::map<int, std::vector<MotionStep>> &BendSession::motionByHand() {
     now.weights.clear();
     return now.motion;
@@ -57,6 +33,31 @@ std::vector<double> BendSession::weightsOfPoses() const {
 
 std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
     return motionsOf(*now.poses, document, layer, center, rest.world());
+}
+
+/// The poses that have names leave a handle, which holds other vertices now, where they did. \param tagsBefore tags
+/// before that \param centerBefore centers then
+void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
+                                   const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
+    if (!now.poses)
+        return;
+    PoseSequence changed = *now.poses;
+    const auto motions = motionsOf(*now.poses, document, layer, centerBefore, rest.world());
+    const BendRest::Shown shown = rest.shown();
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+        auto steps = vcg::fcd::ReadMotionText(changed.pose[i].motions);
+        if (!steps.count(tag))
+            continue;
+        effective.swap(tagsBefore);
+        prepare();
+        writePose(solver.solve({motions[i].begin(), motions[i].end()}, options, true));
+        effective.swap(tagsBefore);
+        steps[tag] = stepsSeen(tag);
+        changed.pose[i].motions = vcg::fcd::WriteMotionText(steps);
+    }
+    rest.restoreVertices();
+    rest.show(shown);
+    setPoses(std::move(changed));
 }
 
 bool BendSession::takePoses() {

@@ -5,6 +5,8 @@
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <algorithm>
+#include <array>
+#include <set>
 
 void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
     auto arrays = std::make_shared<const vcg::fcd::SurfaceArrays>(vcg::tri::ReadSurface(layer.cm));
@@ -14,15 +16,11 @@ void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
     });
 }
 
-void BendReach::wait() {
-    if (pending.valid())
-        surface = pending.get();
-}
-
 void BendReach::clear() {
     pending = {};
     surface.reset();
     from.clear();
+    reached.clear();
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
@@ -87,6 +85,99 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
             all.push_back(i);
+    return all;
+}
+
+void BendReach::wait() {
+    if (!pending.valid())
+        return;
+    surface = pending.get();
+    const int unknown = -1;
+    const vcg::fcd::Graph &graph = surface->graph;
+    partOf.assign(std::size_t(graph.Size()), unknown);
+    partArea.clear();
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (partOf[std::size_t(u)] != unknown)
+            continue;
+        float area = 0;
+        for (const vcg::fcd::Index v : relabel(graph, u, int(partArea.size()), partOf))
+            area += surface->nodeArea[std::size_t(v)];
+        partArea.push_back(area);
+    }
+}
+
+std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const vcg::fcd::Index own = surface->nodeOf[slot];
+    if (own < 0)
+        return slot;
+    const auto part = [&](vcg::fcd::Index u) { return std::size_t(partOf[std::size_t(u)]); };
+    const double most = hair / surface->frame.scale;
+    double least = most;
+    vcg::fcd::Index nearest = -1;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
+        if (distance > 2 * most && part(u) == part(own))
+            return slot;
+        if (distance < least && partArea[part(own)] < largestTip * partArea[part(u)]) {
+            least = distance;
+            nearest = u;
+        }
+    }
+    const auto found = std::find(surface->nodeOf.begin(), surface->nodeOf.end(), nearest);
+    return nearest < 0 ? slot : std::size_t(found - surface->nodeOf.begin());
+}
+
+std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const auto cell = float(hair / surface->frame.scale);
+    using Cell = std::array<int, 3>;
+    const auto cellOf = [&](vcg::fcd::Index u) {
+        const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
+        return Cell{at[0], at[1], at[2]};
+    };
+    std::vector<char> isNodeIn(std::size_t(graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    Eigen::AlignedBox3f box;
+    std::set<Cell> near; // cells of the others, and those beside them
+    Cell last{};
+    float areaIn = 0;
+    std::vector<char> isConnected(partArea.size(), 0);
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (!isNodeIn[std::size_t(u)])
+            continue;
+        isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
+        areaIn += surface->nodeArea[std::size_t(u)];
+        box.extend(Eigen::Vector3f(graph.position.col(u)));
+        if (!near.empty() && cellOf(u) == last)
+            continue;
+        last = cellOf(u);
+        for (int i = 0; i < 27; ++i)
+            near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
+    }
+    if (near.empty())
+        return {};
+    box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
+    std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const auto part = std::size_t(partOf[std::size_t(u)]);
+        if (isConnected[part] || !isWithin[part])
+            continue;
+        isWithin[part] = box.contains(Eigen::Vector3f(graph.position.col(u)));
+        isNear[part] = isNear[part] || (isWithin[part] && near.count(cellOf(u)) > 0);
+    }
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i) {
+        if (surface->nodeOf[i] < 0)
+            continue;
+        const auto part = std::size_t(partOf[std::size_t(surface->nodeOf[i])]);
+        if (!isConnected[part] && isWithin[part] && isNear[part] && partArea[part] < largestTip * areaIn)
+            all.push_back(i);
+    }
     return all;
 }
 

@@ -32,11 +32,23 @@ class BendReach {
     /// isReady()
     std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
+    /// The vertices of parts that are not connected with others, but lie among them, and are clearly smaller: nails of
+    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units \pre
+    /// isReady()
+    std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
+
+    /// The vertex that is pulled where someone points at another one, of a part that is no larger than some hairs: the
+    /// nearest one of a part that is clearly larger, if there is one within \param hair, world units; else that one.
+    /// \pre isReady()
+    std::size_t carrierOf(std::size_t slot, double hair);
+
   private:
     void wait();
 
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
     std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
+    std::vector<int> partOf;                                      ///< of each node of the surface, the connected part
+    std::vector<float> partArea;                                  ///< frame units^2
     std::vector<std::size_t> reached, from;                       ///< those of the last
     double within = 0;
 };

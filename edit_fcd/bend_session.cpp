@@ -191,18 +191,25 @@ void BendSession::cancel() {
 }
 
 int BendSession::addPoint(std::size_t slot, double radius) {
-    const auto add = [&](std::size_t at) {
+    const auto add = [&, rank = rankOfNew()](std::size_t at) {
         assert(isFree(at));
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
+        if (rank > 0)
+            now.rank[tag] = rank;
         updateTags();
         return tag;
     };
+    expectReach();
+    if (const std::size_t carrier = reachOfRest.carrierOf(slot, usualGap());
+        isFree(carrier) && (*effective)[carrier] < 2)
+        slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
     if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&
         isFree(*other))
-        add(*other);
+        keepPlace(add(*other));
+    keepPlace(tag);
     return tag;
 }
 

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ class BendSession {
     std::string nameOf(int tag) const;       ///< of a handle, as a person reads it
     std::string motionTextOf(int tag) const; ///< its steps as "Motions as text" takes them; empty: it is at rest
     Eigen::Vector3d centerOf(int tag) const; ///< where the middle of a handle is in the pose
+    Eigen::Vector3d dotOf(int tag) const;    ///< where a handle is pointed at, in the pose: its vertex, or its middle
     Eigen::Vector3d pivotOf(int tag) const;  ///< where a handle is turned and scaled, in the pose
     Eigen::Matrix3d axesOf(int tag) const;   ///< by options.axes, as columns; those of the view are not known here
     /// The handle on the other side of the mirror, 0 where there is none or no mirror.
@@ -90,8 +92,14 @@ class BendSession {
     /// \param rim of what was marked, world units
     void endMarks(double rim);
     void clearMarks();
-    /// A new handle around a vertex. \pre it isFree() \return its tag
+    /// A new handle around a vertex, or around what carries it where that is of a small part, where that is now. \pre
+    /// it isFree(), the layer has the pose at 100 % \return its tag
     int addPoint(std::size_t slot, double radius);
+    /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
+    /// vertex. \pre the layer has the pose at 100 %
+    void makeGrip(int tag);
+    /// Whether a handle bends less than its radius, since others have bent what is beside it: until setRadius().
+    bool isKeptApart(int tag) const { return apart.count(rankOf(tag)) > 0; }
     /// How far a handle bends what is around it where nothing is marked as fixed, world units; of a mark, BendRims.
     double radiusOf(int tag) const;
     void setRadius(int tag, double radius);
@@ -209,6 +217,20 @@ class BendSession {
     Eigen::Affine3d motionAt(int tag) const;
     Eigen::Vector3d normalOf(int tag) const;
     void updateTags();
+    void bendAround(BendTags &made);
+    struct Around {
+        std::vector<std::size_t> vertices; ///< of a handle
+        double radius;                     ///< of what it bends around them
+    };
+    bool bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear);
+    void hold(BendTags &made, int tag, const BendPoint &point);
+    double usualGap() const { return gapOfRadius * usualRadius * rest.diagonal(); }
+    int rankOf(int tag) const;
+    int rankOfNew() const;
+    void keepPlace(int tag);
+    std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
+    void keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
+                          const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore);
     void setRims(const std::vector<std::size_t> &vertices, double radius);
     void freeGaps(BendTags &made);
     void expectReach();
@@ -257,6 +279,7 @@ class BendSession {
     bool isMarkedHere = false;                         ///< the layer has marks, not other tags
     bool isLeft = false;                               ///< the layer has what leave() gave it
     bool local = false;                                ///< isLocal()
+    std::set<int> apart;                               ///< ranks that isKeptApart()
     std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
     std::shared_ptr<BendTags> marking; ///< the marks, while they change

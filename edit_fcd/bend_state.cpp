@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_state.h"
 
+#include <vcg_ext/base/rotation_vector.h>
+#include <vcg_ext/base/words.h>
+
 #include <algorithm>
+#include <charconv>
 
 using vcg::fcd::MotionStep;
 
@@ -27,12 +31,37 @@ bool take(std::vector<BendState> &states, BendState &now) {
 
 bool BendState::operator==(const BendState &other) const {
     return applies == other.applies && rims == other.rims && marks == other.marks && points == other.points &&
-           handles == other.handles && pose == other.pose && poses == other.poses && weights == other.weights &&
-           line == other.line && motion.size() == other.motion.size() &&
+           handles == other.handles && rank == other.rank && pose == other.pose && poses == other.poses &&
+           weights == other.weights && line == other.line && motion.size() == other.motion.size() &&
            std::equal(motion.begin(), motion.end(), other.motion.begin(), [](const auto &a, const auto &b) {
                return a.first == b.first &&
                       std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), isSame);
            });
+}
+
+std::vector<MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center) {
+    const Eigen::Affine3d whole(motion.matrix);
+    const Eigen::Vector3d turn = motion.Rotation(), moved = whole * center - center;
+    const Eigen::Matrix3d stretch = vcg::fcd::detail::RotationBy(turn).transpose() * whole.linear();
+    std::vector<MotionStep> steps;
+    if (stretch.isDiagonal(1e-12) && !stretch.isIdentity(1e-12))
+        steps.push_back(MotionStep::Scale(stretch.diagonal()));
+    else if (!stretch.isIdentity(1e-12))
+        steps.push_back(MotionStep::Affine(
+            (Eigen::Translation3d(center) * Eigen::Affine3d(stretch) * Eigen::Translation3d(-center)).matrix()));
+    if (turn.norm() > 1e-12)
+        steps.push_back(MotionStep::Rotate(turn.normalized(), turn.norm() * 180 / vcg::fcd::detail::pi));
+    if (moved.norm() > 1e-12 * (center.norm() + moved.norm()))
+        steps.push_back(MotionStep::Translate(moved));
+    return steps;
+}
+
+double inFewDigits(double x) {
+    char text[32];
+    const char *end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
+    double y = x;
+    vcg::fcd::detail::ToNumber(text, end, y);
+    return y == 0 ? 0 : y; // no -0
 }
 
 void BendHistory::begin(const BendState &now) {

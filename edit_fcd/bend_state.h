@@ -18,8 +18,12 @@
 struct BendPoint {
     std::size_t slot = 0;
     double radius = 0; ///< of what it bends where nothing is marked as fixed, along the surface, world units
+    bool isGrip =
+        false; ///< it holds what is turned with it: half of that, and the tip beyond; else hardly more than a place
 
-    bool operator==(const BendPoint &other) const { return slot == other.slot && radius == other.radius; }
+    bool operator==(const BendPoint &other) const {
+        return slot == other.slot && radius == other.radius && isGrip == other.isGrip;
+    }
 };
 
 /// What a person has said of a handle.
@@ -60,10 +64,11 @@ const double gapOfRadius = 0.2;
 /// What is undone and redone: which vertices are held, and how the handles move. Where nothing is marked as fixed,
 /// handles bend what is around them, and all else is fixed.
 struct BendState {
-    std::shared_ptr<const BendTags> marks;                   ///< null: nothing is marked
-    std::map<int, BendPoint> points;                         ///< by their tag
-    std::shared_ptr<const BendRims> rims;                    ///< of what is marked; null: none has any
-    std::map<int, BendHandle> handles;                       ///< by tag, where a person has said something
+    std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
+    std::map<int, BendPoint> points;       ///< by their tag
+    std::shared_ptr<const BendRims> rims;  ///< of what is marked; null: none has any
+    std::map<int, BendHandle> handles;     ///< by tag, where a person has said something
+    std::map<int, int> rank; ///< by tag, 0 where there is none: a handle frees nothing beside what lower ranks bend
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     double pose = 100;                                       ///< percent of the motions
     std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< that have names; null: none
@@ -73,6 +78,12 @@ struct BendState {
 
     bool operator==(const BendState &other) const;
 };
+
+/// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
+std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
+
+/// A number in few digits, as people would write it; what is kept is what is written.
+double inFewDigits(double x);
 
 /// What the axes are that a handle is moved along and turned about. Those of the view are the tool's.
 enum class BendAxes { World, Layer, View, Surface };

@@ -16,7 +16,6 @@ namespace {
 
 const std::size_t mostTags = 64;   // of those that a person gives
 const unsigned char opacity = 150; // of marks, and of stretch, of 255: the surface is still seen
-const double pointSize = 0.08;     // of a point's radius: so far it is held, that a single vertex makes no spike
 
 } // namespace
 
@@ -47,36 +46,14 @@ void BendSession::updateTags() {
     auto made =
         now.marks ? std::make_shared<BendTags>(*now.marks) : std::make_shared<BendTags>(rest.positions().size(), 1);
     freeGaps(*made);
-    std::vector<std::size_t> held;
-    for (std::size_t i = 0; i < made->size(); ++i)
-        if ((*made)[i] >= 2)
-            held.push_back(i);
-    local = !(held.empty() && now.points.empty()) && std::find(made->begin(), made->end(), 0) == made->end();
-    if (local) {
-        std::vector<char> isNear(made->size(), 0);
-        const auto add = [&](const std::vector<std::size_t> &vertices, double radius) {
-            for (std::size_t i : reach(vertices, radius))
-                isNear[i] = 1;
-        };
-        std::map<double, std::vector<std::size_t>> ofRim;
-        for (const std::size_t i : held)
-            ofRim[rimAt(i)].push_back(i);
-        for (const auto &[radius, vertices] : ofRim)
-            add(vertices, radius);
-        for (const auto &each : now.points)
-            add({each.second.slot}, each.second.radius);
-        for (const std::size_t i : reachOfRest.tips(isNear))
-            isNear[i] = 1;
-        for (std::size_t i = 0; i < made->size(); ++i)
-            if ((*made)[i] == 1 && !isNear[i])
-                (*made)[i] = 0;
-    }
-    for (const auto &[tag, point] : now.points) {
-        for (std::size_t i : reach({point.slot}, point.radius * pointSize))
-            if ((*made)[i] == 1)
-                (*made)[i] = tag;
-        (*made)[point.slot] = tag;
-    }
+    const bool isHeld =
+        !now.points.empty() || std::any_of(made->begin(), made->end(), [](int tag) { return tag >= 2; });
+    local = isHeld && std::find(made->begin(), made->end(), 0) == made->end();
+    apart.clear();
+    if (local)
+        bendAround(*made);
+    for (const auto &[tag, point] : now.points)
+        hold(*made, tag, point);
     if (!effective || *made != *effective)
         effective = made;
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
@@ -84,6 +61,8 @@ void BendSession::updateTags() {
         each = center.count(each->first) ? std::next(each) : motionByHand().erase(each);
     for (auto each = now.handles.begin(); each != now.handles.end();)
         each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
+    for (auto each = now.rank.begin(); each != now.rank.end();)
+        each = center.count(each->first) ? std::next(each) : now.rank.erase(each);
 }
 
 double BendSession::rimAt(std::size_t slot) const {
@@ -110,6 +89,7 @@ double BendSession::radiusOf(int tag) const {
 
 void BendSession::setRadius(int tag, double radius) {
     const auto set = [&](int which) {
+        now.rank.erase(which); // it was asked how far it bends
         const auto point = now.points.find(which);
         if (point != now.points.end()) {
             point->second.radius = radius;
@@ -192,19 +172,27 @@ std::vector<vcg::Color4b> BendSession::overlay() {
         return stretch->of(rest.positions(), rest.world().linear(), opacity);
     }
     std::vector<vcg::Color4b> color;
-    if (!marking && !now.marks)
+    std::set<int> grips;
+    for (const auto &[tag, point] : now.points)
+        if (point.isGrip)
+            grips.insert(tag);
+    if (!marking && !now.marks && grips.empty())
         return color;
-    const BendTags &shown = marking ? *marking : *now.marks, &held = marking ? *marking : *effective;
+    const BendTags &held = marking ? *marking : *effective;
+    const BendTags *marks = marking ? marking.get() : now.marks.get();
+    const auto isShown = [&](std::size_t i) {
+        return held[i] != 1 && ((marks && (*marks)[i] != 1) || grips.count(held[i]) > 0);
+    };
     std::vector<int> hidden;
     for (const auto &[tag, each] : now.handles)
         if (each.isHidden)
             hidden.push_back(tag);
     const auto isHidden = [&](int tag) { return std::find(hidden.begin(), hidden.end(), tag) != hidden.end(); };
-    color.assign(shown.size(), vcg::Color4b(0, 0, 0, 0));
-    ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+    color.assign(held.size(), vcg::Color4b(0, 0, 0, 0));
+    ParallelFor(0, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            if (shown[i] != 1 && held[i] != 1 && !isHidden(shown[i])) {
-                color[i] = colorOfTag(shown[i]);
+            if (isShown(i) && !isHidden(held[i])) {
+                color[i] = colorOfTag(held[i]);
                 color[i][3] = opacity;
             }
     });
@@ -232,9 +220,16 @@ void BendSession::endMarks(double rim) {
     marking.reset();
     setRims(marked, rim);
     marked.clear();
+    std::set<int> added;
+    const int rank = rankOfNew();
+    for (std::size_t i = 0; now.marks && i < now.marks->size(); ++i)
+        if ((*now.marks)[i] >= 2 && !center.count((*now.marks)[i]) && added.insert((*now.marks)[i]).second && rank > 0)
+            now.rank[(*now.marks)[i]] = rank;
     for (auto point = now.points.begin(); point != now.points.end();) // marks take their places
         point = isFree(point->second.slot) ? std::next(point) : now.points.erase(point);
     updateTags();
+    for (const int tag : added)
+        keepPlace(tag);
     writeMarks();
 }
 

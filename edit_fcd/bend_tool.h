@@ -133,6 +133,7 @@ class BendTool : public LayerTool {
     void whenDone();
     void restFromPreparing();
     void stopPreparing();
+    void changeKind(BendDrag::Kind kind);
     void endDrag(bool keep);
     void requestStep();
     void step();

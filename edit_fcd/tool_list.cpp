@@ -11,6 +11,7 @@ void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
     list.setSelectionBehavior(QTableWidget::SelectRows);
     list.setSelectionMode(QTableWidget::SingleSelection);
     list.setEditTriggers(QTableWidget::DoubleClicked);
+    list.setFocusPolicy(Qt::NoFocus); // keys stay with the view, but for what is edited
     list.setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     QHeaderView &header = *list.horizontalHeader();
     header.setMinimumSectionSize(16);

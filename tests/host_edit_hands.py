@@ -126,6 +126,37 @@ def test_handles_are_things(window, tmp_path):
     assert colored(w, (X + 205, Y), LIT) > 80
 
 
+def test_a_click_beside_a_box_of_the_list_sets_it(window, tmp_path):
+    """All of the cell does; and motions, of which there is room for a few words, are edited as the filters take them."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X, Y), (X, Y - 60))
+    w.do("mousemove", X, Y - 200)
+    x, y, width, _ = w.box("handles")
+    row, seen, lock = y + 35, x + 104, x + 104 + 38
+    dot = lambda: colored(w, (X, Y - 60), (250, 250, 250)) # of the gizmo
+    assert dot() > 80
+    for place in (seen + 33, seen + 5, seen + 33, seen + 14): # off, on, off and on by the box
+        before = dot()
+        w.click((place, row))
+        assert (dot() > 80) != (before > 80)
+        time.sleep(0.6) # no double click
+    w.click((lock + 33, row))
+    w.do("mousemove", X, Y + 200)
+    w.key("g", "x", "1", "Return")
+    w.wait("is locked: the list of handles unlocks it.")
+    w.shot("locked")
+    w.click((lock + 5, row))
+    w.click((x + width - 60, row), count=2)
+    w.shot("edited")
+    w.key("End")
+    w.do("type", " translate 0 0 1")
+    w.key("Return")
+    moved = load(w.save("moved.ply"))[0] - points
+    assert moved[:, 1].max() > 0.1 and moved[:, 2].max() == pytest.approx(1, abs=1e-5)
+    w.shot("short")
+
+
 def test_a_handle_turns_about_a_place_of_itself(window, tmp_path):
     """Such as a joint at its edge, where P is pressed; beside the mesh, P takes that back."""
     w, points, _ = open_tube(window, tmp_path)
@@ -148,6 +179,88 @@ def test_a_handle_turns_about_a_place_of_itself(window, tmp_path):
     w.key("p", "r", "z", "9", "0", "Return")
     turned = load(w.save("turned_again.ply"))[0]
     assert np.abs(turned[right].mean(0) - points[right].mean(0)).max() < 0.15
+
+
+def tip_of_a_limb(window, tmp_path):
+    """A window with the tool on a thin tube along x, whose right end is a tip."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    return w, points
+
+
+def test_a_pull_takes_along_what_lies_on_it(window, tmp_path):
+    """A small part that is not connected, as nails of a hand are; but nothing that lies elsewhere, or is large. So does a pull at it."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
+    small, small_faces = tube_of(np.linspace(-0.06, 0.06, 9), 16, 0.025)
+    parts = [points] + [small + np.float32(place) for place in ([0.5, 0.105, 0], [-0.5, 0.105, 0])] + [points + np.float32([0, 0.5, 0])]
+    all_faces, count = [], 0
+    for part, own in zip(parts, (faces, small_faces, small_faces, faces)):
+        all_faces.append(own + count)
+        count += len(part)
+    w = window(write_ply(tmp_path / "limb.ply", np.vstack(parts), np.vstack(all_faces).astype(np.int32)))
+    w.start_tool()
+    for name, y in (("tube", Y + 66), ("small", Y + 40)): # where they lie in the view
+        w.drag((X + 130, y), (X + 130, y + 60))
+        w.shot(name)
+        off = np.linalg.norm(load(w.save(f"{name}.ply"))[0] - np.vstack(parts), axis=1)
+        moved = np.split(off, np.cumsum([len(part) for part in parts])[:-1])
+        below = moved[0][abs(points[:, 0] - 0.5) < 0.05].mean()
+        assert below > 0.1 and abs(moved[1].mean() - below) < 0.4 * below
+        assert not moved[2].any() and not moved[3].any()
+        w.key("ctrl+z")
+
+
+def turned_by(points, now):
+    """How far points were turned, at best (Kabsch), in degrees."""
+    a, b = points - points.mean(0), now - now.mean(0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    return np.degrees(np.arccos((np.trace(u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v) - 1) / 2))
+
+
+def test_a_point_that_is_turned_takes_the_tip_along(window, tmp_path):
+    """By as much as was asked for, from where it was pulled to, however it came there; and about the point."""
+    w, points = tip_of_a_limb(window, tmp_path)
+    tip = points[:, 0] > 0.75
+    w.drag((X + 110, Y), (X + 110, Y - 60))
+    pulled = load(w.save("pulled.ply"))[0]
+    w.do("mousemove", X + 110, Y - 60)
+    w.key("r", "z", "4", "5")
+    w.shot("turning")
+    w.key("Return")
+    turned = load(w.save("turned.ply"))[0]
+    assert turned_by(pulled[tip], turned[tip]) == pytest.approx(45, abs=1)
+    at = np.abs(points[:, 0] - 0.44) < 0.05
+    assert np.linalg.norm((turned - pulled)[at].mean(0)) < 0.05
+    assert not (turned - points)[points[:, 0] < 0].any()
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], pulled)
+    w.do("mousemove", X + 110, Y - 60)
+    w.key("g", "r", "z", "4", "5", "Return") # begun as a move
+    assert np.array_equal(load(w.save("again.ply"))[0], turned)
+    w.key("ctrl+shift+Return") # the filter makes the same of it
+    w.wait("ms.apply_filter")
+    assert np.array_equal(load(w.save("applied.ply"))[0], turned)
+
+
+@pytest.mark.parametrize("place", [-20, 60, 230])
+def test_a_new_handle_leaves_what_is_posed(window, tmp_path, place):
+    """Beside what others bend, at its edge, and within; and it begins where it is seen."""
+    w, points = tip_of_a_limb(window, tmp_path)
+    w.drag((X + 110, Y), (X + 110, Y - 60))
+    pulled = load(w.save("pulled.ply"))[0]
+    y = Y - 60 if place == 230 else Y
+    w.do("mousemove", X + place, y, "click", 1)
+    w.shot("new")
+    full = load(w.save("new.ply"))[0]
+    far = np.linalg.norm(pulled - points, axis=1).max()
+    assert np.linalg.norm(full - pulled, axis=1).max() < 0.05 * far
+    w.drag((X + place + 1, y), (X + place, y + 40))
+    w.shot("moved")
+    both = load(w.save("both.ply"))[0]
+    assert np.linalg.norm(both - full, axis=1).max() > 0.1
+    if place == -20:
+        assert np.linalg.norm(both - full, axis=1)[points[:, 0] > 0.3].max() < 1e-3
 
 
 def across(w):
@@ -255,6 +368,52 @@ def test_keys_belong_to_what_is_under_the_mouse(window, tmp_path):
     assert gizmo > 20 and arrow() == 0 and state_text(w) != said
     w.key("Escape", "ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+def test_a_button_that_is_released_over_a_question_ends_the_drag(window, tmp_path):
+    """Such as the one that the host asks before it closes a document."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X - 150, Y), (X - 150, Y - 60)) # something was changed
+    w.key("b")
+    w.press_and_move((X + 110, Y), (X + 110, Y - 60))
+    main = w.title()
+    w.key("ctrl+w")
+    asked = w.wait_for_title("", other_than=main)
+    w.shot("asked")
+    w.do("mousemove", X, Y - 200, "mouseup", 1)
+    w.key("Escape")
+    w.wait_for_title("MeshLab", other_than=asked)
+    w.do("mousemove", X, Y - 200, "mousemove", X, Y - 250)
+    kept = w.seen()
+    w.do("mousemove", X + 20, Y - 20, "mousemove", X + 60, Y + 20, "mousemove", X, Y - 250) # without the button
+    w.shot("moved_on")
+    assert np.array_equal(w.seen(), kept)
+
+
+def test_keys_are_the_views_after_a_click_in_the_panel(window, tmp_path):
+    """With the mouse still there: Ctrl+Z takes back what was done in the list, and Esc leaves a number, and gives the mouse to nobody."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X + 40, Y), (X + 40, Y - 80))
+    bent = load(w.save("bent.ply"))[0]
+    x, y, width, _ = w.box("handles")
+    w.click((x + width - 12, y + 35)) # removes it
+    w.shot("removed")
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("back.ply"))[0], bent)
+    w.click((x + 30, y + 35), count=2)
+    w.do("type", "arm")
+    w.key("Return", "ctrl+z", "ctrl+z") # the name, and the pull
+    assert np.array_equal(load(w.save("at_rest.ply"))[0], points)
+    x, y, *_ = w.box("brush")
+    w.click((x + 20, y + 10), count=2)
+    said = state_text(w)
+    w.key("Escape")
+    w.shot("left")
+    assert state_text(w) == said
+    w.key("ctrl+shift+z")
+    assert np.array_equal(load(w.save("again.ply"))[0], bent)
 
 
 def test_the_page_of_keys_fits_a_small_screen(window, tmp_path):
@@ -486,6 +645,28 @@ def show_percent(w, i, percent):
     w.key("Return")
     w.wait("trace: full", full + 1)
     w.settle()
+
+
+def test_a_pose_is_as_it_was_kept_when_its_point_is_turned_later(window, tmp_path):
+    """Though the point holds more from then on."""
+    w, points = tip_of_a_limb(window, tmp_path)
+    w.drag((X + 110, Y), (X + 110, Y - 60))
+    pulled = load(w.save("pulled.ply"))[0]
+    w.do("mousemove", X, Y + 230) # where it changes nothing that the panel says
+    w.click(w.place("poses_fold"))
+    w.wait("trace: place: keep ")
+    keep_pose(w, "up")
+    w.do("mousemove", X + 110, Y - 60)
+    w.key("r", "z", "4", "5", "Return")
+    turned = load(w.save("turned.ply"))[0]
+    assert np.linalg.norm(turned - pulled, axis=1).max() > 0.2
+    x, y, _ = row_of_poses(w, 0)
+    w.click((x + 30, y))
+    shown = load(w.save("shown.ply"))[0]
+    w.shot("shown")
+    tip = points[:, 0] > 0.75
+    assert turned_by(points[tip], pulled[tip]) > 20 and turned_by(pulled[tip], shown[tip]) < 2
+    assert np.linalg.norm(shown - pulled, axis=1).max() < 0.2 * np.linalg.norm(pulled - points, axis=1).max()
 
 
 def sequenced(folder, points, faces, tags, poses):
