@@ -5,6 +5,7 @@
 
 #include "fit_pairs.h"
 
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_matrix.h>
 #include <layer_fcd/picked_points.h>
 #include <layer_fcd/point_sources.h>
@@ -24,11 +25,9 @@ QByteArray bytesOf(const QString &file) {
 
 bool isPicked(const QString &file) { return file.endsWith(".pp", Qt::CaseInsensitive); }
 
-std::string quotedName(const QString &file) { return "'" + file.toStdString() + "'"; }
-
 /// How far the points of a .pp file are from a layer, the mean.
 double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file) {
-    const std::vector<Eigen::Vector3d> points = readActivePoints(bytesOf(file), quotedName(file));
+    const std::vector<Eigen::Vector3d> points = readActivePoints(bytesOf(file), inQuotes(file));
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
     std::vector<Eigen::Vector3d> vertices;
     for (std::size_t i = 0; i < layer.cm.vert.size(); ++i)
@@ -46,7 +45,7 @@ double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file)
 std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
     std::vector<std::string> names;
     if (isPicked(file)) {
-        const std::vector<std::string> all = namesOfPickedPoints(bytesOf(file), quotedName(file));
+        const std::vector<std::string> all = namesOfPickedPoints(bytesOf(file), inQuotes(file));
         for (std::size_t i = 0; i < all.size(); i += isOfPairs ? 2 : 1)
             names.push_back(all[i]);
         return names;

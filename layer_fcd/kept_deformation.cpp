@@ -4,6 +4,7 @@
 #include "kept_deformation.h"
 #include "kept_with_layer.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "rest_shape.h"
 
 #include <Eigen/Core>
@@ -29,8 +30,6 @@ std::shared_ptr<const Deformation> deformationKept(const MeshModel &graph) {
     return keptWith<Deformation>(graph, deformationName());
 }
 
-std::string quoted(const MeshModel &layer) { return "'" + layer.label().toStdString() + "'"; }
-
 /// Whether \p layer has, in memory, the shape that was deformed; otherwise it may have it at rest.
 bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
     return shapeOf(layer.cm) == deformation.shape;
@@ -52,7 +51,7 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
                     "deformation_file.");
     const std::shared_ptr<const Deformation> found = deformationKept(*deformedGraph);
     if (!found)
-        throw Error("The layer " + quoted(*deformedGraph) +
+        throw Error("The layer " + inQuotes(*deformedGraph) +
                     " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
                     "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': layers that "
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
@@ -62,11 +61,11 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
     const bool isThere = isAsDeformed(*source, deformation) ||
                          (RestShape::exists(*source) && RestShape(*source).shape() == deformation.shape);
     if (!isThere || mesh.fn != deformation.faces)
-        throw Error("The layer " + quoted(*source) + " is not what " + quoted(*deformedGraph) +
+        throw Error("The layer " + inQuotes(*source) + " is not what " + inQuotes(*deformedGraph) +
                     " was made from, or it was changed since. Choose the layer that was deformed, give it the pose "
                     "that it had then, or deform it again.");
     if (restGraph == source || !HasNodes(*deformation.prepared->deformer, readNodes(*source, restGraph)))
-        throw Error("The layer " + quoted(*restGraph) + " is not the graph at rest of " + quoted(*deformedGraph) +
+        throw Error("The layer " + inQuotes(*restGraph) + " is not the graph at rest of " + inQuotes(*deformedGraph) +
                     ". Choose the graph that was made together with it.");
     return deformation;
 }

@@ -4,6 +4,7 @@
 
 #include "layer_contents.h"
 #include "layer_fitter.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
 #include "motion_sources.h"
@@ -25,8 +26,6 @@ using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
 namespace {
-
-std::string inQuotes(const MeshModel &layer) { return "'" + layer.label().toStdString() + "'"; }
 
 const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target) {
     if (!target)

@@ -16,6 +16,10 @@ QString nameOf(const MeshModel &layer) {
 
 } // namespace
 
+std::string inQuotes(const QString &name) { return "'" + name.toStdString() + "'"; }
+
+std::string inQuotes(const MeshModel &layer) { return inQuotes(layer.label()); }
+
 QString labelOf(const MeshModel &base, const QString &what) {
     const QString name = nameOf(base);
     const QRegularExpressionMatch result =

@@ -4,7 +4,12 @@
 
 #include "meshlab_host.h"
 
+#include <string>
 #include <vector>
+
+/// 'NAME', as messages name layers and files.
+std::string inQuotes(const QString &name);
+std::string inQuotes(const MeshModel &layer);
 
 /// What a layer is called that is made from \p base: "NAME what"; "NAME what 2" where \p base is "NAME deformed", and
 /// so on.

@@ -2,6 +2,7 @@
 #include <vcg_ext/handles/handle_file.h> // these before Qt
 #include <vcg_ext/line/line_points.h>
 
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "line_sources.h"
 #include "picked_points.h"
@@ -16,8 +17,7 @@ Eigen::Matrix3Xd readLine(const MeshModel &layer) {
     for (const auto &edge : mesh.edge)
         if (!edge.IsD())
             edges.push_back({Index(edge.cV(0) - mesh.vert.data()), Index(edge.cV(1) - mesh.vert.data())});
-    const std::vector<Index> path =
-        vcg::fcd::PathOfEdges(std::move(edges), "The layer '" + layer.label().toStdString() + "'");
+    const std::vector<Index> path = vcg::fcd::PathOfEdges(std::move(edges), "The layer " + inQuotes(layer));
     const Eigen::Affine3d matrix = matrixOf(layer);
     Eigen::Matrix3Xd points(3, Eigen::Index(path.size()));
     for (std::size_t i = 0; i < path.size(); ++i)
@@ -30,8 +30,7 @@ Eigen::Matrix3Xd readLine(const QString &file) {
     const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most);
     if (!file.endsWith(".pp", Qt::CaseInsensitive))
         return vcg::fcd::ReadLineText(text, file.toStdString());
-    const std::vector<Eigen::Vector3d> picked =
-        readActivePoints(QByteArray::fromStdString(text), "'" + file.toStdString() + "'");
+    const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), inQuotes(file));
     Eigen::Matrix3Xd points(3, Eigen::Index(picked.size()));
     for (std::size_t i = 0; i < picked.size(); ++i)
         points.col(Eigen::Index(i)) = picked[i];

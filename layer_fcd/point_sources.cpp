@@ -3,6 +3,7 @@
 #include <vcg_ext/handles/handle_file.h>
 
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "picked_points.h"
 #include "point_sources.h"
@@ -18,8 +19,6 @@ using vcg::fcd::PointPair;
 
 namespace {
 
-std::string quoted(const QString &path) { return "'" + path.toStdString() + "'"; }
-
 std::vector<PointPair> readPairs(const QString &path, const QString &targets, std::size_t mostBytes) {
     const auto read = [&](const QString &file) {
         return QByteArray::fromStdString(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes));
@@ -28,11 +27,11 @@ std::vector<PointPair> readPairs(const QString &path, const QString &targets, st
     if (!targets.isEmpty()) {
         if (!isPicked(path) || !isPicked(targets))
             throw Error("Points are matched by name where both files are picked points (.pp) of MeshLab.");
-        return matchPickedPoints(read(path), quoted(path), read(targets), quoted(targets));
+        return matchPickedPoints(read(path), inQuotes(path), read(targets), inQuotes(targets));
     }
     if (!isPicked(path))
         return vcg::fcd::ReadPointHandleFile(QFile::encodeName(path).toStdString(), mostBytes);
-    return readPickedPoints(read(path), quoted(path));
+    return readPickedPoints(read(path), inQuotes(path));
 }
 
 } // namespace
@@ -70,7 +69,7 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m 
         handle.target = toLayer * pair.target;
         if (pair.vertex >= 0) {
             if (std::size_t(pair.vertex) >= live.size())
-                throw Error(quoted(file) + " names vertex " + std::to_string(pair.vertex) +
+                throw Error(inQuotes(file) + " names vertex " + std::to_string(pair.vertex) +
                             ", but the layer has vertices 0 to " + std::to_string(live.size() - 1) + ".");
             handle.vertex = live[std::size_t(pair.vertex)];
         } else if (tree) {

@@ -104,6 +104,12 @@ NodeConstraints Deformer::ConstraintsOf(const Pose &pose) const {
     return given;
 }
 
+SolverParam Deformer::StepsOf(SolverParam solver) const {
+    solver.accelerated = solver.accelerated && beyond.acceleration;
+    solver.follow = solver.follow && beyond.steps;
+    return solver;
+}
+
 Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
                                const Progress &progress) const {
     Pose pose;
@@ -112,9 +118,7 @@ Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, c
         pose.motion[each.first] = surface.frame.ToFrame(each.second);
     NodeConstraints given = ConstraintsOf(pose);
     const std::shared_ptr<const System> system = SystemOf(given);
-    SolverParam steps = solver;
-    steps.accelerated = solver.accelerated && beyond.acceleration;
-    pose.solved = system->parts.Solve(given, steps, progress, last ? &last->solved : nullptr,
+    pose.solved = system->parts.Solve(given, StepsOf(solver), progress, last ? &last->solved : nullptr,
                                       last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
     pose.iterations = pose.solved.iterations;
     pose.graph = pose.solved;
@@ -149,7 +153,7 @@ Deformer::Pose Deformer::SolveAlong(const Way &way, const DeformationParam &para
     const int turns = beyond.steps ? StepsTo(motions, begin ? &begin->given : nullptr) : 1,
               steps = std::max(param.steps, turns);
     SolverParam last = param;
-    last.follow = beyond.steps;
+    last.follow = true;
     // On the way of a large turn, so few iterations for each 60 degrees of it bring what is stiff to rest, while the
     // ways in which the shape might give way, which begin slowly, do not begin. 4 to 8 end in the same shape.
     const int few = 6;

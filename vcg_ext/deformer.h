@@ -137,6 +137,8 @@ class Deformer : public MovingSurface {
     /// DiscretisationError when what holds the surface moves so: the largest of the three axes.
     double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
+    /// \p solver, without what goes beyond the paper where that is not asked for.
+    SolverParam StepsOf(SolverParam solver) const;
     std::shared_ptr<const System> SystemOf(const NodeConstraints &given) const;
 
     std::vector<std::size_t> point;

@@ -23,10 +23,9 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     NodeConstraints given = ConstraintsOf(pose);
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
-    steps.accelerated = solver.accelerated && beyond.acceleration;
-    steps.follow = beyond.steps;
-    const double error =
-        vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights, steps, param.shape);
+    steps.follow = true;
+    const double error = vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights,
+                                                       StepsOf(steps), param.shape);
     if (!(error > 0)) // also without any nodes
         return error;
     const Eigen::Matrix3Xf &rest = graph.graph.position;
@@ -87,7 +86,7 @@ double Deformer::TurnError(const Progress &progress) const {
     SolverParam solver;
     solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
     solver.maxIterations = 100;
-    solver.follow = beyond.steps;
+    solver.follow = true;
     ParallelFor(progress, "Estimating the error", 3, 1, [&](std::size_t first, std::size_t last) {
         for (std::size_t axis = first; axis < last; ++axis)
             try {
