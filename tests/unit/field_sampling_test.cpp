@@ -33,11 +33,12 @@ struct SampledCase {
         EXPECT_EQ(sampled.off, 0);
         EXPECT_EQ(sampled.stirred, 0);
         const DeformationField field(sampled.samples);
+        const double allowed = tolerance * Size();
         double largest = 0;
         for (Eigen::Index i = 0; i < rest.cols(); ++i) {
             const Vector3d p = rest.col(i), there = p + field(p);
             const double off = (there - deformed.col(i)).norm();
-            ASSERT_LE(off, tolerance * Size()) << "vertex " << i;
+            ASSERT_LE(off, allowed) << "vertex " << i;
             if (handles.tag[std::size_t(i)] <= 0)
                 ASSERT_TRUE(SameBits(there, p)) << "vertex " << i;
             else
