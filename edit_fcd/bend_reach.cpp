@@ -186,20 +186,20 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     const vcg::fcd::Graph &graph = surface->graph;
     const auto n = std::size_t(graph.Size());
     const int unknown = -1, cut = -2;
-    std::vector<int> partOf(n, unknown);
+    std::vector<int> pieceOf(n, unknown);
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0)
-            partOf[std::size_t(surface->nodeOf[i])] = cut;
+            pieceOf[std::size_t(surface->nodeOf[i])] = cut;
     std::vector<float> area; // of the pieces
     for (std::size_t u = 0; u < n; ++u) {
-        if (partOf[u] != cut)
+        if (pieceOf[u] != cut)
             continue;
         for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
-            if (partOf[std::size_t(begin)] != unknown)
+            if (pieceOf[std::size_t(begin)] != unknown)
                 continue;
-            const int part = int(area.size());
+            const int piece = int(area.size());
             area.push_back(0);
-            for (const vcg::fcd::Index v : relabel(graph, begin, part, partOf))
+            for (const vcg::fcd::Index v : relabel(graph, begin, piece, pieceOf))
                 area.back() += surface->nodeArea[std::size_t(v)];
         }
     }
@@ -208,7 +208,7 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
         return all;
     const float largest = *std::max_element(area.begin(), area.end());
     for (std::size_t i = 0; i < isIn.size(); ++i) {
-        const int which = surface->nodeOf[i] < 0 ? unknown : partOf[std::size_t(surface->nodeOf[i])];
+        const int which = surface->nodeOf[i] < 0 ? unknown : pieceOf[std::size_t(surface->nodeOf[i])];
         if (which >= 0 && area[std::size_t(which)] < largestTip * largest)
             all.push_back(i);
     }
