@@ -197,9 +197,9 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
         for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
             if (pieceOf[std::size_t(begin)] != unknown)
                 continue;
-            const int piece = int(area.size());
+            const int which = int(area.size());
             area.push_back(0);
-            for (const vcg::fcd::Index v : relabel(graph, begin, piece, pieceOf))
+            for (const vcg::fcd::Index v : relabel(graph, begin, which, pieceOf))
                 area.back() += surface->nodeArea[std::size_t(v)];
         }
     }
