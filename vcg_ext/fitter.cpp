@@ -13,6 +13,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <utility>
 
 namespace vcg {
 namespace fcd {
@@ -206,7 +207,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
     };
     const double soft = softest * param.stiffness, pace = 1 / ((1 - lastSteps) * (param.fitSteps - 1));
-    // From stiff to soft, and what is reached so.
+    // From stiff to soft.
     const auto soften = [&](const Progress &fitting) {
         report.converged = false;
         double part = 0, last = 0; // how far from stiff to soft; the move before
@@ -221,23 +222,22 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
             part = std::min(1.0, part + pace * std::clamp(onItsWay / std::max(moved, 1e-12), 1.0, hurry));
         }
         matches->Find(graph, 1, progress.threads, pull); // where it is now
-        Measure(*matches, report);
     };
     const GraphPose start = graph;
     report.bothWays = param.bothWays;
     soften(progress.Slice(0.05, 0.6));
-    if (const double unreached = matches->Unreached(); !param.bothWays && unreached > mostUnreached) {
+    if (!param.bothWays && matches->Unreached() > mostUnreached) {
+        Measure(*matches, report);
         const FitReport before = report;
-        const GraphPose oneWay = graph;
         how.bothWays = true;
-        auto others = std::make_unique<FitMatches>(target, samples, how);
-        graph = start;
-        std::swap(matches, others);
+        auto oneWay = std::exchange(matches, std::make_unique<FitMatches>(target, samples, how));
+        const GraphPose there = std::exchange(graph, start);
         soften(progress.Slice(0.6, 0.9));
+        Measure(*matches, report);
         report.bothWays = matches->Unreached() <= mostUnreached && report.matched > before.matched;
         if (!report.bothWays) {
-            std::swap(matches, others);
-            graph = oneWay;
+            matches = std::move(oneWay);
+            graph = there;
             report = before;
         }
     }
