@@ -63,7 +63,7 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
     watch = {};
     writePose(pose);
     if (faces && !full)
-        computeFaceNormals(layer.cm, solver.prepared()->turning);
+        computeFaceNormals(layer.cm, solver.prepared()->moving);
     if (full) {
         computeFaceNormals(layer.cm, {});
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);

@@ -158,7 +158,7 @@ std::uint64_t facesOf(const CMeshO &mesh) {
         thread_local std::vector<std::uint32_t> corner;
         corner.resize(3 * (last - first));
         for (std::size_t f = first; f < last; ++f) {
-            prefetch(&mesh.face[std::min(f + 16, last - 1)]);
+            vcg::fcd::Prefetch(&mesh.face[std::min(f + 16, last - 1)]);
             vcg::tri::ReadSlots(mesh, mesh.face[f], 3, &corner[3 * (f - first)]);
         }
         return cornersTerm(corner.data(), first, last);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "angle_normals.h"
 #include "graph_layer.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
@@ -197,13 +198,15 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             RestShape::keep(layer);
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
-        FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);
+        FacesOfNormals memory(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);
+        if (ofFaces && found->turning.empty())
+            found->turning = verticesBeside(mesh, found->moving);
         const bool moved = writePose(mesh, restShape, *found, pose, !ofFaces);
         result.secondsMap = watch.Seconds();
 
         watch = {};
         if (ofFaces && moved)
-            computeFlaggedNormals(mesh, found->turning, flagged);
+            computeAngleNormals(mesh, found->turning, memory);
         else
             computeFaceNormals(mesh, found->moving);
         result.secondsNormals = watch.Seconds();

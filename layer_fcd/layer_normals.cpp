@@ -2,6 +2,7 @@
 #include <vcg_ext/base/graph.h> // these before Qt
 #include <vcg_ext/surface/read_surface.h>
 
+#include "angle_normals.h"
 #include "layer_normals.h"
 
 #include <Eigen/Geometry>
@@ -19,7 +20,7 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
         for (std::size_t f = first; f < last; ++f) {
             CFaceO &face = mesh.face[f];
             for (int k = 0; k < 3; ++k)
-                prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
+                vcg::fcd::Prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
             bool moves = moving.empty();
             for (int k = 0; k < 3 && !moves; ++k)
                 moves = moving[std::size_t(face.cV(k) - mesh.vert.data())] != 0;
@@ -29,9 +30,26 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     });
 }
 
+std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &moving) {
+    std::vector<char> beside = moving;
+    for (const CFaceO &face : mesh.face) {
+        if (face.IsD())
+            continue;
+        std::size_t corner[3];
+        for (int k = 0; k < 3; ++k)
+            corner[k] = vcg::tri::Index(mesh, face.cV(k));
+        if (moving[corner[0]] || moving[corner[1]] || moving[corner[2]])
+            for (std::size_t slot : corner)
+                beside[slot] = 1;
+    }
+    return beside;
+}
+
 void computeNormals(CMeshO &mesh, unsigned threads) {
-    if (mesh.fn > 0)
-        computeAngleNormals(mesh, threads);
+    if (mesh.fn == 0)
+        return;
+    FacesOfNormals memory(mesh.vert.size(), mesh.face.size());
+    computeAngleNormals(mesh, {}, memory, threads);
 }
 
 void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
@@ -60,6 +78,7 @@ bool hasOwnNormals(const MeshModel &layer) {
     std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
     const std::vector<std::size_t> corners = vcg::fcd::CollectInOrder<std::size_t>(
         Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<std::size_t> &found) {
+            vcg::fcd::Prefetch(&mesh.face[std::min(std::size_t(f) + 16, mesh.face.size() - 1)]);
             const CFaceO &face = mesh.face[std::size_t(f)];
             for (std::size_t k = 0; !face.IsD() && k < 3; ++k)
                 if ((vcg::tri::Index(mesh, face.cV(int(k))) & (step - 1)) == 0)

@@ -2,7 +2,6 @@
 #ifndef FCD_NORMALS_H
 #define FCD_NORMALS_H
 
-#include "angle_normals.h" // prefetch
 #include "meshlab_host.h"
 
 #include <vector>
@@ -11,7 +10,11 @@
 /// 1.
 void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving);
 
-/// Normals after the coordinates changed: the same bits as MeshModel::updateBoxAndNormals gives.
+/// The vertices, as flags per slot, of the faces that have one with a flag in \p moving, and these: those whose normals
+/// change where they move.
+std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &moving);
+
+/// Normals after the coordinates changed, to 1e-7 those of MeshModel::updateBoxAndNormals.
 /// \param threads 0 = one a core; the work does not grow with them
 void computeNormals(CMeshO &mesh, unsigned threads = 0);
 /// The same, and the bounding box.

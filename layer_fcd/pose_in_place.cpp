@@ -17,10 +17,10 @@ namespace {
 
 /// Begins to read what a vertex, which will soon be written, has at rest, and the vertex itself.
 void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &vertex) {
-    ::prefetch(&position);
-    ::prefetch(&normal);
-    ::prefetch(&vertex);
-    ::prefetch(reinterpret_cast<const char *>(&vertex + 1) - 1);
+    vcg::fcd::Prefetch(&position);
+    vcg::fcd::Prefetch(&normal);
+    vcg::fcd::Prefetch(&vertex);
+    vcg::fcd::Prefetch(reinterpret_cast<const char *>(&vertex + 1) - 1);
 }
 
 /// Hands the positions and normals of what moves to takers: one a range of vertices, which \p make makes.

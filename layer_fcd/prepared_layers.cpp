@@ -165,13 +165,6 @@ std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument
     prepared->deformer = vcg::fcd::PrepareDeformer(surface, handles, param, progress);
     prepared->moving.assign(surface.vertexSlots, 0);
     prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
-    prepared->turning = prepared->moving;
-    for (std::size_t f = 0; f < surface.faces; ++f)
-        if (const std::uint32_t *corner = surface.corner + 3 * f;
-            surface.IsFace(f) &&
-            (prepared->moving[corner[0]] || prepared->moving[corner[1]] || prepared->moving[corner[2]]))
-            for (int k = 0; k < 3; ++k)
-                prepared->turning[corner[k]] = 1;
     prepared->seconds = watch.Seconds();
     if (std::none_of(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.document == &document; })) {
         QObject::disconnect(&document, nullptr, &context, nullptr);

@@ -18,7 +18,7 @@
 struct Prepared {
     std::shared_ptr<const vcg::fcd::Deformer> deformer;
     std::vector<char> moving;  ///< per vertex slot: whether it may move in some pose
-    std::vector<char> turning; ///< and whether the normal of its faces may change
+    std::vector<char> turning; ///< and whether a face of it may, once a pose has asked (verticesBeside)
     vcg::fcd::TagCount tags;
     double seconds = 0;      ///< that preparing it took; 0 once it has been used
     bool isOfOthers = false; ///< known: its nodes were given, and are not those of the graph that is made without

@@ -3,9 +3,9 @@
 #define FCD_REST_SHAPE_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/base/memory.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
-#include "angle_normals.h" // prefetch
 #include "meshlab_host.h"
 #include "parameters.h" // Remark
 
@@ -89,9 +89,9 @@ class RestShape {
 
     /// Begins to read what is needed to place a vertex.
     void prefetch(std::size_t slot) const {
-        ::prefetch(&position[slot]);
-        ::prefetch(&vertices[slot]);
-        ::prefetch(&mesh.vert[slot]);
+        vcg::fcd::Prefetch(&position[slot]);
+        vcg::fcd::Prefetch(&vertices[slot]);
+        vcg::fcd::Prefetch(&mesh.vert[slot]);
     }
 
     /// Gives the layer its rest shape back, to the bit; normals of faces are computed.

@@ -8,7 +8,11 @@
 #include <vcg_ext/shape_constants.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace vcg {
 namespace fcd {
@@ -55,92 +59,123 @@ class ConstraintBlend {
     }
 
     /// Held nodes with a free neighbour, by tag.
-    std::vector<Border> FindBorder() const {
-        std::vector<Border> border;
-        for (Index u = 0; u < surface.Size(); ++u)
-            if (tag[u] != 1)
-                for (Index v : surface.adjacency[u])
-                    if (tag[v] == 1) {
-                        border.push_back({tag[u], u});
-                        break;
-                    }
+    std::vector<Border> FindBorder(const Progress &progress) const {
+        std::vector<Border> border =
+            CollectInOrder<Border>(progress, stage, surface.Size(), [&](Index u, std::vector<Border> &found) {
+                const auto isFree = [&](Index v) { return tag[v] == 1; };
+                const Csr::Row beside = surface.adjacency[u];
+                if (tag[u] != 1 && std::any_of(beside.begin(), beside.end(), isFree))
+                    found.push_back({tag[u], u});
+            });
         std::stable_sort(border.begin(), border.end(), [](const Border &a, const Border &b) { return a.tag < b.tag; });
         return border;
     }
 
-    /// For each free node the held regions within the fade's width along the surface, and how far they are: the
-    /// distance to the nearest border node of the region, handed on from neighbour to neighbour.
+    /// For each free node the held regions within the fade's width along the surface, and how far they are.
     void FindHeldNearby(double fade, const Progress &progress) {
-        const Index n = surface.Size();
-        const std::vector<Border> border = FindBorder();
-        auto width = [&](Index u) {
-            const Index j = patches.patchOf[u];
-            return patches.tag[j] == 1
-                       ? float(std::min(fade, shape.smallBlendWidth * std::max(patches.radius[j], 1e-6f)))
-                       : float(fade);
-        };
+        const std::vector<Border> border = FindBorder(progress.Slice(0, 0.1));
+        std::vector<std::size_t> first; // of each tag in border
+        for (std::size_t b = 0; b < border.size(); ++b)
+            if (b == 0 || border[b].tag != border[b - 1].tag) {
+                heldTag.push_back(border[b].tag);
+                first.push_back(b);
+            }
+        first.push_back(border.size());
+        const std::size_t tags = heldTag.size();
+        std::vector<std::vector<Found>> found(tags);
+        // Each range has room for distances of its own: a number for each node, in so many ranges at most.
+        const std::size_t ranges = 16;
+        ParallelFor(progress.Slice(0.1, 1), stage, tags, tags / ranges + 1, [&](std::size_t from, std::size_t to) {
+            HeldSpread spread(*this, fade);
+            for (std::size_t t = from; t < to; ++t)
+                found[t] = spread.From(&border[first[t]], &border[first[t]] + (first[t + 1] - first[t]), Index(t));
+        });
+        ListByNode(found);
+    }
+
+    /// Finds the free nodes near held regions, one region after the other: the distance to the nearest border node of
+    /// the region, handed on from neighbour to neighbour.
+    class HeldSpread {
+      public:
+        HeldSpread(const ConstraintBlend &blend, double fade)
+            : surface(blend.surface), blend(blend), fade(fade),
+              best(std::size_t(surface.Size()), std::numeric_limits<float>::infinity()), queue(classes) {}
+
+        std::vector<Found> From(const Border *border, const Border *end, Index held) {
+            for (; border != end; ++border)
+                Spread(border->node, border->node, 0);
+            for (std::size_t c = 0; c < classes; ++c) {
+                for (std::size_t i = 0; i < queue[c].size(); ++i)
+                    if (const Offered o = queue[c][i]; o.distance <= best[o.node])
+                        Spread(o.node, o.source, c);
+                queue[c].clear();
+            }
+            std::vector<Found> found;
+            found.reserve(touched.size());
+            for (Index v : touched) {
+                const float distance = std::max(1e-4f, best[v]);
+                const double s = Falloff(distance);
+                found.push_back({v, {held, distance, float(s / (1 - s)), Eigen::Vector3f::Zero()}});
+                best[v] = std::numeric_limits<float>::infinity();
+            }
+            touched.clear();
+            return found;
+        }
+
+      private:
         struct Offered {
             float distance; // over the width at the source
             Index node, source;
         };
-        constexpr std::size_t classes = 256; // of distance; a node may be visited again when a nearer source turns up
-        std::vector<std::vector<Offered>> queue(classes);
-        std::vector<Found> found;
-        std::vector<float> best(n, std::numeric_limits<float>::infinity());
-        std::vector<Index> touched;
-        std::size_t visits = 0;
-        for (std::size_t b = 0; b < border.size();) {
-            const Index t = border[b].tag;
-            const double done = double(b) / double(border.size());
-            heldTag.push_back(t);
-            auto spread = [&](Index from, Index source, std::size_t current) {
-                const float w = width(source);
-                for (Index v : surface.adjacency[from]) {
-                    if (tag[v] != 1)
-                        continue;
-                    const float d = (surface.position.col(v) - surface.position.col(source)).norm() / w;
-                    if (d < best[v] && d < 1) {
-                        if (std::isinf(best[v]))
-                            touched.push_back(v);
-                        best[v] = d;
-                        queue[std::max(current, std::size_t(classes * d))].push_back({d, v, source});
-                    }
-                }
-            };
-            for (; b < border.size() && border[b].tag == t; ++b)
-                spread(border[b].node, border[b].node, 0);
-            for (std::size_t c = 0; c < classes; ++c) {
-                for (std::size_t i = 0; i < queue[c].size(); ++i) {
-                    const Offered o = queue[c][i];
-                    if ((++visits & 0xffff) == 0)
-                        progress(done, "Preparing the mapping");
-                    if (o.distance <= best[o.node])
-                        spread(o.node, o.source, c);
-                }
-                queue[c].clear();
-            }
-            for (Index v : touched) {
-                const float distance = std::max(1e-4f, best[v]);
-                const double s = Falloff(distance);
-                found.push_back(
-                    {v, {Index(heldTag.size()) - 1, distance, float(s / (1 - s)), Eigen::Vector3f::Zero()}});
-                best[v] = std::numeric_limits<float>::infinity();
-            }
-            touched.clear();
-        }
-        ListByNode(found);
-    }
+        static constexpr std::size_t classes =
+            256; // of distance; a node may be visited again when a nearer source turns up
 
-    void ListByNode(const std::vector<Found> &found) {
+        float WidthAt(Index u) const {
+            const Patches &patches = blend.patches;
+            const Index j = patches.patchOf[u];
+            return patches.tag[j] == 1
+                       ? float(std::min(fade, blend.shape.smallBlendWidth * std::max(patches.radius[j], 1e-6f)))
+                       : float(fade);
+        }
+
+        void Spread(Index from, Index source, std::size_t current) {
+            const float w = WidthAt(source);
+            for (Index v : surface.adjacency[from]) {
+                if (blend.tag[v] != 1)
+                    continue;
+                const float d = (surface.position.col(v) - surface.position.col(source)).norm() / w;
+                if (d < best[v] && d < 1) {
+                    if (std::isinf(best[v]))
+                        touched.push_back(v);
+                    best[v] = d;
+                    queue[std::max(current, std::size_t(classes * d))].push_back({d, v, source});
+                }
+            }
+        }
+
+        const Graph &surface;
+        const ConstraintBlend &blend;
+        const double fade;
+        std::vector<float> best;
+        std::vector<std::vector<Offered>> queue;
+        std::vector<Index> touched;
+    };
+
+    void ListByNode(const std::vector<std::vector<Found>> &found) {
         begin.assign(std::size_t(surface.Size()) + 1, 0);
-        for (const Found &f : found)
-            ++begin[f.node + 1];
+        std::size_t count = 0;
+        for (const std::vector<Found> &ofTag : found)
+            for (const Found &f : ofTag) {
+                ++begin[f.node + 1];
+                ++count;
+            }
         for (Index u = 0; u < surface.Size(); ++u)
             begin[u + 1] += begin[u];
-        held.resize(found.size());
+        held.resize(count);
         std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
-        for (const Found &f : found)
-            held[end[f.node]++] = f.held;
+        for (const std::vector<Found> &ofTag : found)
+            for (const Found &f : ofTag)
+                held[end[f.node]++] = f.held;
     }
 
     /// The way from the border for each entry of held: straight into the free surface, as the held patches nearby see
@@ -174,23 +209,24 @@ class ConstraintBlend {
                 nearby[j].push_back(border[std::size_t(i)]);
             std::sort(nearby[j].begin(), nearby[j].end());
         }
-        ParallelFor(
-            progress, "Preparing the mapping", surface.Size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-                for (std::size_t u = first; u < last; ++u)
-                    for (std::uint32_t h = begin[u]; h < begin[u + 1]; ++h) {
-                        const Eigen::Vector3f x = surface.position.col(Eigen::Index(u));
-                        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-                        for (Index r : nearby[patches.patchOf[u]]) {
-                            const float t = 1 - (graph.graph.position.col(r) - x).squaredNorm() / (reach * reach);
-                            if (t > 0 && patches.tag[r] == heldTag[held[h].index])
-                                sum += t * t * inward.col(r);
-                        }
-                        const float length = sum.norm();
-                        if (length > 0)
-                            held[h].away = sum * (held[h].distance * float(fade) / length);
+        ParallelFor(progress, stage, surface.Size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+            for (std::size_t u = first; u < last; ++u)
+                for (std::uint32_t h = begin[u]; h < begin[u + 1]; ++h) {
+                    const Eigen::Vector3f x = surface.position.col(Eigen::Index(u));
+                    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+                    for (Index r : nearby[patches.patchOf[u]]) {
+                        const float t = 1 - (graph.graph.position.col(r) - x).squaredNorm() / (reach * reach);
+                        if (t > 0 && patches.tag[r] == heldTag[held[h].index])
+                            sum += t * t * inward.col(r);
                     }
-            });
+                    const float length = sum.norm();
+                    if (length > 0)
+                        held[h].away = sum * (held[h].distance * float(fade) / length);
+                }
+        });
     }
+
+    static constexpr const char *stage = "Preparing the mapping";
 
     const Graph &surface;
     const std::vector<Index> &tag;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/map/deformation_check.h>
 
@@ -55,7 +56,15 @@ Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const s
     std::atomic<Index> folded{0};
     const std::size_t faces = surface.faces.size();
     ParallelFor(progress, "Checking the result", faces, 1 << 12, [&](std::size_t first, std::size_t last) {
+        Index count = 0;
         for (std::size_t i = first; i < last; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                const std::size_t next =
+                    mesh.corner[3 * std::size_t(surface.faces[std::min(i + 8, last - 1)]) + std::size_t(k)];
+                Prefetch(&surface.nodeOf[next]);
+                Prefetch(position.col(Eigen::Index(next)).data());
+                Prefetch(mesh.position + 3 * next);
+            }
             const std::uint32_t f = surface.faces[i];
             std::size_t slot[3];
             Index patch[3];
@@ -68,15 +77,17 @@ Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const s
             const auto rest = [&](int k) { return Vector3d(mesh.At(slot[k])); };
             const auto posed = [&](int k) { return Vector3d(position.col(Eigen::Index(slot[k]))); };
             const Vector3d a = toWorld(rest(1) - rest(0)), b = toWorld(rest(2) - rest(0)), normal = a.cross(b);
-            if (!(normal.norm() > 1e-3 * std::max(a.squaredNorm(), b.squaredNorm())))
+            const double size = std::max(a.squaredNorm(), b.squaredNorm());
+            if (!(normal.squaredNorm() > 1e-6 * size * size))
                 continue;
             Vector3d turned = Vector3d::Zero();
-            for (Index each : patch)
-                if (each >= 0)
-                    turned += turn[each] * normal;
-            if (toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0)
-                ++folded;
+            const bool isInside = patch[0] >= 0 && patch[0] == patch[1] && patch[0] == patch[2];
+            for (int k = 0; k < (isInside ? 1 : 3); ++k) // three times the same would be the same way
+                if (patch[k] >= 0)
+                    turned += turn[patch[k]] * normal;
+            count += toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0;
         }
+        folded += count;
     });
     return folded;
 }

@@ -23,17 +23,24 @@ void MovingSurface::FindMoving(const std::vector<std::size_t> &point, const Prog
         std::vector<std::pair<Index, Bent>> here; // by patch
         here.reserve(last - first);
         std::map<Index, std::size_t> next; // of each patch: where its next one goes
+        Index patch = -1;
+        std::size_t *ofPatch = nullptr; // neighbours are mostly of one patch: it is not looked up for each
+        const auto nextOf = [&](Index j) -> std::size_t & {
+            if (j != patch)
+                ofPatch = &next[patch = j];
+            return *ofPatch;
+        };
         for (std::size_t i = first; i < last; ++i)
             if (isBent(i)) {
                 const Index node = surface.nodeOf[surface.slots[i]];
                 here.push_back({patches.patchOf[node], {surface.slots[i], node}});
-                ++next[here.back().first];
+                ++nextOf(here.back().first);
             }
         std::size_t at = begin[first / grain];
         for (auto &each : next)
             each.second = std::exchange(at, at + each.second);
         for (const auto &each : here)
-            bent[next[each.first]++] = each.second;
+            bent[nextOf(each.first)++] = each.second;
     });
 
     std::vector<char> isPoint; // one per slot, where there is any

@@ -100,18 +100,15 @@ class PatchGrower {
         for (std::size_t b = 0; b <= last; ++b) {
             // A bucket may grow while it is emptied.
             for (std::size_t i = 0; i < bucket[b].size(); ++i) {
-#ifdef __GNUC__
-                // Offers that follow each other are far apart in memory: begin to read what the next ones need. (A
-                // function of its own would be optimised away, as one without an effect.)
+                // Offers that follow each other are far apart in memory: begin to read what the next ones need.
                 const std::vector<Offered> &offers = bucket[b];
                 if (i + 16 < offers.size())
-                    __builtin_prefetch(&graph.adjacency.begin[offers[i + 16].node]);
+                    Prefetch(&graph.adjacency.begin[offers[i + 16].node]);
                 if (i + 8 < offers.size())
-                    __builtin_prefetch(graph.adjacency[offers[i + 8].node].first);
+                    Prefetch(graph.adjacency[offers[i + 8].node].first);
                 if (i + 4 < offers.size())
                     for (Index v : graph.adjacency[offers[i + 4].node])
-                        __builtin_prefetch(&state[v]);
-#endif
+                        Prefetch(&state[v]);
                 const Offered o = bucket[b][i];
                 if (state[o.node].best < 0)
                     continue;
