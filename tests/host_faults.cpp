@@ -225,10 +225,10 @@ static std::string squeeze(Plugin &plugin, QAction *action, MeshDocument &docume
 
 static void runOutOfMemory(Plugin &plugin, QAction *action) {
     MeshDocument document;
-    fill(document, 300);
+    fill(document, 150);
     const MeshModel *sheet = document.mm();
     int times = 0;
-    const std::string message = squeeze(plugin, action, document, 512, times);
+    const std::string message = squeeze(plugin, action, document, 256, times);
     checkResult(action, document, sheet);
     std::cout << action->text().toStdString() << " ran out of memory " << times << " times: " << message << "\n";
 }
@@ -236,13 +236,13 @@ static void runOutOfMemory(Plugin &plugin, QAction *action) {
 /// A layer is posed twice: from rest, and from a pose, which is not lost where the next one finds no memory.
 static void poseInVain(Plugin &plugin, QAction *action) {
     MeshDocument document;
-    fill(document, 300);
+    fill(document, 150);
     int first = 0, second = 0;
     angle = 20;
-    squeeze(plugin, action, document, 512, first);
+    squeeze(plugin, action, document, 256, first);
     const State posed(document);
     angle = -30;
-    const std::string message = squeeze(plugin, action, document, 128, second);
+    const std::string message = squeeze(plugin, action, document, 64, second);
     if (State(document) == posed)
         fail(action, "no pose");
     angle = 0;
@@ -251,8 +251,8 @@ static void poseInVain(Plugin &plugin, QAction *action) {
 }
 
 int main(int argc, char **argv) {
-    mallopt(M_MMAP_THRESHOLD, 1 << 17); // what is freed goes back, and is not there for the next try
-    mallopt(M_TRIM_THRESHOLD, 1 << 17);
+    mallopt(M_MMAP_THRESHOLD, 1 << 15); // what is freed goes back, and is not there for the next try
+    mallopt(M_TRIM_THRESHOLD, 1 << 15);
     QCoreApplication application(argc, argv);
     Plugin *plugin = loadPlugin<Plugin>(argc > 1 ? argv[1] : "");
     if (!plugin)

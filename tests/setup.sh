@@ -5,7 +5,7 @@
 #
 #   bash tests/setup.sh [sources|window|demo]   with "sources", only what the unit tests need: packages, locale and MeshLab's sources;
 #                                               with "window", only that and what the tests of MeshLab's window need;
-#                                               with "demo", only that and what tests/demo.py needs
+#                                               with "demo", only the first and what tests/demo.py needs
 #
 # Leaves: build/venv (pymeshlab 2025.07), build/venv-2022 (pymeshlab 2022.02), build/venv-tools (tools for tests),
 # build/venv-wheel (what builds the Python package), build/venv-python (where it is tested),
@@ -192,6 +192,8 @@ fi
 # --- plugins ------------------------------------------------------------------------------------------------------------
 
 plugins=() # to build
+targets=() # of each; none for all
+[ "${1:-}" != demo ] || targets=(filter_fcd) # it opens no window
 # plugin HOST SOURCE LIBRARY SCALAR: without LIBRARY, for a MeshLab that is not here. By clang, which takes two thirds of the
 # time of GCC for a plugin that is as fast; but for the window that the tests use, by GCC: two of its libraries in one process
 # do not always take a type for the same where two of clang's do, and most people's plugins will be built by it.
@@ -208,7 +210,7 @@ plugin() {
         cmake -G Ninja -S "$root" -B "$directory" "${arguments[@]}" >>"$log" 2>&1
         printf '%s\n' "$root" "${arguments[@]}" >"$directory/arguments"
     fi
-    ninja -C "$directory" -n | grep -q 'no work to do' || plugins+=("$1")
+    ninja -C "$directory" -n "${targets[@]}" | grep -q 'no work to do' || plugins+=("$1")
 }
 wheel=$("$python" -c 'import sys; print("lib/python%d.%d" % sys.version_info[:2])')/site-packages/pymeshlab/lib/libmeshlab-common.so
 system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
@@ -219,11 +221,11 @@ build() {
     [ ${#plugins[@]} -gt 0 ] || return 0
     begin "building the plugin for ${plugins[*]}"
     if [ ${#plugins[@]} = 1 ]; then
-        nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" >>"$log" 2>&1
+        nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" "${targets[@]}" >>"$log" 2>&1
     else
         # The method is the same for each of these, but for what includes VCG: the compiler cache has it from the first one.
         nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
-        printf '%s\n' "${plugins[@]}" | nice xargs -P "$jobs" -I{} ninja -C "$build/cmake/{}" -j 1 >>"$log" 2>&1
+        printf '%s\n' "${plugins[@]}" | nice xargs -P "$jobs" -I{} ninja -C "$build/cmake/{}" -j 1 "${targets[@]}" >>"$log" 2>&1
     fi
     plugins=()
 }
@@ -237,7 +239,7 @@ if [ "$installed" = 2020.09 ]; then
     step="making a private copy of MeshLab 2020.09"
     private=$build/meshlab-2020.09
     mkdir -p "$private/plugins"
-    ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib{filter,edit}_fcd.so "$private/plugins/"
+    ln -sf "$system"/plugins/*.so "$build/plugins/meshlab-2020.09"/lib*_fcd.so "$private/plugins/"
     for program in meshlab meshlabserver; do
         cmp -s "/usr/bin/$program" "$private/$program.bin" || cp "/usr/bin/$program" "$private/$program.bin"
         printf '#!/bin/sh\nLD_LIBRARY_PATH=%s${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} exec "$(dirname "$0")/%s.bin" "$@"\n' \

@@ -14,7 +14,7 @@ using vcg::tri::DeformCentroidal;
 /// A tube with a seam, an isolated vertex and a loose part; few patches for many nodes, so that even so small a mesh
 /// makes use of threads.
 struct SmallRun {
-    Case c = CaseOf(Join(Unwelded(Tube(30, 12)), Join(Grid(3, 3, 0.2, 10), Shape{{{3, 3, 3}}, {}, {}})),
+    Case c = CaseOf(Join(Unwelded(Tube(16, 10)), Join(Grid(3, 3, 0.2, 10), Shape{{{3, 3, 3}}, {}, {}})),
                     [](const Eigen::Vector3d &p) { return p[2] > 6 || p[0] > 2 ? 1 : TubeTag(p); });
     MeshD mesh{c.shape};
     DeformationParam param;

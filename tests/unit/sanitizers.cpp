@@ -2,9 +2,7 @@
 #include "sanitizers.h"
 
 #ifdef __has_feature
-const bool fcd_test::threadSanitized = __has_feature(thread_sanitizer);
 const bool fcd_test::sanitized = __has_feature(thread_sanitizer) || __has_feature(address_sanitizer);
 #else // GCC, by which the method is tested without
-const bool fcd_test::threadSanitized = false;
 const bool fcd_test::sanitized = false;
 #endif

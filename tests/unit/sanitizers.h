@@ -8,8 +8,6 @@ namespace fcd_test {
 
 /// Sanitizers slow everything down tenfold: large tests are smaller then.
 extern const bool sanitized;
-/// ThreadSanitizer slows most down more than the others, and only looks at what threads do at the same time.
-extern const bool threadSanitized;
 
 } // namespace fcd_test
 

@@ -36,7 +36,8 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     const Eigen::Vector3f direction = Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f).normalized();
     struct Place {
         float along, reach; // reach: a tenth of the shortest edge
-        Index node;
+        Index node, first;  // first: of its neighbours; -1 for none
+        std::size_t others; // the next place whose first neighbour is another one: a long fan has few of these
         bool operator<(const Place &o) const { return along != o.along ? along < o.along : node < o.node; }
     };
     std::vector<Place> place;
@@ -46,9 +47,13 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
             float shortest = std::numeric_limits<float>::infinity();
             for (Index v : graph.adjacency[u])
                 shortest = std::min(shortest, (graph.position.col(v) - p).norm());
-            place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u});
+            const Csr::Row neighbours = graph.adjacency[u];
+            place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u,
+                             neighbours.size() ? neighbours[0] : -1, 0});
         }
     std::sort(place.begin(), place.end());
+    for (std::size_t i = place.size(); i-- > 0;)
+        place[i].others = i + 1 < place.size() && place[i + 1].first == place[i].first ? place[i + 1].others : i + 1;
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
     const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
@@ -67,9 +72,13 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         CollectInOrder<Pair>(progress, readingStage, Index(place.size()), [&](Index i, std::vector<Pair> &found) {
             const Place &a = place[i];
             const Eigen::Vector3f p = graph.position.col(a.node);
-            const float reach = std::max(a.reach, float(distance)) + 2e-7f; // rounding
+            const float hair = float(distance) + 2e-7f, reach = std::max(a.reach + 2e-7f, hair); // rounding
             for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
                 const Place &b = place[j];
+                if (b.first == a.first && b.along - a.along > hair) { // with a neighbour in common: no gap
+                    j = b.others - 1;
+                    continue;
+                }
                 const bool areHeld = !isFree(a.node) && !isFree(b.node);
                 if (areHeld && (tag[a.node] != tag[b.node] || isBeside(a.node) || isBeside(b.node)))
                     continue;
