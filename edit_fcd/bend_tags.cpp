@@ -57,12 +57,14 @@ void BendSession::updateTags() {
     if (!effective || *made != *effective)
         effective = made;
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
-    for (auto each = now.motion.begin(); each != now.motion.end();)
-        each = center.count(each->first) ? std::next(each) : motionByHand().erase(each);
-    for (auto each = now.handles.begin(); each != now.handles.end();)
-        each = center.count(each->first) ? std::next(each) : now.handles.erase(each);
-    for (auto each = now.rank.begin(); each != now.rank.end();)
-        each = center.count(each->first) ? std::next(each) : now.rank.erase(each);
+    const auto forget = [&](auto &of) {
+        for (auto each = of.begin(); each != of.end();)
+            each = center.count(each->first) ? std::next(each) : of.erase(each);
+    };
+    if (std::any_of(now.motion.begin(), now.motion.end(), [&](const auto &each) { return !center.count(each.first); }))
+        forget(motionByHand());
+    forget(now.handles);
+    forget(now.rank);
 }
 
 double BendSession::rimAt(std::size_t slot) const {

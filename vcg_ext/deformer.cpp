@@ -49,7 +49,7 @@ Deformer::Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface loose
                                        param.shape.blendWidth * D, progress.Slice(0.7, 0.95), param.shape, beyond);
     following = param.looseParts == LooseParts::Follow
                     ? FollowNearest(rest, this->slotTag, this->surface.frame, loose, 2 * D, progress.Slice(0.95, 1))
-                    : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}};
+                    : LooseFollowing{std::vector<std::size_t>(loose.parts, LooseFollowing::none), {}, {}};
     for (std::size_t i : following.leader)
         leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero()
                                                        : Eigen::Vector3d(rest.col(Eigen::Index(i))));

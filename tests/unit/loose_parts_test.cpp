@@ -5,6 +5,7 @@
 #include "test_support.h"
 
 #include <map>
+#include <set>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -283,6 +284,24 @@ TEST(LooseParts, LongOnesFollowPartByPart) {
     EXPECT_GE(nearest, 0.05) << "0.2 at rest, and the tube's inside is pressed";
     EXPECT_LE(farthest, 0.35);
     EXPECT_LE(uneven[1], 2 * uneven[0]) << "farther from the axis of the bend, but no steps";
+}
+
+TEST(FollowNearest, ListsEachPlaceOnce) {
+    const Shape body = Tube(13, 12), sleeve = Tube(60, 40, 4); // much finer
+    const Shape both = Join(body, sleeve);
+    LooseSurface loose;
+    loose.partOf.assign(std::size_t(both.Size()), 0);
+    std::fill_n(loose.partOf.begin(), body.Size(), -1);
+    loose.parts = 1;
+    const LooseFollowing following = FollowNearest(
+        PositionsOf(MeshD(both)), std::vector<int>(std::size_t(both.Size()), 1), Frame(), loose, 0.1, Threads(1));
+    ASSERT_EQ(following.vertex.size(), std::size_t(sleeve.Size()));
+    const std::set<std::size_t> places(following.place.begin(), following.place.end());
+    EXPECT_EQ(places.size(), following.place.size());
+    EXPECT_LT(*places.rbegin(), std::size_t(body.Size()));
+    for (const LooseFollowing::Vertex &vertex : following.vertex)
+        for (int k = 0; k < LooseFollowing::several; ++k)
+            EXPECT_TRUE(vertex.weight[k] == 0 || std::size_t(vertex.place[k]) < places.size());
 }
 
 TEST(LooseParts, FollowAnUnweldedSurfaceAsAWeldedOne) {

@@ -7,7 +7,7 @@ namespace fcd {
 
 Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose)
     : moving(surface), pose(pose), mapped(moving.mapping->At(pose.graph, pose.motion, moving.surface.frame)),
-      looseMotion(LooseMotions()), moves(pose.Moves()) {}
+      looseMotion(LooseMotions()), placeMotion(PlaceMotions()), moves(pose.Moves()) {}
 
 Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
     const Index node = moving.surface.nodeOf[slot];
@@ -104,17 +104,49 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
     return result;
 }
 
+/// Where a place of the surface leads is affine in what lies beside it: four points tell it.
+std::vector<Eigen::Affine3d> Carrier::PlaceMotions() const {
+    const std::vector<std::size_t> &place = moving.following.place;
+    std::vector<Eigen::Affine3d> result(place.size(), Eigen::Affine3d::Identity());
+    if (!pose.Moves())
+        return result;
+    Eigen::Matrix3Xd corner(3, 4); // the place, and as far from it as the frame is wide
+    corner << Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity();
+    ParallelFor(0, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
+        GraphMapping::Posed::Scratch scratch;
+        detail::Vertices &at = scratch.vertices;
+        for (std::size_t i = first; i < last; ++i) {
+            const Index node = moving.surface.nodeOf[place[i]];
+            if (node < 0) {
+                result[i] = Eigen::Affine3d(GivenAt(place[i]));
+                continue;
+            }
+            const Eigen::Vector3d own = moving.surface.graph.position.col(node).cast<double>();
+            for (int k = 0; k < 4; ++k)
+                at.SetRest(k, moving.surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k))));
+            const Index same[] = {node, node, node, node};
+            if (moving.held.tag[node] == 1)
+                mapped.Map(same, 4, false, scratch);
+            else
+                for (int k = 0; k < 4; ++k)
+                    at.SetMoved(k, mapped(node, at.Rest(k)));
+            Eigen::Matrix3d from, to;
+            for (int k = 0; k < 3; ++k) {
+                from.col(k) = at.Rest(k + 1) - at.Rest(0);
+                to.col(k) = at.Moved(k + 1) - at.Moved(0);
+            }
+            result[i].linear() = to * from.inverse();
+            result[i].translation() = at.Moved(0) - result[i].linear() * at.Rest(0);
+        }
+    });
+    return result;
+}
+
 Eigen::Vector3d Carrier::Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const {
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
-    for (int i = 0; i < LooseFollowing::several; ++i) {
-        if (!(vertex.weight[i] > 0))
-            continue;
-        const std::size_t slot = std::size_t(vertex.place[i]);
-        const Index node = moving.surface.nodeOf[slot];
-        const Eigen::Vector3d there =
-            node >= 0 ? mapped(node, p) : Eigen::Vector3d((GivenAt(slot) * p.homogeneous()).head<3>());
-        way += double(vertex.weight[i]) * (there - p);
-    }
+    for (int i = 0; i < LooseFollowing::several; ++i)
+        if (vertex.weight[i] > 0)
+            way += double(vertex.weight[i]) * (placeMotion[std::size_t(vertex.place[i])] * p - p);
     return way.isZero(0) ? p : p + way;
 }
 

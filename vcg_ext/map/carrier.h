@@ -127,6 +127,9 @@ class Carrier {
     /// The motion of each loose part, mesh units: the rigid one of its leader.
     std::vector<Eigen::Matrix4d> LooseMotions() const;
 
+    /// How each of LooseFollowing::place moves what lies beside it, mesh units.
+    std::vector<Eigen::Affine3d> PlaceMotions() const;
+
     /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
     Eigen::Vector3d Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const;
 
@@ -134,6 +137,7 @@ class Carrier {
     const SurfacePose &pose;
     const GraphMapping::Posed mapped;
     const std::vector<Eigen::Matrix4d> looseMotion; // of each loose part, mesh units
+    const std::vector<Eigen::Affine3d> placeMotion; // of each of LooseFollowing::place, mesh units
     const bool moves;
 };
 

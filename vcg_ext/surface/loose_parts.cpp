@@ -84,6 +84,21 @@ class Places {
     std::unique_ptr<PointTree<double>> tree;
 };
 
+/// Slots of places become their numbers. Many vertices follow the same ones.
+void NumberPlaces(LooseFollowing &following) {
+    for (const LooseFollowing::Vertex &vertex : following.vertex)
+        for (const Index slot : vertex.place)
+            if (slot >= 0)
+                following.place.push_back(std::size_t(slot));
+    std::sort(following.place.begin(), following.place.end());
+    following.place.erase(std::unique(following.place.begin(), following.place.end()), following.place.end());
+    for (LooseFollowing::Vertex &vertex : following.vertex)
+        for (Index &place : vertex.place)
+            if (place >= 0)
+                place = Index(std::lower_bound(following.place.begin(), following.place.end(), std::size_t(place)) -
+                              following.place.begin());
+}
+
 } // namespace
 
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<Index> &partOf,
@@ -178,6 +193,7 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
                         places.Several(position.col(Eigen::Index(vertex.slot)), vertex.place, vertex.weight);
                     }
                 });
+    NumberPlaces(following);
     return following;
 }
 

@@ -39,10 +39,11 @@ struct LooseFollowing {
     static constexpr std::size_t none = std::size_t(-1);
     static constexpr int several = 8; ///< places that a vertex follows at most
     std::vector<std::size_t> leader;  ///< of each part, the slot of the nearest place, or none
+    std::vector<std::size_t> place;   ///< slots that vertices follow, each once
     /// Vertices of parts that reach farther than patches do: each follows what is nearest to it.
     struct Vertex {
         std::size_t slot;
-        Index place[several]; ///< slots, -1 fills up
+        Index place[several]; ///< of LooseFollowing::place, -1 fills up
         float weight[several];
     };
     std::vector<Vertex> vertex;
