@@ -131,11 +131,10 @@ class ConstraintBlend {
             256; // of distance; a node may be visited again when a nearer source turns up
 
         float WidthAt(Index u) const {
-            const Patches &patches = blend.patches;
-            const Index j = patches.patchOf[u];
-            return patches.tag[j] == 1
-                       ? float(std::min(fade, blend.shape.smallBlendWidth * std::max(patches.radius[j], 1e-6f)))
-                       : float(fade);
+            const Patches &all = blend.patches;
+            const Index j = all.patchOf[u];
+            return all.tag[j] == 1 ? float(std::min(fade, blend.shape.smallBlendWidth * std::max(all.radius[j], 1e-6f)))
+                                   : float(fade);
         }
 
         void Spread(Index from, Index source, std::size_t current) {
