@@ -18,8 +18,8 @@
 /// Ranges of faces whose normals and angles are computed by any thread.
 constexpr std::size_t facesOfRange = 1024;
 
-/// What computeAngleNormals needs of memory, so that it can be had before anything is changed.
-struct FacesOfNormals {
+/// What computeFlaggedNormals needs of memory, so that it can be had before anything is changed.
+struct FlaggedFaces {
     /// Of the faces of a range, those that have a vertex with a flag.
     struct Range {
         float angle[3][facesOfRange];
@@ -30,25 +30,19 @@ struct FacesOfNormals {
     std::vector<char> isClear; ///< flags of the vertices' slots: the sum of the normals is begun
     vcg::fcd::RangeResults<Range> range;
 
-    FacesOfNormals(std::size_t vertices, std::size_t faces) : isClear(vertices, 0), range(faces, facesOfRange) {}
+    FlaggedFaces(std::size_t vertices, std::size_t faces) : isClear(vertices, 0), range(faces, facesOfRange) {}
 };
 
-/// The normals of faces, of length 1, and of vertices: the sum of those of their faces, in the order of these, times
-/// their angles there, to 1e-7, as vcg::tri::UpdateNormal's PerFaceNormalized and PerVertexAngleWeighted make them.
-/// Vertices without a face keep theirs.
-///
-/// Each face is visited once, for any number of threads (0 = one a core): they compute normals and angles of different
-/// ranges of faces, and add them up one range after the other, which takes a small part of the time.
-/// \param flags per vertex slot; only of the faces that have a vertex with one, and of these vertices; empty: of all
+/// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
+/// \p flags (one per slot), and of these vertices; all others keep theirs. The same bits with any number of threads.
 /// \param memory for the mesh's vertices and faces, not yet used
 template <class MeshType>
-void computeAngleNormals(MeshType &mesh, const std::vector<char> &flags, FacesOfNormals &memory, unsigned threads = 0) {
+void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, FlaggedFaces &memory) {
     using Scalar = typename MeshType::ScalarType;
     using Face = typename MeshType::FaceType;
     using Point = typename MeshType::CoordType;
-    const auto hasFlag = [&](std::uint32_t vertex) { return flags.empty() || flags[vertex] != 0; };
     const auto compute = [&](std::size_t first, std::size_t last) {
-        FacesOfNormals::Range &range = memory.range.Of(first);
+        FlaggedFaces::Range &range = memory.range.Of(first);
         int count = 0;
         for (std::size_t f = first; f < last; ++f) {
             Face &each = mesh.face[f];
@@ -57,9 +51,12 @@ void computeAngleNormals(MeshType &mesh, const std::vector<char> &flags, FacesOf
             if (each.IsD())
                 continue;
             std::uint32_t corner[3];
-            for (int k = 0; k < 3; ++k)
+            char any = 0;
+            for (int k = 0; k < 3; ++k) {
                 corner[k] = std::uint32_t(each.cV(k) - mesh.vert.data());
-            if (!hasFlag(corner[0]) && !hasFlag(corner[1]) && !hasFlag(corner[2]))
+                any |= flags[corner[k]];
+            }
+            if (!any)
                 continue;
             const Point e0 = each.cP(1) - each.cP(0), e1 = each.cP(2) - each.cP(1), e2 = each.cP(0) - each.cP(2);
             const Point normal = e0 ^ -e2;
@@ -81,12 +78,12 @@ void computeAngleNormals(MeshType &mesh, const std::vector<char> &flags, FacesOf
     };
     const auto add = [&](std::size_t first, std::size_t last) {
         for (std::size_t begin = first; begin < last; begin += facesOfRange) {
-            const FacesOfNormals::Range &range = memory.range.Of(begin);
+            const FlaggedFaces::Range &range = memory.range.Of(begin);
             for (int i = 0; i < range.count; ++i) {
                 const Point normal = mesh.face[begin + range.face[i]].cN();
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t vertex = range.slot[k][i];
-                    if (!hasFlag(vertex))
+                    if (!flags[vertex])
                         continue;
                     Point &sum = mesh.vert[vertex].N();
                     if (!memory.isClear[vertex])
@@ -94,6 +91,56 @@ void computeAngleNormals(MeshType &mesh, const std::vector<char> &flags, FacesOf
                     memory.isClear[vertex] = 1;
                     sum += normal * Scalar(range.angle[k][i]);
                 }
+            }
+        }
+    };
+    vcg::fcd::ParallelForAdding(0, mesh.face.size(), facesOfRange, compute, add);
+}
+
+/// What vcg::tri::UpdateNormal::PerFaceNormalized and PerVertexAngleWeighted do, to the bit: the normal of a vertex is
+/// the sum of those of its faces, in the order of these, times their angles there. Vertices without a face keep theirs.
+///
+/// Each face is visited once, for any number of threads (0 = one a core): they compute normals and angles of different
+/// ranges of faces, and add them up one range after the other, which takes a small part of the time.
+template <class MeshType>
+void computeAngleNormals(MeshType &mesh, unsigned threads) {
+    using Face = typename MeshType::FaceType;
+    using Point = typename MeshType::CoordType;
+    using Angles = typename MeshType::ScalarType[facesOfRange][3];
+    std::vector<char> isClear(mesh.vert.size(), 0);
+    const vcg::fcd::RangeResults<Angles> angles(mesh.face.size(), facesOfRange);
+    const auto angleOf = [&](std::size_t f) { return angles.Of(f)[f % facesOfRange]; };
+    const auto compute = [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f) {
+            Face &face = mesh.face[f];
+            for (int k = 0; k < 3; ++k)
+                vcg::fcd::Prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
+            if (face.IsD())
+                continue;
+            const auto way = [&](int k) {
+                Point edge = face.cP((k + 1) % 3) - face.cP(k);
+                return edge.Normalize();
+            };
+            const Point e0 = way(0), e1 = way(1), e2 = way(2);
+            face.N() = vcg::TriangleNormal(face).Normalize();
+            angleOf(f)[0] = vcg::AngleN(e0, -e2);
+            angleOf(f)[1] = vcg::AngleN(-e0, e1);
+            angleOf(f)[2] = vcg::AngleN(-e1, e2);
+        }
+    };
+    const auto add = [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f) {
+            const Face &face = mesh.face[f];
+            if (face.IsD())
+                continue;
+            for (int k = 0; k < 3; ++k) {
+                const std::size_t slot = std::size_t(face.cV(k) - mesh.vert.data());
+                Point &sum = mesh.vert[slot].N();
+                if (!isClear[slot])
+                    sum.SetZero();
+                isClear[slot] = 1;
+                if (face.IsR())
+                    sum += face.cN() * angleOf(f)[k];
             }
         }
     };

@@ -198,7 +198,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             RestShape::keep(layer);
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
-        FacesOfNormals memory(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);
+        FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);
         if (ofFaces && found->turning.empty())
             found->turning = verticesBeside(mesh, found->moving);
         const bool moved = writePose(mesh, restShape, *found, pose, !ofFaces);
@@ -206,7 +206,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
 
         watch = {};
         if (ofFaces && moved)
-            computeAngleNormals(mesh, found->turning, memory);
+            computeFlaggedNormals(mesh, found->turning, flagged);
         else
             computeFaceNormals(mesh, found->moving);
         result.secondsNormals = watch.Seconds();

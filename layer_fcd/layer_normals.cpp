@@ -46,10 +46,8 @@ std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &mo
 }
 
 void computeNormals(CMeshO &mesh, unsigned threads) {
-    if (mesh.fn == 0)
-        return;
-    FacesOfNormals memory(mesh.vert.size(), mesh.face.size());
-    computeAngleNormals(mesh, {}, memory, threads);
+    if (mesh.fn > 0)
+        computeAngleNormals(mesh, threads);
 }
 
 void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {

@@ -14,7 +14,7 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving);
 /// change where they move.
 std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &moving);
 
-/// Normals after the coordinates changed, to 1e-7 those of MeshModel::updateBoxAndNormals.
+/// Normals after the coordinates changed: the same bits as MeshModel::updateBoxAndNormals gives.
 /// \param threads 0 = one a core; the work does not grow with them
 void computeNormals(CMeshO &mesh, unsigned threads = 0);
 /// The same, and the bounding box.

@@ -45,9 +45,9 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         if (open[u]) {
             const Eigen::Vector3f p = graph.position.col(u);
             float shortest = std::numeric_limits<float>::infinity();
-            for (Index v : graph.adjacency[u])
-                shortest = std::min(shortest, (graph.position.col(v) - p).norm());
             const Csr::Row neighbours = graph.adjacency[u];
+            for (Index v : neighbours)
+                shortest = std::min(shortest, (graph.position.col(v) - p).norm());
             place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u,
                              neighbours.size() ? neighbours[0] : -1, 0});
         }
