@@ -193,13 +193,17 @@ fi
 
 plugins=() # to build
 targets=() # of each; none for all
-[ "${1:-}" != demo ] || targets=(filter_fcd) # it opens no window
+demo=$([ "${1:-}" != demo ] || echo true)
+[ -z "$demo" ] || targets=(filter_fcd) # it opens no window
 # plugin HOST SOURCE LIBRARY SCALAR: without LIBRARY, for a MeshLab that is not here. By clang, which takes two thirds of the
 # time of GCC for a plugin that is as fast; but for the window that the tests use, by GCC: two of its libraries in one process
-# do not always take a type for the same where two of clang's do, and most people's plugins will be built by it.
+# do not always take a type for the same where two of clang's do, and most people's plugins will be built by it. (For the demo
+# by what it was built by before, or clang: then the method is compiled once.)
 plugin() {
     local directory=$build/cmake/$1 compiler=clang++
-    [ "$1" != "meshlab-$installed" ] || compiler=g++
+    if [ "$1" = "meshlab-$installed" ] && { [ -z "$demo" ] || grep -qs 'COMPILER=g++' "$directory/arguments"; }; then
+        compiler=g++
+    fi
     step="configuring the plugin for $1"
     local arguments=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
         -DFCD_MESHLAB_SOURCE="$cache/meshlab-$2" ${3:+"-DFCD_MESHLAB_LIBRARY=$3"}
@@ -231,6 +235,10 @@ build() {
 }
 jobs=${FCD_JOBS:-$(nproc)}
 plugin "meshlab-$installed" "$installed" "$system/libmeshlab-common.so" float
+if [ -n "$demo" ]; then
+    wait "${others[0]}" || exit 1 # its MeshLab is what the plugin is linked with
+    plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
+fi
 build
 
 # A private copy of MeshLab 2020.09: a program of it takes the folder "plugins" beside it before the system's. Scripts that set the
@@ -252,13 +260,10 @@ if [ "${1:-}" = window ]; then
     wait_for_others
     exit 0
 fi
+[ -z "$demo" ] || exit 0
 
-wait "${others[0]}" || exit 1 # its MeshLab is what the plugin is linked with
+wait "${others[0]}" || exit 1
 plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
-if [ "${1:-}" = demo ]; then
-    build
-    exit 0
-fi
 [ ! -e "$build/venv-2022" ] || plugin pymeshlab-2022.2 2022.02 "$build/venv-2022/$wheel" double
 for version in 2022.02 2025.07; do
     [ "$version" = "$installed" ] || plugin "meshlab-$version" "$version" "" float
