@@ -9,7 +9,6 @@
 namespace {
 
 const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
-const double gripSize = 0.5;   // the same where it is turned: the other half is left to bend
 
 std::vector<std::size_t> chosenOf(const std::vector<char> &isIn) {
     std::vector<std::size_t> chosen;
@@ -56,6 +55,59 @@ void BendSession::bendAround(BendTags &made) {
             made[i] = 0;
 }
 
+/// Finds what belongs to each handle, as far as that matters: where there are several, or one is a grip.
+void BendSession::findExtents(const BendTags &made) {
+    std::map<int, std::vector<std::size_t>> handles;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] >= 2)
+            handles[made[i]].push_back(i);
+    bool isAnyGrip = false;
+    for (const auto &[tag, point] : now.points) {
+        handles[tag] = {point.slot};
+        isAnyGrip = isAnyGrip || point.isGrip;
+    }
+    extents.clear();
+    beyond.clear();
+    if (handles.size() < 2 && !isAnyGrip)
+        return;
+    for (const auto &[tag, vertices] : handles) {
+        if (!local && now.points.count(tag) == 0)
+            continue; // what is marked where something is fixed moves alone
+        expectReach();
+        extents[tag] = reachOfRest.whole(vertices, radiusOf(tag), usualGap());
+    }
+    for (const auto &[tag, own] : extents) {
+        const auto lies = [&all = own->beyond](const std::vector<std::size_t> &part) {
+            return std::includes(all.begin(), all.end(), part.begin(), part.end());
+        };
+        for (const auto &[other, vertices] : handles) {
+            if (other == tag)
+                continue;
+            const auto its = extents.find(other);
+            const bool isNearTip = its != extents.end() && !its->second->beyond.empty() &&
+                                   its->second->beyond.size() < own->beyond.size() && lies(its->second->beyond);
+            if (isNearTip || lies(vertices))
+                beyond[tag].push_back(other);
+        }
+    }
+}
+
+std::vector<int> BendSession::carriedBy(int tag) const {
+    std::vector<int> carried;
+    if (const auto found = beyond.find(tag); found != beyond.end())
+        for (const int other : found->second)
+            if (!handle(other).isLocked && other != mirrored(tag))
+                carried.push_back(other);
+    return carried;
+}
+
+bool BendSession::isAlong(std::size_t slot) const {
+    const int tag = (*effective)[slot];
+    const auto point = now.points.find(tag);
+    return point != now.points.end() && point->second.isGrip &&
+           std::binary_search(extents.at(tag)->beyond.begin(), extents.at(tag)->beyond.end(), slot);
+}
+
 /// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
 /// where a handle is at the edge of that, all bend together. \return whether they bend less for it
 bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
@@ -73,18 +125,22 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
         for (const std::size_t i : vertices)
             own[i] = 1;
     };
+    std::vector<char> isAside(isNear.size(), 0);
     for (const Around &each : handles) {
-        std::vector<char> isIn(isNear.size(), 0);
-        for (const std::size_t i : reach(each.vertices, each.radius))
-            own[i] = isIn[i] = 1;
-        add(reachOfRest.tips(isIn));
+        expectReach();
+        const auto extent = reachOfRest.extent(each.vertices, each.radius);
+        add(extent->around);
+        add(extent->tips);
+        for (const std::size_t i : extent->aside)
+            isAside[i] = 1;
     }
     if (handles.size() > 1 || (!isApart && rank > 0)) // else that has been done
-        add(reachOfRest.tips(own));
+        for (const std::size_t i : reachOfRest.tips(own))
+            own[i] = own[i] || !isAside[i];
     bool isLess = false;
     if (isApart) {
         for (const std::size_t i : reach(lower, gap)) {
-            isLess = isLess || own[i];
+            isLess = isLess || (own[i] && !isNear[i]);
             own[i] = 0;
         }
         const std::vector<char> left = std::exchange(own, std::vector<char>(isNear.size(), 0));
@@ -97,33 +153,86 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
     return isLess;
 }
 
-/// Holds what a point holds: that which it is turned with only where nothing else is held within the gap.
-void BendSession::hold(BendTags &made, int tag, const BendPoint &point) {
-    std::vector<std::size_t> all = reach({point.slot}, point.radius * pointSize);
-    if (point.isGrip) {
-        std::vector<char> isIn(made.size(), 0);
-        const auto add = [&](const std::vector<std::size_t> &vertices) {
-            for (const std::size_t i : vertices)
+/// Of handles on a limb, the one that is next to its tip first, as it holds that.
+std::vector<int> BendSession::nextFirst() const {
+    std::vector<int> tags;
+    tags.reserve(extents.size());
+    for (const auto &each : extents)
+        tags.push_back(each.first);
+    std::stable_sort(tags.begin(), tags.end(),
+                     [&](int a, int b) { return extents.at(a)->beyond.size() < extents.at(b)->beyond.size(); });
+    return tags;
+}
+
+/// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.
+void BendSession::holdBeyond(BendTags &made) {
+    const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
+    for (const int tag : nextFirst()) {
+        if (beyond.count(tag) == 0)
+            continue;
+        const BendExtent &own = *extents.at(tag);
+        const auto isAnyFixed = [&](const auto &part) { return std::any_of(part.begin(), part.end(), isFixed); };
+        if (!isAnyFixed(own.beyond) && !isAnyFixed(own.around))
+            continue;
+        std::vector<char> isIn(made.size());
+        for (std::size_t i = 0; i < isIn.size(); ++i)
+            isIn[i] = made[i] != 0;
+        const std::vector<std::size_t> bent = reachOfRest.piece(own.vertices.front(), isIn);
+        isIn.assign(isIn.size(), 0);
+        for (const auto *part : {&own.around, &own.beyond})
+            for (const std::size_t i : *part)
                 isIn[i] = 1;
-        };
-        add(reach({point.slot}, point.radius));
-        const std::vector<std::size_t> tips = reachOfRest.tips(isIn);
-        isIn.assign(made.size(), 0);
-        add(reach({point.slot}, point.radius * gripSize));
-        add(reachOfRest.tips(isIn));
-        add(tips);
-        const double gap = gapOfRadius * point.radius;
-        std::vector<std::size_t> others;
-        for (const std::size_t i : reach(chosenOf(isIn), gap))
-            if (made[i] != 1)
-                others.push_back(i);
-        for (const std::size_t i : reach(others, gap))
+        for (const std::size_t i : bent)
             isIn[i] = 0;
-        const std::vector<std::size_t> more = chosenOf(isIn);
-        all.insert(all.end(), more.begin(), more.end());
+        for (const std::size_t begin : own.beyond)
+            if (isIn[begin])
+                for (const std::size_t i : reachOfRest.piece(begin, isIn)) {
+                    isIn[i] = 0;
+                    if (isFixed(i))
+                        made[i] = tag;
+                }
     }
-    for (const std::size_t i : all)
-        if (made[i] == 1)
+}
+
+/// Holds what the points hold.
+void BendSession::hold(BendTags &made) {
+    const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
+        for (const std::size_t i : vertices)
+            if (made[i] == 1)
+                made[i] = tag;
+    };
+    for (const auto &[tag, point] : now.points) {
+        add(tag, reach({point.slot}, point.radius * pointSize));
+        made[point.slot] = tag;
+    }
+    for (const int tag : nextFirst())
+        if (const auto point = now.points.find(tag); point != now.points.end() && point->second.isGrip)
+            holdGrip(made, tag, point->second.radius);
+}
+
+/// Holds what is turned with a point, beside what that holds already: not what other handles beyond it bend, and only
+/// where nothing else is held within the gap.
+void BendSession::holdGrip(BendTags &made, int tag, double radius) {
+    const BendExtent &own = *extents.at(tag);
+    std::vector<char> isIn(made.size(), 0);
+    const auto set = [&](const std::vector<std::size_t> &vertices, bool to) {
+        for (const std::size_t i : vertices)
+            isIn[i] = to;
+    };
+    set(own.beyond, true);
+    for (const int other : beyond[tag])
+        if (const auto its = extents.find(other); its != extents.end()) {
+            set(its->second->around, false);
+            set(its->second->beyond, false);
+        }
+    set(own.core, true);
+    const double gap = gapOfRadius * radius;
+    std::vector<std::size_t> others;
+    for (const std::size_t i : reach(chosenOf(isIn), gap))
+        if (made[i] != 1 && made[i] != tag)
+            others.push_back(i);
+    set(reach(others, gap), false);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (isIn[i] && made[i] == 1)
             made[i] = tag;
-    made[point.slot] = tag;
 }

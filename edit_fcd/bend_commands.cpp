@@ -293,6 +293,8 @@ QString BendTool::stateText() const {
         text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
     else
         text = "Drag a handle (red), or a point of the surface.";
+    if (drag && !drag->carried.empty())
+        text += "\nHandles beyond it go along, but for locked ones.";
     if (drag && session->isKeptApart(drag->tag))
         text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
     else if (session->isLocal())

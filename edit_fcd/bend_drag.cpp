@@ -66,14 +66,9 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     const Eigen::Vector2d begun = from.head<2>(), to = last.head<2>(), middle = center.head<2>();
     double number = 0;
     const bool isTyped = vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number);
-    const auto roundedAll = [](Eigen::Vector3d v) {
-        for (int d = 0; d < 3; ++d)
-            v[d] = inFewDigits(v[d]);
-        return v;
-    };
     const auto about = [&](MotionStep step) {
         if (isAbout)
-            step.about = roundedAll(pivot);
+            step.about = inFewDigits(pivot);
         return step;
     };
     switch (kind) {
@@ -96,14 +91,14 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
             for (int d = 0; d < 3; ++d)
                 way[d] = inSteps(way[d], length);
         }
-        way = roundedAll(way);
+        way = inFewDigits(way);
         if (way.isZero(0))
             return {};
         return MotionStep::Translate(way);
     }
     case Turn: {
         const Eigen::Vector3d eye = view.towardsEye(pivot);
-        const Eigen::Vector3d line = roundedAll(axis < 0 ? eye : Eigen::Vector3d(axes.col(axis)));
+        const Eigen::Vector3d line = inFewDigits(axis < 0 ? eye : Eigen::Vector3d(axes.col(axis)));
         const double turned = snap ? inSteps(angle, snapDegrees) : angle;
         const double degrees = inFewDigits(isTyped ? number : line.dot(eye) < 0 ? -turned : turned);
         if (degrees == 0)
@@ -151,7 +146,16 @@ std::string BendDrag::text(const BendView &view) const {
     return text;
 }
 
-std::vector<MotionStep> BendDrag::motion(const BendView &view) const {
-    const std::optional<MotionStep> added = step(view);
-    return added ? joined(begin, *added) : begin;
+std::map<int, BendDrag::Steps> BendDrag::motions(const BendView &view) const {
+    std::map<int, Steps> all = carried;
+    all[tag] = begin;
+    std::optional<MotionStep> added = step(view);
+    if (!added)
+        return all;
+    all[tag] = joined(begin, *added);
+    if (added->kind == MotionStep::Rotation || added->kind == MotionStep::Scaling) // as it turns, not each by itself
+        added->about = inFewDigits(pivot);
+    for (auto &each : carried)
+        all[each.first] = joined(each.second, *added);
+    return all;
 }

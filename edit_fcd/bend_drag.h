@@ -6,6 +6,7 @@
 
 #include "bend_view.h"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,15 +27,17 @@ struct BendDrag {
     bool isAbout = false;        ///< the pivot is not the handle's middle
     double angle = 0;            ///< that the mouse went about the pivot, degrees
     Eigen::Vector3d last;        ///< where the mouse is, window
-    std::vector<vcg::fcd::MotionStep> begin; ///< the motion before it
+    using Steps = std::vector<vcg::fcd::MotionStep>;
+    Steps begin;                  ///< the motion before it
+    std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
 
     void moveTo(const BendView &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
     std::optional<vcg::fcd::MotionStep> step(const BendView &view) const;
     /// What it does now, as a person reads it.
     std::string text(const BendView &view) const;
-    /// The motion, with that. Numbers are as people would write them.
-    std::vector<vcg::fcd::MotionStep> motion(const BendView &view) const;
+    /// The motions with that, by tag. Numbers are as people would write them.
+    std::map<int, Steps> motions(const BendView &view) const;
 };
 
 #endif

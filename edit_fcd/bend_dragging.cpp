@@ -79,9 +79,14 @@ void BendTool::dragWhenPrepared() {
     drag->from = drag->last = gripped;
     frame = 0;
     sinceDraw.invalidate();
-    const auto steps = session->state().motion.find(tag);
-    if (steps != session->state().motion.end())
-        drag->begin = steps->second;
+    const auto &motion = session->state().motion;
+    const auto stepsOf = [&](int each) {
+        const auto steps = motion.find(each);
+        return steps == motion.end() ? BendDrag::Steps() : steps->second;
+    };
+    drag->begin = stepsOf(tag);
+    for (const int other : session->carriedBy(tag))
+        drag->carried[other] = stepsOf(other);
     try {
         if (tookToPrepare > 0 && session->moves())
             solve(false);
@@ -120,12 +125,12 @@ void BendTool::changeKind(BendDrag::Kind kind) {
 void BendTool::endDrag(bool keep) {
     if (!drag)
         return;
-    const std::vector<vcg::fcd::MotionStep> motion = drag->motion(seen);
-    isClicked = keep && grip.isNew && motion.empty();
+    const auto motions = drag->motions(seen);
+    isClicked = keep && grip.isNew && !drag->step(seen);
     if (!keep)
         session->cancel();
     else if (layer())
-        session->setMotion(drag->tag, motion); // solved below, to the end
+        session->setMotion(motions); // solved below, to the end
     drag.reset();
     if (moving)
         overlay->move();
@@ -155,7 +160,7 @@ void BendTool::step() {
     isStepWanted = false;
     if (!drag || !layer())
         return;
-    session->setMotion(drag->tag, drag->motion(seen));
+    session->setMotion(drag->motions(seen));
     solve(false);
     refresh();
 }

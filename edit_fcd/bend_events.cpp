@@ -246,7 +246,7 @@ int BendTool::handleAtMouse() const {
     if (const int point = pointAt(mouseInWindow().head<2>()))
         return point;
     const std::optional<std::size_t> slot = slotAtMouse();
-    return slot && session->tags()[*slot] >= 2 ? session->tags()[*slot] : 0;
+    return slot && session->tags()[*slot] >= 2 && !session->isAlong(*slot) ? session->tags()[*slot] : 0;
 }
 
 /// What is under the mouse lights up.
@@ -276,7 +276,7 @@ bool BendTool::grab() {
         if (!slot)
             return false;
         tag = session->tags()[*slot];
-        if (tag < 2) {
+        if (tag < 2 || session->isAlong(*slot)) {
             if (!session->isFree(*slot)) {
                 hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
                 return false;

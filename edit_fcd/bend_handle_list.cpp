@@ -28,7 +28,7 @@ BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(parent) {
     setUpList(*this,
               {{"Handle", "Click selects: the gizmo is on it, and G, R and S move it. Double click: its name", 104},
                {"seen", "Whether its marks and its gizmo are shown", 38},
-               {"lock", "A locked handle is not moved by the mouse", 38},
+               {"lock", "A locked handle is not moved by the mouse, nor taken along by others", 38},
                {"Motion", "Its motion; double click to type it as the filters take it, empty for none", 0},
                {"", "Removes the handle: what it held is free", 22}});
     setWordWrap(false);

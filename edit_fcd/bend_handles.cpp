@@ -36,14 +36,14 @@ void BendSession::removeHandle(int tag) {
         const bool isAny = std::any_of(marks->begin(), marks->end(), [](int each) { return each != 1; });
         now.marks = isAny ? std::move(marks) : nullptr;
     }
-    updateTags();
+    changeTags();
     writeMarks();
 }
 
 void BendSession::setMotionText(int tag, const std::string &text) {
     auto motion = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "The motion");
     vcg::fcd::ToMotion(motion[tag], rest.world() * center.at(tag)); // to say what is wrong with it
-    setMotion(tag, std::move(motion[tag]));
+    setMotion(motion);
 }
 
 std::string BendSession::motionTextOf(int tag) const {
@@ -64,14 +64,20 @@ Eigen::Affine3d BendSession::motionAt(int tag) const {
 
 Eigen::Vector3d BendSession::centerOf(int tag) const { return motionAt(tag) * (rest.world() * center.at(tag)); }
 
-Eigen::Vector3d BendSession::dotOf(int tag) const {
+/// Where a handle is at rest, layer units: the vertex of a point, else its middle.
+Eigen::Vector3d BendSession::placeOf(int tag) const {
     const auto point = now.points.find(tag);
-    return point == now.points.end() ? centerOf(tag) : motionAt(tag) * (rest.world() * rest.at(point->second.slot));
+    return point == now.points.end() ? center.at(tag) : rest.at(point->second.slot);
 }
+
+Eigen::Vector3d BendSession::dotOf(int tag) const { return motionAt(tag) * (rest.world() * placeOf(tag)); }
 
 Eigen::Vector3d BendSession::pivotOf(int tag) const {
     const auto &pivot = handle(tag).pivot;
-    return pivot ? motionAt(tag) * *pivot : centerOf(tag);
+    const auto point = now.points.find(tag);
+    return pivot                                                ? motionAt(tag) * *pivot
+           : point != now.points.end() && !point->second.isGrip ? dotOf(tag)
+                                                                : centerOf(tag);
 }
 
 void BendSession::setPivot(int tag, const std::optional<Eigen::Vector3d> &place) {
@@ -94,7 +100,7 @@ void BendSession::makeGrip(int tag) {
         changed.pivot = rest.world() * rest.at(point->second.slot);
         setHandle(tag, std::move(changed));
     }
-    updateTags();
+    changeTags();
     keepPlace(tag);
     keepPlaceInPoses(tag, tagsBefore, centerBefore);
     if (other)
@@ -105,8 +111,12 @@ void BendSession::makeGrip(int tag) {
 void BendSession::keepPlace(int tag) {
     if (!rest.isPosed() || now.pose != 100)
         return;
-    if (std::vector<MotionStep> steps = stepsSeen(tag); !steps.empty())
-        motionByHand()[tag] = std::move(steps);
+    std::vector<MotionStep> steps = stepsSeen(tag);
+    if (steps.empty())
+        return;
+    if (now.points.count(tag) > 0) // whose middle is another one when it becomes a grip, or another handle lies beyond
+        setPlaces(steps, rest.world() * center.at(tag));
+    motionByHand()[tag] = std::move(steps);
 }
 
 /// What a rigid motion can tell of where the layer shows a handle; none where that is at rest.
@@ -132,7 +142,7 @@ std::vector<MotionStep> BendSession::stepsSeen(int tag) const {
     std::vector<MotionStep> steps = stepsOf(
         vcg::fcd::Motion((Eigen::Translation3d(middle) * motion * Eigen::Translation3d(-middle)).matrix()), middle);
     for (MotionStep &step : steps) {
-        step.vector = step.vector.unaryExpr(&inFewDigits);
+        step.vector = inFewDigits(step.vector);
         step.degrees = inFewDigits(step.degrees);
     }
     return steps;

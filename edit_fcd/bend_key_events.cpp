@@ -67,13 +67,15 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
     requestStep();
 }
 
-/// Begins to move the handle under the mouse, or else the selected one, with the mouse, without a button.
+/// Begins to move the handle under the mouse, or else the selected one, with the mouse, without a button. Where there
+/// is none yet, the place under the mouse becomes one.
 void BendTool::dragByKey(BendDrag::Kind kind) {
     findMouse();
     const int under = view->underMouse() ? handleAtMouse() : 0, tag = under ? under : selected();
-    if (!tag)
+    const std::optional<std::size_t> slot = tag || !view->underMouse() ? std::nullopt : slotAtMouse();
+    if (!tag && !(slot && session->isFree(*slot)))
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    beginDrag({tag, 0, {kind, -1}, true});
+    beginDrag({tag, slot.value_or(0), {kind, -1}, true});
 }
 
 /// The selected handle turns where the mouse points at.

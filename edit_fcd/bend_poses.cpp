@@ -35,18 +35,19 @@ std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
     return motionsOf(*now.poses, document, layer, center, rest.world());
 }
 
-/// The poses that have names leave a handle, which holds other vertices now, where they did. \param tagsBefore tags
-/// before that \param centerBefore centers then
+/// The poses that have names leave a handle, which is new, or holds other vertices now, where they did. \param
+/// tagsBefore tags before that \param centerBefore centers then
 void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
                                    const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
-    if (!now.poses)
+    const bool isNew = centerBefore.count(tag) == 0;
+    if (!now.poses || (isNew && (*tagsBefore)[now.points.at(tag).slot] == 0)) // no pose moves it then
         return;
     PoseSequence changed = *now.poses;
     const auto motions = motionsOf(*now.poses, document, layer, centerBefore, rest.world());
     const BendRest::Shown shown = rest.shown();
     for (std::size_t i = 0; i < motions.size(); ++i) {
         auto steps = vcg::fcd::ReadMotionText(changed.pose[i].motions);
-        if (!steps.count(tag))
+        if (!isNew && !steps.count(tag))
             continue;
         effective.swap(tagsBefore);
         prepare();

@@ -21,6 +21,24 @@ void BendReach::clear() {
     surface.reset();
     from.clear();
     reached.clear();
+    extents.clear();
+}
+
+std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) const {
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
+        if (surface->nodeOf[i] >= 0 && isNodeIn[std::size_t(surface->nodeOf[i])])
+            all.push_back(i);
+    return all;
+}
+
+std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
+                                                    std::vector<double> *distances) const {
+    std::vector<vcg::fcd::Index> seeds;
+    for (const std::size_t slot : vertices)
+        if (surface->nodeOf[slot] >= 0)
+            seeds.push_back(surface->nodeOf[slot]);
+    return vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale, distances);
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
@@ -28,17 +46,12 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
         return reached;
     wait();
     reached.clear();
-    std::vector<vcg::fcd::Index> seeds;
-    for (const std::size_t slot : vertices)
-        if (surface->nodeOf[slot] >= 0)
-            seeds.push_back(surface->nodeOf[slot]);
-    if (!seeds.empty()) {
+    const std::vector<vcg::fcd::Index> nodes = nodesWithin(vertices, radius);
+    if (!nodes.empty()) {
         std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
-        for (vcg::fcd::Index node : vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale))
-            isIn[std::size_t(node)] = 1;
-        for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
-            if (surface->nodeOf[i] >= 0 && isIn[std::size_t(surface->nodeOf[i])])
-                reached.push_back(i);
+        for (const vcg::fcd::Index u : nodes)
+            isIn[std::size_t(u)] = 1;
+        reached = slotsOf(isIn);
     }
     from = vertices;
     within = radius;
@@ -181,36 +194,41 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
     return all;
 }
 
-std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
-    wait();
+bool BendReach::Pieces::isTip(std::size_t piece) const { return area[piece] < largestTip * area[largest]; }
+
+/// What is left of the surface beside nodes.
+BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
     const vcg::fcd::Graph &graph = surface->graph;
-    const auto n = std::size_t(graph.Size());
     const int unknown = -1, cut = -2;
-    std::vector<int> pieceOf(n, unknown);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            pieceOf[std::size_t(surface->nodeOf[i])] = cut;
-    std::vector<float> area; // of the pieces
-    for (std::size_t u = 0; u < n; ++u) {
-        if (pieceOf[u] != cut)
+    Pieces pieces;
+    pieces.of.assign(isIn.size(), unknown);
+    for (std::size_t u = 0; u < isIn.size(); ++u)
+        if (isIn[u])
+            pieces.of[u] = cut;
+    for (std::size_t u = 0; u < isIn.size(); ++u) {
+        if (!isIn[u])
             continue;
         for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
-            if (pieceOf[std::size_t(begin)] != unknown)
+            if (pieces.of[std::size_t(begin)] != unknown)
                 continue;
-            const int which = int(area.size());
-            area.push_back(0);
-            for (const vcg::fcd::Index v : relabel(graph, begin, which, pieceOf))
-                area.back() += surface->nodeArea[std::size_t(v)];
+            const int which = int(pieces.area.size());
+            pieces.area.push_back(0);
+            for (const vcg::fcd::Index v : relabel(graph, begin, which, pieces.of))
+                pieces.area.back() += surface->nodeArea[std::size_t(v)];
         }
     }
-    std::vector<std::size_t> all;
-    if (area.size() < 2)
-        return all;
-    const float largest = *std::max_element(area.begin(), area.end());
-    for (std::size_t i = 0; i < isIn.size(); ++i) {
-        const int which = surface->nodeOf[i] < 0 ? unknown : pieceOf[std::size_t(surface->nodeOf[i])];
-        if (which >= 0 && area[std::size_t(which)] < largestTip * largest)
-            all.push_back(i);
-    }
-    return all;
+    pieces.largest = std::size_t(std::max_element(pieces.area.begin(), pieces.area.end()) - pieces.area.begin());
+    return pieces;
+}
+
+std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
+    wait();
+    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    const Pieces pieces = piecesBeside(isNodeIn);
+    for (std::size_t u = 0; u < isNodeIn.size(); ++u)
+        isNodeIn[u] = pieces.of[u] >= 0 && pieces.isTip(std::size_t(pieces.of[u]));
+    return slotsOf(isNodeIn);
 }

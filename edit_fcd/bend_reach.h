@@ -5,8 +5,21 @@
 #include <layer_fcd/parameters.h> // before Qt
 
 #include <future>
+#include <list>
 #include <memory>
 #include <vector>
+
+/// What belongs to a handle along the surface of the rest shape: vertices, given by their slots, ascending.
+struct BendExtent {
+    std::vector<std::size_t> vertices; ///< that it was made of
+    double radius = 0;
+    std::vector<std::size_t> around; ///< within the radius
+    std::vector<std::size_t> tips;   ///< of what that cuts off, the tips of the limb that the handle is on
+    std::vector<std::size_t> aside;  ///< the other tips: the head, seen from a shoulder
+    bool isWhole = false;            ///< the next ones are known, too
+    std::vector<std::size_t> core;   ///< within half the radius
+    std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
+};
 
 /// What lies within some way of vertices, along the surface of the rest shape.
 class BendReach {
@@ -22,6 +35,11 @@ class BendReach {
     }
     /// The vertices within \p radius of some, given by their slots. \pre isReady(), or knows() it
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
+
+    /// What belongs to a handle of some vertices; whole() finds the rest of it. \pre isReady()
+    std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
+    /// \param hair as looseAmong() has it \pre isReady()
+    std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
 
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
     /// vertex among them \pre isReady()
@@ -44,6 +62,19 @@ class BendReach {
 
   private:
     void wait();
+    struct Pieces {
+        std::vector<int> of;     ///< each node: a number from 0; negative: it is of none
+        std::vector<float> area; ///< frame units^2
+        std::size_t largest = 0;
+        bool isTip(std::size_t piece) const;
+    };
+    Pieces piecesBeside(const std::vector<char> &isIn) const;
+    std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
+                                 const std::vector<double> &distances) const;
+    BendExtent &kept(const std::vector<std::size_t> &vertices, double radius);
+    std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
+                                             std::vector<double> *distances = nullptr) const;
+    std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;
 
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
     std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
@@ -51,6 +82,7 @@ class BendReach {
     std::vector<float> partArea;                                  ///< frame units^2
     std::vector<std::size_t> reached, from;                       ///< those of the last
     double within = 0;
+    std::list<std::shared_ptr<BendExtent>> extents; ///< the last ones, the last first
 };
 
 #endif

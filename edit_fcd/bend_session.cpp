@@ -79,14 +79,14 @@ Eigen::Affine3d BendSession::mirror() const {
 int BendSession::mirrored(int tag) const {
     if (options.mirror < 0 || !center.count(tag))
         return 0;
-    const Eigen::Vector3d there = mirror() * (rest.world() * center.at(tag));
+    const Eigen::Vector3d there = mirror() * (rest.world() * placeOf(tag));
     int found = 0;
     double least = 0.05 * rest.diagonal();
-    for (const auto &[other, place] : center) {
-        const double distance = (rest.world() * place - there).norm();
+    for (const int other : handleTags()) {
+        const double distance = (rest.world() * placeOf(other) - there).norm();
         if (other != tag && distance < least) {
             least = distance;
-            found = int(other);
+            found = other;
         }
     }
     return found;
@@ -190,38 +190,46 @@ void BendSession::cancel() {
     takeState();
 }
 
+/// Whether a point could be made of a vertex.
+bool BendSession::canBecomePoint(std::size_t slot) const {
+    return isFree(slot) && ((*effective)[slot] < 2 || isAlong(slot));
+}
+
 int BendSession::addPoint(std::size_t slot, double radius) {
     const auto add = [&, rank = rankOfNew()](std::size_t at) {
-        assert(isFree(at));
+        assert(canBecomePoint(at));
+        const auto tagsBefore = effective;
+        const auto centerBefore = center;
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
         if (rank > 0)
             now.rank[tag] = rank;
-        updateTags();
+        changeTags();
+        keepPlace(tag);
+        keepPlaceInPoses(tag, tagsBefore, centerBefore);
         return tag;
     };
     expectReach();
-    if (const std::size_t carrier = reachOfRest.carrierOf(slot, usualGap());
-        isFree(carrier) && (*effective)[carrier] < 2)
+    if (const std::size_t carrier = reachOfRest.carrierOf(slot, usualGap()); canBecomePoint(carrier))
         slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && (*effective)[*other] < 2 &&
-        isFree(*other))
-        keepPlace(add(*other));
-    keepPlace(tag);
+    if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && canBecomePoint(*other))
+        add(*other);
     return tag;
 }
 
-void BendSession::setMotion(int tag, std::vector<MotionStep> steps) {
-    if (const int other = mirrored(tag)) {
-        std::vector<MotionStep> there;
-        there.reserve(steps.size());
-        for (const MotionStep &step : steps)
-            there.push_back(mirroredStep(step, mirror()));
-        motionByHand()[other] = there;
+void BendSession::setMotion(const std::map<int, std::vector<MotionStep>> &steps) {
+    for (const auto &[tag, here] : steps) {
+        if (const int other = mirrored(tag); other && steps.count(other) == 0) {
+            std::vector<MotionStep> there;
+            there.reserve(here.size());
+            for (const MotionStep &step : here)
+                there.push_back(mirroredStep(step, mirror()));
+            motionByHand()[other] = there;
+        }
+        motionByHand()[tag] = here;
     }
-    motionByHand()[tag] = std::move(steps);
 }
 
 void BendSession::setMotions(const std::string &text) {

@@ -64,6 +64,10 @@ class BendSession {
     Eigen::Matrix3d axesOf(int tag) const;   ///< by options.axes, as columns; those of the view are not known here
     /// The handle on the other side of the mirror, 0 where there is none or no mirror.
     int mirrored(int tag) const;
+    /// The handles that go along when one is moved: those beyond it, but for locked ones.
+    std::vector<int> carriedBy(int tag) const;
+    /// Whether a vertex is held by a point only because it lies beyond that: a new handle frees it.
+    bool isAlong(std::size_t slot) const;
 
     /// The free or held vertex nearest to \p place in the pose, and how far it is. \return none in an empty layer
     std::optional<std::size_t> nearest(const Eigen::Vector3d &place, double &distance) const;
@@ -93,7 +97,7 @@ class BendSession {
     void endMarks(double rim);
     void clearMarks();
     /// A new handle around a vertex, or around what carries it where that is of a small part, where that is now. \pre
-    /// it isFree(), the layer has the pose at 100 % \return its tag
+    /// it isFree(), and no handle holds it, or it isAlong(); the layer has the pose at 100 % \return its tag
     int addPoint(std::size_t slot, double radius);
     /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
     /// vertex. \pre the layer has the pose at 100 %
@@ -106,7 +110,8 @@ class BendSession {
     double rimAt(std::size_t slot) const; ///< the same of a vertex that is marked
     /// Sets it for what hangs together with a vertex that is marked as fixed, and is so, too.
     void setRimAt(std::size_t slot, double radius);
-    void setMotion(int tag, std::vector<vcg::fcd::MotionStep> steps);
+    /// Of some handles, and of those on the other side of the mirror.
+    void setMotion(const std::map<int, std::vector<vcg::fcd::MotionStep>> &steps);
     void setHandle(int tag, BendHandle handle);
     void removeHandle(int tag); ///< its vertices are free
     /// \param place in the pose, none: the handle's middle
@@ -216,14 +221,21 @@ class BendSession {
     void keepRest();
     Eigen::Affine3d motionAt(int tag) const;
     Eigen::Vector3d normalOf(int tag) const;
+    Eigen::Vector3d placeOf(int tag) const;
     void updateTags();
+    void changeTags();
+    void findExtents(const BendTags &made);
+    bool canBecomePoint(std::size_t slot) const;
     void bendAround(BendTags &made);
     struct Around {
         std::vector<std::size_t> vertices; ///< of a handle
         double radius;                     ///< of what it bends around them
     };
     bool bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear);
-    void hold(BendTags &made, int tag, const BendPoint &point);
+    std::vector<int> nextFirst() const;
+    void holdBeyond(BendTags &made);
+    void hold(BendTags &made);
+    void holdGrip(BendTags &made, int tag, double radius);
     double usualGap() const { return gapOfRadius * usualRadius * rest.diagonal(); }
     int rankOf(int tag) const;
     int rankOfNew() const;
@@ -274,13 +286,15 @@ class BendSession {
 
     BendState now;
     BendHistory history;
-    std::vector<Applied> applied;                      ///< also what has been undone
-    std::size_t applies = 0;                           ///< that led to the present rest shape
-    bool isMarkedHere = false;                         ///< the layer has marks, not other tags
-    bool isLeft = false;                               ///< the layer has what leave() gave it
-    bool local = false;                                ///< isLocal()
-    std::set<int> apart;                               ///< ranks that isKeptApart()
-    std::map<vcg::fcd::Index, Eigen::Vector3d> center; ///< of the handles at rest, layer units
+    std::vector<Applied> applied;                             ///< also what has been undone
+    std::size_t applies = 0;                                  ///< that led to the present rest shape
+    bool isMarkedHere = false;                                ///< the layer has marks, not other tags
+    bool isLeft = false;                                      ///< the layer has what leave() gave it
+    bool local = false;                                       ///< isLocal()
+    std::set<int> apart;                                      ///< ranks that isKeptApart()
+    std::map<int, std::shared_ptr<const BendExtent>> extents; ///< by tag, of handles that others may lie beyond
+    std::map<int, std::vector<int>> beyond;                   ///< by tag, the handles that do
+    std::map<vcg::fcd::Index, Eigen::Vector3d> center;        ///< of the handles at rest, layer units
     std::shared_ptr<const BendTags> effective;
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
     std::vector<std::size_t> marked;   ///< where, then

@@ -56,12 +56,30 @@ std::vector<MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vec
     return steps;
 }
 
+bool setPlaces(std::vector<MotionStep> &steps, const Eigen::Vector3d &center) {
+    bool isSet = false;
+    std::vector<MotionStep> before;
+    for (MotionStep &step : steps) {
+        if ((step.kind == MotionStep::Rotation || step.kind == MotionStep::Scaling) && !step.about) {
+            const Eigen::Affine3d now(vcg::fcd::ToMotion(before, center).matrix);
+            step.about = inFewDigits(Eigen::Vector3d(now * center));
+            isSet = true;
+        }
+        before.push_back(step);
+    }
+    return isSet;
+}
+
 double inFewDigits(double x) {
     char text[32];
     const char *end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
     double y = x;
     vcg::fcd::detail::ToNumber(text, end, y);
     return y == 0 ? 0 : y; // no -0
+}
+
+Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v) {
+    return {inFewDigits(v[0]), inFewDigits(v[1]), inFewDigits(v[2])};
 }
 
 void BendHistory::begin(const BendState &now) {

@@ -82,8 +82,13 @@ struct BendState {
 /// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
 std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
 
+/// Says in the steps where they turn and scale, which is the middle of their handle until then. \param center of the
+/// handle at rest, in the world \return whether any of them did not say it
+bool setPlaces(std::vector<vcg::fcd::MotionStep> &steps, const Eigen::Vector3d &center);
+
 /// A number in few digits, as people would write it; what is kept is what is written.
 double inFewDigits(double x);
+Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v);
 
 /// What the axes are that a handle is moved along and turned about. Those of the view are the tool's.
 enum class BendAxes { World, Layer, View, Surface };

@@ -10,12 +10,15 @@
 // What is marked on a layer, and the tags that this amounts to.
 
 using vcg::fcd::Error;
+using vcg::fcd::MotionStep;
 using vcg::fcd::ParallelFor;
+using vcg::fcd::PoseSequence;
 
 namespace {
 
-const std::size_t mostTags = 64;   // of those that a person gives
-const unsigned char opacity = 150; // of marks, and of stretch, of 255: the surface is still seen
+const std::size_t mostTags = 64;       // of those that a person gives
+const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
+const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
 
 } // namespace
 
@@ -50,10 +53,12 @@ void BendSession::updateTags() {
         !now.points.empty() || std::any_of(made->begin(), made->end(), [](int tag) { return tag >= 2; });
     local = isHeld && std::find(made->begin(), made->end(), 0) == made->end();
     apart.clear();
-    if (local)
+    findExtents(*made);
+    if (local) {
         bendAround(*made);
-    for (const auto &[tag, point] : now.points)
-        hold(*made, tag, point);
+        holdBeyond(*made);
+    }
+    hold(*made);
     if (!effective || *made != *effective)
         effective = made;
     center = vcg::fcd::HandleCenters(*effective, [&](std::size_t i) { return rest.at(i); });
@@ -65,6 +70,35 @@ void BendSession::updateTags() {
         forget(motionByHand());
     forget(now.handles);
     forget(now.rank);
+}
+
+/// The same, where the state has changed, and has not become another one: motions are what they were, though their
+/// handles hold other vertices.
+void BendSession::changeTags() {
+    const auto before = center;
+    updateTags();
+    const auto place = [&](std::map<int, std::vector<MotionStep>> &motion) {
+        bool isPlaced = false;
+        for (auto &[tag, steps] : motion)
+            if (const auto was = before.find(tag);
+                was != before.end() && center.count(tag) && was->second != center.at(tag))
+                isPlaced = setPlaces(steps, rest.world() * was->second) || isPlaced;
+        return isPlaced;
+    };
+    place(now.motion);
+    if (!now.poses)
+        return;
+    PoseSequence poses = *now.poses;
+    bool isPlaced = false;
+    for (vcg::fcd::NamedPose &pose : poses.pose) {
+        auto motion = vcg::fcd::ReadMotionText(pose.motions);
+        if (place(motion)) {
+            pose.motions = vcg::fcd::WriteMotionText(motion);
+            isPlaced = true;
+        }
+    }
+    if (isPlaced)
+        setPoses(std::move(poses));
 }
 
 double BendSession::rimAt(std::size_t slot) const {
@@ -107,7 +141,7 @@ void BendSession::setRadius(int tag, double radius) {
     set(tag);
     if (const int other = mirrored(tag))
         set(other);
-    updateTags();
+    changeTags();
 }
 
 void BendSession::setRimAt(std::size_t slot, double radius) {
@@ -116,7 +150,7 @@ void BendSession::setRimAt(std::size_t slot, double radius) {
     for (std::size_t i = 0; i < isFixed.size(); ++i)
         isFixed[i] = (*now.marks)[i] == 0;
     setRims(reachOfRest.piece(slot, isFixed), radius);
-    updateTags();
+    changeTags();
 }
 
 /// Marks never touch: within the gap of a mark nothing else is held. What is fixed yields to handles, and an older
@@ -195,7 +229,7 @@ std::vector<vcg::Color4b> BendSession::overlay() {
         for (std::size_t i = first; i < last; ++i)
             if (isShown(i) && !isHidden(held[i])) {
                 color[i] = colorOfTag(held[i]);
-                color[i][3] = opacity;
+                color[i][3] = !marking && isAlong(i) ? alongOpacity : opacity;
             }
     });
     return color;
@@ -229,7 +263,7 @@ void BendSession::endMarks(double rim) {
             now.rank[(*now.marks)[i]] = rank;
     for (auto point = now.points.begin(); point != now.points.end();) // marks take their places
         point = isFree(point->second.slot) ? std::next(point) : now.points.erase(point);
-    updateTags();
+    changeTags();
     for (const int tag : added)
         keepPlace(tag);
     writeMarks();

@@ -555,6 +555,7 @@ def test_says_what_cannot_be_done(window, tmp_path):
     w.start_tool()
     w.key("ctrl+Return")
     w.wait("Nothing was moved, so there is nothing to apply.")
+    w.do("mousemove", MIDDLE[0], MIDDLE[1] - 250) # at the mesh, that place would become one
     w.key("g")
     w.wait("There is no handle yet: mark one, or drag a point of the surface.")
     w.key("p")

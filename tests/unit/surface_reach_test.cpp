@@ -22,14 +22,18 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
                     std::min(distance[std::size_t(v)],
                              distance[std::size_t(u)] + double((graph.position.col(v) - graph.position.col(u)).norm()));
     for (double radius : {0.0, 0.7, 2.0, 100.0}) {
-        const std::vector<Index> found = NodesWithin(graph, {7, 90, 7}, radius);
+        std::vector<double> distances;
+        const std::vector<Index> found = NodesWithin(graph, {7, 90, 7}, radius, &distances);
         ASSERT_GE(found.size(), 2U);
+        ASSERT_EQ(found.size(), distances.size());
         std::vector<char> isIn(std::size_t(n), 0);
         double last = 0;
-        for (Index u : found) {
+        for (std::size_t k = 0; k < found.size(); ++k) {
+            const Index u = found[k];
             EXPECT_FALSE(isIn[std::size_t(u)]) << "once";
             isIn[std::size_t(u)] = 1;
             EXPECT_GE(distance[std::size_t(u)], last) << "nearest first";
+            EXPECT_EQ(distances[k], distance[std::size_t(u)]);
             last = distance[std::size_t(u)];
         }
         for (Index u = 0; u < n; ++u)

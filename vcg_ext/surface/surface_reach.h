@@ -11,7 +11,9 @@ namespace fcd {
 
 /// The nodes that are at most \p radius from one of \p seeds along the edges of the graph (Dijkstra 1959), these
 /// included, nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
-std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius);
+/// \param distances gets how far each of them is, same units; may be null
+std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius,
+                               std::vector<double> *distances = nullptr);
 
 } // namespace fcd
 } // namespace vcg
