@@ -317,6 +317,9 @@ void BendTool::refresh() {
                 : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing->percent()));
         return;
     }
+    const std::vector<int> handles = session->handleTags();
+    if (std::count(handles.begin(), handles.end(), hovered) == 0)
+        hovered = 0; // it was undone, or removed, under the mouse
     panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));
     showHandles();

@@ -280,6 +280,8 @@ def window(tmp_path):
     yield open_window
     for each in opened:
         each.close()
+    for each in opened: # what the standard library throws says nothing to a person
+        assert not re.search(r"FCD: \w+: (\w+::|bad_|std)", each.text())
 
 
 def mark_two_regions(w, far=280):

@@ -326,6 +326,10 @@ def test_a_limb_is_posed_joint_by_joint(window, tmp_path):
     was = elbow[along] - elbow[along].mean(0)
     turn = np.radians(-60)
     assert np.abs(off - was @ [[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]]).max() < 0.005
+    w.key(*4 * ["ctrl+z"]) # the handle under the mouse, too
+    assert np.array_equal(load(w.save("undone.ply"))[0], np.float32(points))
+    w.key(*4 * ["ctrl+shift+z"])
+    assert np.array_equal(load(w.save("redone.ply"))[0], again)
     w.key("ctrl+shift+Return")
     w.wait("ms.apply_filter")
     assert np.array_equal(load(w.save("applied.ply"))[0], again)
