@@ -155,13 +155,13 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
 
 /// Of handles on a limb, the one that is next to its tip first, as it holds that.
 std::vector<int> BendSession::nextFirst() const {
-    std::vector<int> tags;
-    tags.reserve(extents.size());
+    std::vector<int> order;
+    order.reserve(extents.size());
     for (const auto &each : extents)
-        tags.push_back(each.first);
-    std::stable_sort(tags.begin(), tags.end(),
+        order.push_back(each.first);
+    std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return extents.at(a)->beyond.size() < extents.at(b)->beyond.size(); });
-    return tags;
+    return order;
 }
 
 /// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.

@@ -155,7 +155,7 @@ std::map<int, BendDrag::Steps> BendDrag::motions(const BendView &view) const {
     all[tag] = joined(begin, *added);
     if (added->kind == MotionStep::Rotation || added->kind == MotionStep::Scaling) // as it turns, not each by itself
         added->about = inFewDigits(pivot);
-    for (auto &each : carried)
+    for (const auto &each : carried)
         all[each.first] = joined(each.second, *added);
     return all;
 }

@@ -80,13 +80,13 @@ void BendTool::dragWhenPrepared() {
     frame = 0;
     sinceDraw.invalidate();
     const auto &motion = session->state().motion;
-    const auto stepsOf = [&](int each) {
+    const auto stepsBefore = [&](int each) {
         const auto steps = motion.find(each);
         return steps == motion.end() ? BendDrag::Steps() : steps->second;
     };
-    drag->begin = stepsOf(tag);
+    drag->begin = stepsBefore(tag);
     for (const int other : session->carriedBy(tag))
-        drag->carried[other] = stepsOf(other);
+        drag->carried[other] = stepsBefore(other);
     try {
         if (tookToPrepare > 0 && session->moves())
             solve(false);

@@ -36,9 +36,9 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
     };
     std::vector<double> cutAt(pieces.area.size(), 0);
     std::vector<std::size_t> left;
-    for (std::size_t piece = 0; piece < pieces.area.size(); ++piece)
-        if (pieces.isTip(piece))
-            left.push_back(piece);
+    for (std::size_t which = 0; which < pieces.area.size(); ++which)
+        if (pieces.isTip(which))
+            left.push_back(which);
     for (std::size_t k = ball.size(); k-- > 0 && !left.empty();) {
         const std::size_t own = pieces.area.size() + k;
         for (const vcg::fcd::Index v : surface->graph.adjacency[ball[k]]) {
@@ -48,22 +48,22 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
             else if (placeOf[beside] != none && placeOf[beside] > k)
                 parent[rootOf(pieces.area.size() + placeOf[beside])] = rootOf(own);
         }
-        const auto meets = [&](std::size_t piece) {
-            if (rootOf(piece) != rootOf(pieces.largest))
+        const auto meets = [&](std::size_t which) {
+            if (rootOf(which) != rootOf(pieces.largest))
                 return false;
-            cutAt[piece] = distances[k];
+            cutAt[which] = distances[k];
             return true;
         };
         if (rootOf(own) == rootOf(pieces.largest))
             left.erase(std::remove_if(left.begin(), left.end(), meets), left.end());
     }
     double most = distances.empty() ? 0 : distances.back() / 2, least = std::numeric_limits<double>::infinity();
-    for (std::size_t piece = 0; piece < pieces.area.size(); ++piece)
-        if (pieces.isTip(piece))
-            least = std::min(least, cutAt[piece]);
+    for (std::size_t which = 0; which < pieces.area.size(); ++which)
+        if (pieces.isTip(which))
+            least = std::min(least, cutAt[which]);
     most = std::max(most, largestBall * least);
-    for (std::size_t piece = 0; piece < pieces.area.size(); ++piece)
-        isOfLimb[piece] = pieces.isTip(piece) && cutAt[piece] <= most;
+    for (std::size_t which = 0; which < pieces.area.size(); ++which)
+        isOfLimb[which] = pieces.isTip(which) && cutAt[which] <= most;
     return isOfLimb;
 }
 
@@ -92,15 +92,15 @@ BendExtent &BendReach::kept(const std::vector<std::size_t> &vertices, double rad
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
     const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances);
-    const auto tips = [&](bool ofLimb) {
+    const auto tipsThat = [&](bool ofLimb) {
         std::vector<char> isIn(isInside.size());
         for (std::size_t u = 0; u < isIn.size(); ++u)
             isIn[u] = beside.of[u] >= 0 && beside.isTip(std::size_t(beside.of[u])) &&
                       (isOfLimb[std::size_t(beside.of[u])] != 0) == ofLimb;
         return slotsOf(isIn);
     };
-    made.tips = tips(true);
-    made.aside = tips(false);
+    made.tips = tipsThat(true);
+    made.aside = tipsThat(false);
     return made;
 }
 

@@ -90,10 +90,10 @@ void BendSession::changeTags() {
         return;
     PoseSequence poses = *now.poses;
     bool isPlaced = false;
-    for (vcg::fcd::NamedPose &pose : poses.pose) {
-        auto motion = vcg::fcd::ReadMotionText(pose.motions);
+    for (vcg::fcd::NamedPose &each : poses.pose) {
+        auto motion = vcg::fcd::ReadMotionText(each.motions);
         if (place(motion)) {
-            pose.motions = vcg::fcd::WriteMotionText(motion);
+            each.motions = vcg::fcd::WriteMotionText(motion);
             isPlaced = true;
         }
     }
