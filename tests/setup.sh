@@ -220,6 +220,10 @@ wheel=$("$python" -c 'import sys; print("lib/python%d.%d" % sys.version_info[:2]
 system=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab
 installed=$(dpkg-query -W -f '${Version}' meshlab)
 installed=${installed%%[+~]*}
+# build_method: it is the same for each of "plugins", but for what includes VCG: the compiler cache has it from the first one then.
+build_method() {
+    nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
+}
 # build: what "plugins" lists.
 build() {
     [ ${#plugins[@]} -gt 0 ] || return 0
@@ -227,8 +231,7 @@ build() {
     if [ ${#plugins[@]} = 1 ]; then
         nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" "${targets[@]}" >>"$log" 2>&1
     else
-        # The method is the same for each of these, but for what includes VCG: the compiler cache has it from the first one.
-        nice ninja -C "$build/cmake/${plugins[0]}" -j "$jobs" vcg_ext >>"$log" 2>&1
+        build_method
         printf '%s\n' "${plugins[@]}" | nice xargs -P "$jobs" -I{} ninja -C "$build/cmake/{}" -j 1 "${targets[@]}" >>"$log" 2>&1
     fi
     plugins=()
@@ -236,6 +239,10 @@ build() {
 jobs=${FCD_JOBS:-$(nproc)}
 plugin "meshlab-$installed" "$installed" "$system/libmeshlab-common.so" float
 if [ -n "$demo" ]; then
+    if [ ${#plugins[@]} -gt 0 ]; then
+        begin "building the method"
+        build_method
+    fi
     wait "${others[0]}" || exit 1 # its MeshLab is what the plugin is linked with
     plugin pymeshlab-2025.7 2025.07 "$build/venv/$wheel" double
 fi
