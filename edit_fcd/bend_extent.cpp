@@ -77,7 +77,7 @@ BendExtent &BendReach::kept(const std::vector<std::size_t> &vertices, double rad
         extents.splice(extents.begin(), extents, found);
         return *extents.front();
     }
-    const std::size_t most = 64; // handles that a person has
+    const std::size_t most = 24; // as many handles as a person has; of a large layer each is some megabytes
     if (extents.size() >= most)
         extents.pop_back();
     extents.push_front(std::make_shared<BendExtent>());
