@@ -213,16 +213,14 @@ namespace {
 
 /// The motion of a handle, as far as the list has room.
 QString shortTextOf(const BendSession &session, int tag) {
-    const auto motion = session.state().motion.find(tag);
     QStringList words;
-    if (motion != session.state().motion.end())
-        for (const MotionStep &step : motion->second)
-            switch (step.kind) {
-            case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
-            case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
-            case MotionStep::Scaling: words += QString("scale %1").arg(step.vector.maxCoeff(), 0, 'g', 3); break;
-            case MotionStep::Matrix: words += "matrix"; break;
-            }
+    for (const MotionStep &step : session.motionOf(tag))
+        switch (step.kind) {
+        case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
+        case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
+        case MotionStep::Scaling: words += QString("scale %1").arg(step.vector.maxCoeff(), 0, 'g', 3); break;
+        case MotionStep::Matrix: words += "matrix"; break;
+        }
     return words.join(", ");
 }
 
@@ -317,8 +315,7 @@ void BendTool::refresh() {
                 : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing->percent()));
         return;
     }
-    const std::vector<int> handles = session->handleTags();
-    if (std::count(handles.begin(), handles.end(), hovered) == 0)
+    if (!session->isHandle(hovered))
         hovered = 0; // it was undone, or removed, under the mouse
     panel->setPose(int(session->options.pose));
     panel->showMotions(QString::fromStdString(session->motionText()));

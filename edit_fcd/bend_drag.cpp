@@ -149,13 +149,13 @@ std::string BendDrag::text(const BendView &view) const {
 std::map<int, BendDrag::Steps> BendDrag::motions(const BendView &view) const {
     std::map<int, Steps> all = carried;
     all[tag] = begin;
-    std::optional<MotionStep> added = step(view);
+    const std::optional<MotionStep> added = step(view);
     if (!added)
         return all;
     all[tag] = joined(begin, *added);
-    if (added->kind == MotionStep::Rotation || added->kind == MotionStep::Scaling) // as it turns, not each by itself
-        added->about = inFewDigits(pivot);
+    Steps placed = {*added};
+    setPlaces(placed, pivot); // as it turns, not each by itself
     for (const auto &each : carried)
-        all[each.first] = joined(each.second, *added);
+        all[each.first] = joined(each.second, placed.front());
     return all;
 }

@@ -9,9 +9,9 @@
 
 /// The handle that keys move where none is under the mouse; 0 where there is none.
 int BendTool::selected() const {
-    const std::vector<int> handles = session->handleTags();
-    if (std::count(handles.begin(), handles.end(), active) > 0)
+    if (session->isHandle(active))
         return active;
+    const std::vector<int> handles = session->handleTags();
     return handles.empty() ? 0 : handles.front();
 }
 
@@ -79,14 +79,9 @@ void BendTool::dragWhenPrepared() {
     drag->from = drag->last = gripped;
     frame = 0;
     sinceDraw.invalidate();
-    const auto &motion = session->state().motion;
-    const auto stepsBefore = [&](int each) {
-        const auto steps = motion.find(each);
-        return steps == motion.end() ? BendDrag::Steps() : steps->second;
-    };
-    drag->begin = stepsBefore(tag);
+    drag->begin = session->motionOf(tag);
     for (const int other : session->carriedBy(tag))
-        drag->carried[other] = stepsBefore(other);
+        drag->carried[other] = session->motionOf(other);
     try {
         if (tookToPrepare > 0 && session->moves())
             solve(false);

@@ -13,6 +13,8 @@ namespace {
 // fingers do on a hand, and then, at twice that or more, what does not: the head, seen from a shoulder.
 const double largestBall = 1.5;
 
+const double coreSize = 0.5; // of the radius: so much turns with a handle, and the other half is left to bend
+
 } // namespace
 
 /// Which of the pieces that a ball leaves are tips of the limb that its middle is on. A ball of half the radius
@@ -57,7 +59,7 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         if (rootOf(own) == rootOf(pieces.largest))
             left.erase(std::remove_if(left.begin(), left.end(), meets), left.end());
     }
-    double most = distances.empty() ? 0 : distances.back() / 2, least = std::numeric_limits<double>::infinity();
+    double most = distances.empty() ? 0 : coreSize * distances.back(), least = std::numeric_limits<double>::infinity();
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         if (pieces.isTip(which))
             least = std::min(least, cutAt[which]);
@@ -68,14 +70,14 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
 }
 
 /// The extent of a handle, which is the last one from then on.
-BendExtent &BendReach::kept(const std::vector<std::size_t> &vertices, double radius) {
+std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vertices, double radius) {
     wait();
     const auto found = std::find_if(extents.begin(), extents.end(), [&](const auto &each) {
         return each->radius == radius && each->vertices == vertices;
     });
     if (found != extents.end()) {
         extents.splice(extents.begin(), extents, found);
-        return *extents.front();
+        return extents.front();
     }
     const std::size_t most = 24; // as many handles as a person has; of a large layer each is some megabytes
     if (extents.size() >= most)
@@ -101,21 +103,21 @@ BendExtent &BendReach::kept(const std::vector<std::size_t> &vertices, double rad
     };
     made.tips = tipsThat(true);
     made.aside = tipsThat(false);
-    return made;
+    return extents.front();
 }
 
 std::shared_ptr<const BendExtent> BendReach::extent(const std::vector<std::size_t> &vertices, double radius) {
-    kept(vertices, radius);
-    return extents.front();
+    return kept(vertices, radius);
 }
 
 std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t> &vertices, double radius,
                                                    double hair) {
-    BendExtent &made = kept(vertices, radius);
+    const std::shared_ptr<BendExtent> found = kept(vertices, radius);
+    BendExtent &made = *found;
     if (made.isWhole)
-        return extents.front();
+        return found;
     std::vector<char> isInside(surface->nodeOf.size(), 0);
-    made.core = of(vertices, radius / 2);
+    made.core = of(vertices, coreSize * radius);
     for (const std::size_t i : made.core)
         isInside[i] = 1;
     std::vector<char> isBeyond(isInside.size(), 0);
@@ -129,5 +131,5 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
         if (isBeyond[i])
             made.beyond.push_back(i);
     made.isWhole = true;
-    return extents.front();
+    return found;
 }

@@ -46,20 +46,24 @@ void BendSession::setMotionText(int tag, const std::string &text) {
     setMotion(motion);
 }
 
+const std::vector<MotionStep> &BendSession::motionOf(int tag) const {
+    static const std::vector<MotionStep> none;
+    const auto found = now.motion.find(tag);
+    return found == now.motion.end() ? none : found->second;
+}
+
 std::string BendSession::motionTextOf(int tag) const {
-    const auto steps = now.motion.find(tag);
-    if (steps == now.motion.end() || steps->second.empty())
+    if (motionOf(tag).empty())
         return {};
-    const std::string text = vcg::fcd::WriteMotionText({{tag, steps->second}});
+    const std::string text = vcg::fcd::WriteMotionText({{tag, motionOf(tag)}});
     return text.substr(text.find(':') + 2);
 }
 
 Eigen::Affine3d BendSession::motionAt(int tag) const {
-    const auto steps = now.motion.find(tag);
-    if (steps == now.motion.end())
+    if (motionOf(tag).empty())
         return Eigen::Affine3d::Identity();
     const Eigen::Vector3d place = rest.world() * center.at(tag);
-    return Eigen::Affine3d(vcg::fcd::ToMotion(steps->second, place).At(options.pose, place));
+    return Eigen::Affine3d(vcg::fcd::ToMotion(motionOf(tag), place).At(options.pose, place));
 }
 
 Eigen::Vector3d BendSession::centerOf(int tag) const { return motionAt(tag) * (rest.world() * center.at(tag)); }
@@ -93,18 +97,24 @@ void BendSession::makeGrip(int tag) {
     if (point == now.points.end() || point->second.isGrip)
         return;
     const int other = mirrored(tag);
-    const auto tagsBefore = effective;
-    const auto centerBefore = center;
     point->second.isGrip = true;
     if (BendHandle changed = handle(tag); !changed.pivot) {
         changed.pivot = rest.world() * rest.at(point->second.slot);
         setHandle(tag, std::move(changed));
     }
+    changeTagsOf(tag);
+    if (other)
+        makeGrip(other);
+}
+
+/// changeTags() for a point that is new, or holds more: it stays where the layer, and the poses that have names, show
+/// it.
+void BendSession::changeTagsOf(int tag) {
+    const auto tagsBefore = effective;
+    const auto centerBefore = center;
     changeTags();
     keepPlace(tag);
     keepPlaceInPoses(tag, tagsBefore, centerBefore);
-    if (other)
-        makeGrip(other);
 }
 
 /// A handle has the motion that leaves it where the layer shows it.

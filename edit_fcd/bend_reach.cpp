@@ -32,6 +32,15 @@ std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) c
     return all;
 }
 
+/// Which nodes have one of the vertices.
+std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
+    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    return isNodeIn;
+}
+
 std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
                                                     std::vector<double> *distances) const {
     std::vector<vcg::fcd::Index> seeds;
@@ -88,11 +97,9 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     const vcg::fcd::Index begin = surface->nodeOf[slot];
     if (begin < 0)
         return {slot};
-    const int inside = 1, met = 2;
-    std::vector<int> label(std::size_t(surface->graph.Size()), 0);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            label[std::size_t(surface->nodeOf[i])] = inside;
+    const std::vector<char> isNodeIn = nodesOf(isIn);
+    const int met = 2;
+    std::vector<int> label(isNodeIn.begin(), isNodeIn.end());
     relabel(surface->graph, begin, met, label);
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < isIn.size(); ++i)
@@ -151,10 +158,7 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
         const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
         return Cell{at[0], at[1], at[2]};
     };
-    std::vector<char> isNodeIn(std::size_t(graph.Size()), 0);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    const std::vector<char> isNodeIn = nodesOf(isIn);
     Eigen::AlignedBox3f box;
     std::set<Cell> near; // cells of the others, and those beside them
     Cell last{};
@@ -223,10 +227,7 @@ BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
 
 std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     wait();
-    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
-    for (std::size_t i = 0; i < isIn.size(); ++i)
-        if (isIn[i] && surface->nodeOf[i] >= 0)
-            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    std::vector<char> isNodeIn = nodesOf(isIn);
     const Pieces pieces = piecesBeside(isNodeIn);
     for (std::size_t u = 0; u < isNodeIn.size(); ++u)
         isNodeIn[u] = pieces.of[u] >= 0 && pieces.isTip(std::size_t(pieces.of[u]));

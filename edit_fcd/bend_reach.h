@@ -71,7 +71,8 @@ class BendReach {
     Pieces piecesBeside(const std::vector<char> &isIn) const;
     std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
                                  const std::vector<double> &distances) const;
-    BendExtent &kept(const std::vector<std::size_t> &vertices, double radius);
+    std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
+    std::vector<char> nodesOf(const std::vector<char> &isIn) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
                                              std::vector<double> *distances = nullptr) const;
     std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;

@@ -198,15 +198,11 @@ bool BendSession::canBecomePoint(std::size_t slot) const {
 int BendSession::addPoint(std::size_t slot, double radius) {
     const auto add = [&, rank = rankOfNew()](std::size_t at) {
         assert(canBecomePoint(at));
-        const auto tagsBefore = effective;
-        const auto centerBefore = center;
         const int tag = unusedTag();
         now.points[tag] = {at, radius};
         if (rank > 0)
             now.rank[tag] = rank;
-        changeTags();
-        keepPlace(tag);
-        keepPlaceInPoses(tag, tagsBefore, centerBefore);
+        changeTagsOf(tag);
         return tag;
     };
     expectReach();

@@ -54,6 +54,9 @@ class BendSession {
     /// Whether a vertex is not marked as anything else.
     bool isFree(std::size_t slot) const { return !now.marks || (*now.marks)[slot] == 1; }
     std::vector<int> handleTags() const; ///< ascending
+    bool isHandle(int tag) const { return center.count(tag) > 0; }
+    /// That make its motion; none: it is at rest.
+    const std::vector<vcg::fcd::MotionStep> &motionOf(int tag) const;
     int unusedTag() const;
     const BendHandle &handle(int tag) const;
     std::string nameOf(int tag) const;       ///< of a handle, as a person reads it
@@ -224,6 +227,7 @@ class BendSession {
     Eigen::Vector3d placeOf(int tag) const;
     void updateTags();
     void changeTags();
+    void changeTagsOf(int tag);
     void findExtents(const BendTags &made);
     bool canBecomePoint(std::size_t slot) const;
     void bendAround(BendTags &made);
