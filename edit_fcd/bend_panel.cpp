@@ -4,7 +4,6 @@
 #include "bend_keys.h"
 #include "bend_state.h"
 #include "stretch_colors.h"
-#include "tool_list.h"
 #include "tool_window.h"
 
 #include <layer_fcd/parameters.h>
@@ -43,11 +42,7 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     poseBox = new BendPoseBox;
     moreOptions = new QWidget;
     addCommands(*column);
-    state = new QLabel;
-    state->setObjectName("state");
-    state->setWordWrap(true);
-    state->setMinimumHeight(48);
-    state->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+    state = new PanelState(48);
     column->addWidget(state);
     column->addWidget(poseBox);
     addMore(*column);

@@ -7,6 +7,7 @@
 #include "bend_handle_list.h"
 #include "bend_line_box.h"
 #include "bend_pose_box.h"
+#include "tool_list.h"
 
 #include <QButtonGroup>
 #include <QCheckBox>
@@ -64,7 +65,7 @@ class BendPanel : public QDockWidget {
     /// Shows the handles' motions, unless they are being typed.
     void showMotions(const QString &text);
     void showHandles(const std::vector<BendHandleRow> &rows) { list->showRows(rows); }
-    void showState(const QString &text) { state->setText(text); }
+    void showState(const QString &text) { state->say(text); }
     void showKeys();
     BendHandleList &handles() { return *list; }
     BendPoseBox &poses() { return *poseBox; }
@@ -97,7 +98,8 @@ class BendPanel : public QDockWidget {
     QCheckBox *through, *stretch, *graphs;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
-    QLabel *state, *poseLabel;
+    PanelState *state;
+    QLabel *poseLabel;
     BendHandleList *list;
     BendPoseBox *poseBox;
     BendLineBox *lineBox;

@@ -2,7 +2,6 @@
 #include "fit_panel.h"
 
 #include "distance_colors.h"
-#include "tool_list.h"
 #include "tool_window.h"
 
 #include <cmath>
@@ -31,11 +30,7 @@ FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     column->setContentsMargins(6, 4, 6, 4);
     column->setSpacing(5);
     addLayers(*column);
-    state = new QLabel;
-    state->setObjectName("state");
-    state->setWordWrap(true);
-    state->setMinimumHeight(52);
-    state->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+    state = new PanelState(52);
     column->addWidget(state);
     addPairs(*column);
     addShape(*column);

@@ -5,6 +5,7 @@
 #include "fit_session.h" // before Qt
 
 #include "fit_pair_list.h"
+#include "tool_list.h"
 
 #include <QButtonGroup>
 #include <QCheckBox>
@@ -41,7 +42,7 @@ class FitPanel : public QDockWidget {
     bool showsDistance() const { return distance->isChecked(); }
     bool graphLayers() const { return graphs->isChecked(); }
 
-    void showState(const QString &text) { state->setText(text); }
+    void showState(const QString &text) { state->say(text); }
     /// \param most the distance that is red, 0: none is shown
     void showLegend(double most);
     /// \param percent of work that goes on, -1: none does
@@ -66,7 +67,8 @@ class FitPanel : public QDockWidget {
     QComboBox *targets, *start;
     QButtonGroup *seenButtons, *shapes;
     QSlider *stiffness;
-    QLabel *stiffnessText, *state, *legend;
+    PanelState *state;
+    QLabel *stiffnessText, *legend;
     QDoubleSpinBox *largest;
     QCheckBox *distance, *graphs;
     QProgressBar *progress;

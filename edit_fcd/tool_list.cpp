@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tool_list.h"
 
+#include "tool_window.h"
+
 #include <QHeaderView>
+#include <QResizeEvent>
 #include <QScrollArea>
 
 void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
@@ -23,6 +26,35 @@ void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
         if (column.width)
             list.setColumnWidth(i, column.width);
     }
+}
+
+PanelState::PanelState(int height) : least(height) {
+    setObjectName("state");
+    setWordWrap(true);
+    setMinimumHeight(least);
+    setAlignment(Qt::AlignTop | Qt::AlignLeft);
+}
+
+void PanelState::say(const QString &text) {
+    setText(text);
+    if (isVisible())
+        grow();
+}
+
+void PanelState::resizeEvent(QResizeEvent *event) {
+    QLabel::resizeEvent(event);
+    if (event->size().width() == event->oldSize().width())
+        return;
+    setMinimumHeight(least); // a wider one needs less
+    grow();
+}
+
+void PanelState::grow() {
+    const int height = heightForWidth(width());
+    if (height <= minimumHeight())
+        return;
+    setMinimumHeight(height);
+    tracePlaces(*parentWidget());
 }
 
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {

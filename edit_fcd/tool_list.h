@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <QDockWidget>
+#include <QLabel>
 #include <QSlider>
 #include <QString>
 #include <QTableWidget>
@@ -21,6 +22,22 @@ struct ListColumn {
 
 /// The looks of a list in a panel: one row is selected, a double click edits.
 void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns);
+
+/// What a panel says of its tool's state. It keeps the height of the longest text that it had, so that what stands
+/// below it does not move under the mouse while the text changes.
+class PanelState : public QLabel {
+  public:
+    /// \param height of each text at least, pixels
+    explicit PanelState(int height);
+    void say(const QString &text);
+
+  protected:
+    void resizeEvent(QResizeEvent *event) override;
+
+  private:
+    void grow();
+    int least;
+};
 
 /// Calls \p begins before a slider changes what it is for, once for each way of it, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);

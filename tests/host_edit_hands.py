@@ -789,6 +789,20 @@ def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_p
     assert np.linalg.norm(shown - turned, axis=1).max() < 0.05 * np.linalg.norm(turned - points, axis=1).max()
 
 
+def test_what_stands_below_the_text_stays_there_when_that_gets_shorter(window, tmp_path):
+    """Or it would move away from under a mouse."""
+    w, _ = tip_of_a_limb(window, tmp_path)
+    w.click(w.place("poses_fold"))
+    w.wait("trace: place: keep ")
+    before = w.box("poses")[1]
+    w.press_and_move((X + 180, Y), (X + 180, Y - 60))
+    w.until("longer text", lambda: w.box("poses")[1] > before + 20)
+    w.do("mouseup", 1)
+    w.do("mousemove", X, Y + 230) # where there is less to say
+    w.shot("short")
+    keep_pose(w, "up")
+
+
 def sequenced(folder, points, faces, tags, poses):
     """The key frames that meshlabserver makes of a tagged mesh."""
     folder.mkdir()
