@@ -167,6 +167,7 @@ void BendTool::connectHandles() {
     const BendHandleList *list = &panel->handles();
     connect(list, &BendHandleList::selected, this, [this](int tag) {
         active = tag;
+        isChosen = true;
         QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
         view->update();
     });
@@ -289,8 +290,11 @@ QString BendTool::stateText() const {
                           .arg("xyz"[lit->axis]));
     else if (hovered)
         text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
+    else if (keysBegin)
+        text = "Drag this point, or press G, R or S.";
     else
-        text = "Drag a handle (red), or a point of the surface.";
+        text = QString::fromStdString(
+            "Drag a handle (red), or a point of the surface. G, R, S: " + session->nameOf(selected()) + ".");
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, but for locked ones.";
     if (drag && session->isKeptApart(drag->tag))
@@ -300,7 +304,7 @@ QString BendTool::stateText() const {
     if (session->nodes() > 0 && milliseconds > 0) {
         text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
         if (frame > 0)
-            text += QString(", drawn %1 times a second").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
+            text += QString(", drawn %1/s").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
     }
     return text;
 }

@@ -66,7 +66,9 @@ void BendTool::beginDrag(const Grip &what) {
 }
 
 void BendTool::dragWhenPrepared() {
-    const int tag = active = grip.tag;
+    const int tag = grip.tag;
+    isChosen = isChosen && tag == active;
+    active = tag;
     drag = std::make_unique<BendDrag>();
     drag->tag = tag;
     display->move();
@@ -121,7 +123,9 @@ void BendTool::endDrag(bool keep) {
     if (!drag)
         return;
     const auto motions = drag->motions(seen);
-    isClicked = keep && grip.isNew && !drag->step(seen);
+    const bool isClick = keep && !drag->step(seen);
+    isClicked = isClick && grip.isNew;
+    isChosen = isClick || (isChosen && drag->modal);
     if (!keep)
         session->cancel();
     else if (layer())

@@ -188,16 +188,13 @@ void BendTool::findMouse() { mouse = view->mapFromGlobal(QCursor::pos()); }
 /// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
 bool BendTool::changeRim(double times) {
     findMouse();
-    const int tag = handleAtMouse();
-    std::size_t slot = 0; // of what is fixed, where there is no handle
-    if (!tag) {
-        const std::optional<std::size_t> found = slotAtMouse();
-        const auto &marks = session->state().marks;
-        if (!found || !marks || (*marks)[*found] != 0)
-            return false;
-        slot = *found;
-    }
-    if (!sinceRim.isValid() || sinceRim.hasExpired(1000)) // a way of the wheel is one step of undo
+    const auto [tag, found] = placeAtMouse();
+    const auto &marks = session->state().marks;
+    if (!tag && !(found && marks && (*marks)[*found] == 0))
+        return false;
+    const std::size_t slot = found.value_or(0); // of what is fixed, where there is no handle
+    // A way of the wheel is one step of undo.
+    if (!sinceRim.isValid() || sinceRim.hasExpired(1000))
         session->change();
     sinceRim.start();
     const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
@@ -219,9 +216,8 @@ bool BendTool::changeRim(double times) {
     return true;
 }
 
-/// The point handle at a place of the window, 0: none.
-int BendTool::pointAt(const Eigen::Vector2d &window) const {
-    double least = 12;
+/// The point handle at a place of the window, 0: none. \param least pixels that it is near
+int BendTool::pointAt(const Eigen::Vector2d &window, double least) const {
     int tag = 0;
     for (const auto &point : session->state().points) {
         const double d = (seen.toWindow(session->dotOf(point.first)).head<2>() - window).norm();
@@ -241,50 +237,49 @@ std::optional<std::size_t> BendTool::slotAtMouse() const {
     return slot && distance <= 0.02 * session->diagonal() ? slot : std::nullopt;
 }
 
-/// The handle under the mouse, 0: none.
-int BendTool::handleAtMouse() const {
+BendTool::Place BendTool::placeAtMouse() const {
     if (const int point = pointAt(mouseInWindow().head<2>()))
-        return point;
+        return {point, {}};
     const std::optional<std::size_t> slot = slotAtMouse();
-    return slot && session->tags()[*slot] >= 2 && !session->isAlong(*slot) ? session->tags()[*slot] : 0;
+    const int tag = slot ? session->tags()[*slot] : 0;
+    return tag >= 2 && !session->isAlong(*slot) ? Place{tag, {}} : Place{0, slot};
+}
+
+/// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
+std::optional<GizmoPart> BendTool::partAtMouse() const {
+    const std::optional<Gizmo> shown = gizmo();
+    const Eigen::Vector2d window = mouseInWindow().head<2>();
+    const int point = shown ? pointAt(window, dotPixels / 2 + 1) : 0;
+    return shown && (!point || point == selected()) ? gizmoAt(seen, *shown, window) : std::nullopt;
 }
 
 /// What is under the mouse lights up.
 void BendTool::hover() {
-    const std::optional<Gizmo> shown = gizmo();
-    const auto part = shown ? gizmoAt(seen, *shown, mouseInWindow().head<2>()) : std::nullopt;
-    const int handle = part ? 0 : handleAtMouse();
-    if (handle == hovered && part == lit)
+    const std::optional<GizmoPart> part = partAtMouse();
+    const Place place = part ? Place() : placeAtMouse();
+    const bool isBegin = beginsByKey(place);
+    if (place.tag == hovered && part == lit && isBegin == keysBegin)
         return;
-    hovered = handle;
+    hovered = place.tag;
     lit = part;
+    keysBegin = isBegin;
     panel->showState(stateText());
     view->update();
 }
 
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
 bool BendTool::grab() {
-    const Eigen::Vector2d window = mouseInWindow().head<2>();
-    if (const std::optional<Gizmo> shown = gizmo())
-        if (const std::optional<GizmoPart> part = gizmoAt(seen, *shown, window)) {
-            beginDrag({selected(), 0, *part, false});
-            return true;
-        }
-    int tag = pointAt(window);
-    if (!tag) {
-        const std::optional<std::size_t> slot = slotAtMouse();
-        if (!slot)
-            return false;
-        tag = session->tags()[*slot];
-        if (tag < 2 || session->isAlong(*slot)) {
-            if (!session->isFree(*slot)) {
-                hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
-                return false;
-            }
-            beginDrag({0, *slot, {}, false});
-            return true;
-        }
+    if (const std::optional<GizmoPart> part = partAtMouse()) {
+        beginDrag({selected(), 0, *part, false});
+        return true;
     }
-    beginDrag({tag, 0, {}, false});
+    const Place place = placeAtMouse();
+    if (!place.tag && !place.slot)
+        return false;
+    if (place.slot && !session->isFree(*place.slot)) {
+        hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
+        return false;
+    }
+    beginDrag({place.tag, place.slot.value_or(0), {}, false});
     return true;
 }

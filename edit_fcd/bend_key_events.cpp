@@ -67,15 +67,21 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
     requestStep();
 }
 
-/// Begins to move the handle under the mouse, or else the selected one, with the mouse, without a button. Where there
-/// is none yet, the place under the mouse becomes one.
+/// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
+bool BendTool::beginsByKey(const Place &place) const {
+    const bool isOther = (isChosen && session->isHandle(active)) || (session->isMarked() && selected());
+    return place.slot && session->isFree(*place.slot) && !isOther;
+}
+
+/// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
 void BendTool::dragByKey(BendDrag::Kind kind) {
     findMouse();
-    const int under = view->underMouse() ? handleAtMouse() : 0, tag = under ? under : selected();
-    const std::optional<std::size_t> slot = tag || !view->underMouse() ? std::nullopt : slotAtMouse();
-    if (!tag && !(slot && session->isFree(*slot)))
+    const Place place = view->underMouse() && !partAtMouse() ? placeAtMouse() : Place();
+    const bool isBegin = beginsByKey(place);
+    const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
+    if (!tag && !isBegin)
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    beginDrag({tag, slot.value_or(0), {kind, -1}, true});
+    beginDrag({tag, place.slot.value_or(0), {kind, -1}, true});
 }
 
 /// The selected handle turns where the mouse points at.
@@ -84,7 +90,7 @@ void BendTool::placePivot() {
     if (!tag)
         throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
     findMouse();
-    const int other = handleAtMouse();
+    const int other = placeAtMouse().tag;
     const bool isOther = other != 0 && other != tag;
     const std::optional<Eigen::Vector3d> place = isOther ? session->centerOf(other) : pick();
     session->change();

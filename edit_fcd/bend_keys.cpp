@@ -20,7 +20,7 @@ const std::vector<BendKey> &bendKeys() {
         {BendAction::NextHandle, "Shift+H", "the next handle"},
         {BendAction::Outside, "O", "outside of the region of influence"},
         {BendAction::Through, "T", "mark only what is seen, or through the mesh"},
-        {BendAction::Move, "G", "move the handle under the mouse, or else the selected one"},
+        {BendAction::Move, "G", "move what is under the mouse, a handle or a place, or else the selected handle"},
         {BendAction::Turn, "R", "turn it"},
         {BendAction::Scale, "S", "scale it"},
         {BendAction::Pivot, "P",

@@ -75,6 +75,7 @@ void BendTool::open(MeshModel &newModel) {
         session->readAhead();
     enterLayer(newModel);
     active = hovered = 0;
+    isChosen = keysBegin = false;
     lit.reset();
     isLive = isShownChanged = false;
 }

@@ -51,7 +51,7 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const
         return GizmoPart();
     const double pixel = view.pixelAt(center);
     std::optional<GizmoPart> hit;
-    double least = 8;
+    double least = 5; // pixels: the surface beside it can be dragged, too
     for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3d arrow = arrowPixels * pixel * gizmo.axes.col(axis);
         const Eigen::Vector2d a = flat(center + arrow * 0.3), b = flat(center + arrow);
@@ -87,7 +87,7 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     for (const auto &point : session.state().points)
         if (!session.handle(point.first).isHidden) {
             glColor3ub(210, 60, 50);
-            drawPoint(session.dotOf(point.first), 9);
+            drawPoint(session.dotOf(point.first), dotPixels);
         }
     if (lit) {
         glColor3ubv(litColor);

@@ -5,6 +5,8 @@
 #include "bend_drag.h"
 #include "bend_session.h"
 
+const float dotPixels = 9; ///< of a point handle, as it is drawn
+
 /// A part of the gizmo of a handle: the ball in its middle, an arrow that moves it along an axis, or a ring that turns
 /// it.
 struct GizmoPart {

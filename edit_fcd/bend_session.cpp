@@ -244,4 +244,10 @@ void BendSession::setPose(double percent) {
     options.pose = now.pose = percent;
 }
 
-void BendSession::reset() { motionByHand().clear(); }
+void BendSession::reset() {
+    motionByHand().clear();
+    if (now.poses || now.rank.empty())
+        return; // what handles bend is the named poses', too
+    now.rank.clear();
+    changeTags();
+}

@@ -124,7 +124,8 @@ class BendSession {
     void setMotionText(int tag, const std::string &text);
     /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
     void setMotions(const std::string &text);
-    void reset(); ///< all motions
+    /// All motions; no handle keeps what others had bent.
+    void reset();
 
     /// The motions as "Motions as text" takes them.
     std::string motionText() const { return vcg::fcd::WriteMotionText(now.motion); }

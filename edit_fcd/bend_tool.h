@@ -108,9 +108,16 @@ class BendTool : public LayerTool {
     const BendKey *keyOf(const QKeyEvent &event) const;
     void act(BendAction action);
     bool grab();
-    int pointAt(const Eigen::Vector2d &window) const;
+    int pointAt(const Eigen::Vector2d &window, double least = 12) const;
+    std::optional<GizmoPart> partAtMouse() const;
     std::optional<std::size_t> slotAtMouse() const;
-    int handleAtMouse() const;
+    /// What is under the mouse: a handle, or else a vertex of the layer, which may go along with one.
+    struct Place {
+        int tag = 0; ///< 0: none
+        std::optional<std::size_t> slot;
+    };
+    Place placeAtMouse() const;
+    bool beginsByKey(const Place &place) const;
     bool changeRim(double times);
     void findMouse();
     void hover();
@@ -180,7 +187,9 @@ class BendTool : public LayerTool {
     double playLength = 0; ///< seconds
     QPointF mouse;
     int active = 0;               ///< the handle that was chosen last, if it is still there
+    bool isChosen = false;        ///< it was clicked, or in the list: keys move it wherever the mouse is
     int hovered = 0;              ///< the handle under the mouse, 0: none
+    bool keysBegin = false;       ///< beginsByKey() what is under the mouse
     std::optional<GizmoPart> lit; ///< the part of the gizmo under the mouse
     QString hint;                 ///< what could not be done, until the next press or key
     bool isSuspended = false;     ///< the mouse is the camera's

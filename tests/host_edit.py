@@ -230,6 +230,7 @@ class Window:
 
     def box(self, name):
         """Left, top, width and height of a thing of the tool's panel."""
+        time.sleep(0.3) # 0.2 after a change it says where things are
         self.wait(f"FCD trace: place: {name} ")
         return list(map(int, re.findall(rf"FCD trace: place: {name} (\d+) (\d+) (\d+) (\d+)", self.text())[-1]))
 
