@@ -241,7 +241,9 @@ BendTool::Place BendTool::placeAtMouse() const {
     if (const int point = pointAt(mouseInWindow().head<2>()))
         return {point, {}};
     const std::optional<std::size_t> slot = slotAtMouse();
-    const int tag = slot ? session->tags()[*slot] : 0;
+    if (!slot)
+        return {};
+    const int tag = session->tags()[*slot];
     return tag >= 2 && !session->isAlong(*slot) ? Place{tag, {}} : Place{0, slot};
 }
 
