@@ -124,7 +124,8 @@ class BendSession {
     void setMotionText(int tag, const std::string &text);
     /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
     void setMotions(const std::string &text);
-    /// All motions; no handle keeps what others had bent.
+    /// All motions; and no handle keeps what others had bent, unless there are poses with names, which may rely on
+    /// that.
     void reset();
 
     /// The motions as "Motions as text" takes them.
