@@ -42,9 +42,17 @@ void write(QSaveFile &file, const QString &path, const char *data, std::size_t s
 } // namespace
 
 bool isSameFile(const QString &a, const QString &b) {
-    const auto path = [](const QString &s) { return std::filesystem::u8path(s.toStdString()); };
-    std::error_code none; // where there is no file yet
-    return placeOf(a) == placeOf(b) || std::filesystem::equivalent(path(a), path(b), none);
+    const auto isOne = [](const QString &x, const QString &y) {
+        const auto path = [](const QString &s) { return std::filesystem::u8path(s.toStdString()); };
+        std::error_code none; // where there is nothing yet
+        return x == y || std::filesystem::equivalent(path(x), path(y), none);
+    };
+    const auto name = [](const QString &place) {
+        return QFileInfo(place).fileName().normalized(QString::NormalizationForm_C).toCaseFolded();
+    };
+    const QString first = placeOf(a), second = placeOf(b);
+    return isOne(first, second) ||
+           (name(first) == name(second) && isOne(QFileInfo(first).path(), QFileInfo(second).path()));
 }
 
 struct FilesToSave::Replacement {

@@ -1894,13 +1894,15 @@ def contents(folder):
     return {path.name: os.readlink(path) if path.is_symlink() else path.read_bytes() for path in folder.iterdir() if not path.is_dir()}
 
 
-@pytest.mark.parametrize("way", ["link", "link to nothing", "chain of links", "linked folder", "folder and back", "hard link"])
+@pytest.mark.parametrize("way", ["link", "link to nothing", "chain of links", "linked folder", "folder and back", "hard link", "case"])
 def test_tags_and_motions_do_not_go_to_one_file_by_two_names(tmp_path, way):
     ms = clean_bone()
     folder = tmp_path / "folder"
     folder.mkdir()
     first, second = tmp_path / "a.sel", tmp_path / "b.def"
-    if way != "link to nothing":
+    if way == "case":
+        first, second = folder / "Á.sel", tmp_path / "folder" / "a\u0301.SEL"
+    elif way != "link to nothing":
         first.write_text("old\n")
     if way in ("link", "link to nothing"):
         second.symlink_to("a.sel")
@@ -1912,7 +1914,7 @@ def test_tags_and_motions_do_not_go_to_one_file_by_two_names(tmp_path, way):
         first, second = folder / "t", tmp_path / "again" / "t"
     elif way == "folder and back":
         second = folder / ".." / "a.sel"
-    else:
+    elif way == "hard link":
         second.hardlink_to(first)
     files = contents(tmp_path), contents(folder)
     with pytest.raises(pymeshlab.PyMeshLabException, match="are the same file"):

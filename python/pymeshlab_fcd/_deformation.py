@@ -2,49 +2,16 @@
 """Saved deformations, without MeshLab."""
 from __future__ import annotations
 
-import contextlib
 import math
 import os
-import shutil
-import uuid
-from collections.abc import Iterator
-from typing import BinaryIO, overload
+from typing import overload
 
 from numpy.typing import ArrayLike
 
-from . import _inputs
+from . import _files, _inputs
 from ._core import Field
 from ._inputs import Points
 from ._progress import Progress, report
-
-
-@contextlib.contextmanager
-def _aside(name: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    """A file beside the one of this name, or that the name leads to, whose place it takes at the end; after an exception, it is gone."""
-    path = os.fsdecode(name)
-    if os.path.exists(path) and not os.path.isfile(path):  # a pipe, a device
-        with open(path, "wb") as file:
-            yield file
-        return
-    path = os.path.realpath(path)
-    aside = f"{path}.{os.getpid()}.{uuid.uuid4().hex}.part"
-    try:
-        with open(aside, "xb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        if os.path.exists(path):
-            shutil.copymode(path, aside)
-        os.replace(aside, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(aside)
-        raise
-
-
-def _write(path: str | os.PathLike[str], content: bytes) -> None:
-    with _aside(path) as file:
-        file.write(content)
 
 
 class Deformation:
@@ -99,7 +66,7 @@ class Deformation:
         Raises:
             OSError: It cannot be written, as where the disk is full.
         """
-        _write(path, self._field.content())
+        _files.write(path, self._field.content())
 
     @overload
     def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1, progress: Progress = None) -> Points: ...

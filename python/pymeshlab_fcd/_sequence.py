@@ -2,7 +2,6 @@
 """Poses with names, and animations of them."""
 from __future__ import annotations
 
-import contextlib
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,8 +10,7 @@ from typing import BinaryIO, Literal, Union
 
 import numpy as np
 
-from . import _core, _inputs
-from ._deformation import _aside, _write
+from . import _core, _files, _inputs
 from ._deformer import Deformer, Transforms
 from ._pose import DeformationWarning, Pose
 from ._progress import Progress, report
@@ -125,7 +123,7 @@ class PoseSequence:
         Raises:
             OSError: It cannot be written; what was there is still there.
         """
-        _write(path, self.text(deformer).encode())
+        _files.write(path, self.text(deformer).encode())
 
     @property
     def poses(self) -> dict[str, str]:
@@ -185,7 +183,7 @@ class PoseSequence:
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
               rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", progress: Progress = None) -> AnimationInfo:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
-        that are there are replaced when all is written.
+        that are there are replaced together, when all is written; otherwise each is as it was.
 
         Args:
             deformer: What is posed.
@@ -196,8 +194,8 @@ class PoseSequence:
             progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
         Raises:
-            ValueError: Neither file is given, a pose moves a handle that the Deformer does not have, they are of another surface, or a
-                file would be larger than its format holds.
+            ValueError: Neither file is given, both are one file (also by a link, or by names that differ in case alone), a pose moves a
+                handle that the Deformer does not have, they are of another surface, or a file would be larger than its format holds.
             OSError: A file cannot be written; those that were there are still there.
             KeyboardInterrupt: Ctrl-C, at once; nothing is written then.
 
@@ -205,21 +203,12 @@ class PoseSequence:
             DeformationWarning: Triangles turned over, or a frame did not come to rest.
         """
         kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
-        with contextlib.ExitStack() as stack:
-            writers: list[Callable[[int, bytes], None] | None] = []
-            for path in (gltf, pc2):
-                if path is None:
-                    writers.append(None)
-                    continue
-                file = stack.enter_context(_aside(path))
-
-                def put(at: int, data: bytes, file: BinaryIO = file) -> None:
-                    file.seek(at)
-                    file.write(data)
-
-                writers.append(put)
-            info = AnimationInfo(**self._core.write(deformer._core, _inputs.single("rate", rate), writers[0], kind, writers[1],
-                                                    report(progress)))
+        if gltf is not None and pc2 is not None and _files.same_file(gltf, pc2):
+            raise ValueError("gltf and pc2 are the same file; give different files, whose names differ by more than case")
+        with _files.written([path for path in (gltf, pc2) if path is not None]) as files:
+            writers = [_writer(file) for file in files]
+            info = AnimationInfo(**self._core.write(deformer._core, _inputs.single("rate", rate), None if gltf is None else writers[0], kind,
+                                                    None if pc2 is None else writers[-1], report(progress)))
         if info.folded > 0:
             warnings.warn(f"In a frame, {info.folded} {'triangle has' if info.folded == 1 else 'triangles have'} turned over: the surface is "
                           "squeezed or twisted too much there. Move the handles less, or leave more free surface between them.",
@@ -230,6 +219,14 @@ class PoseSequence:
 
     def __repr__(self) -> str:
         return f"<PoseSequence of {', '.join(self.poses)}, {len(self._core.keys())} key frames>"
+
+
+def _writer(file: BinaryIO) -> Callable[[int, bytes], None]:
+    def put(at: int, data: bytes) -> None:
+        file.seek(at)
+        file.write(data)
+
+    return put
 
 
 def _weights(given: Mapping[str, float], names: list[str]) -> list[float]:

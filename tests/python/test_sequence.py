@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Poses with names, and animations of them."""
+import errno
 import json
+import os
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -86,6 +90,87 @@ def test_frames_and_files_are_the_same(tmp_path):
     again = prepared(threads=1)
     made.write(again, gltf=tmp_path / "b.glb", rate=8)
     assert (tmp_path / "b.glb").read_bytes() == (tmp_path / "a.glb").read_bytes()
+
+
+def contents(folder):
+    return {path.name: os.readlink(path) if path.is_symlink() else path.read_bytes() for path in folder.iterdir() if not path.is_dir()}
+
+
+@pytest.mark.parametrize("there", [("a.glb", "a.pc2"), ("a.glb",), ("a.pc2",), ()])
+@pytest.mark.parametrize("ending", [".glb", ".pc2"])
+@pytest.mark.parametrize("step", ["fsync", "copymode", "replace", "replace without links", "interrupt"])
+def test_both_files_are_written_or_none(tmp_path, monkeypatch, there, ending, step):
+    """Whichever of them fails, and at whatever step: each is as it was, and nothing is left beside them."""
+    for name in there:
+        (tmp_path / name).write_bytes(b"old " + name.encode())
+    before, path = contents(tmp_path), tmp_path / f"a{ending}"
+
+    def refuse(real, of, kind=OSError(errno.ENOSPC, "No space left on device")):
+        def call(*given):
+            if of(*given).startswith(str(path)) and not of(*given).endswith(".kept"):
+                raise kind
+            return real(*given)
+        return call
+
+    if step == "fsync":
+        files = {}
+        monkeypatch.setattr("builtins.open", lambda name, mode, real=open: files.setdefault(name, real(name, mode)))
+        monkeypatch.setattr(os, "fsync", refuse(os.fsync, lambda number: next(n for n, file in files.items() if not file.closed
+                                                                                and file.fileno() == number)))
+    elif step == "copymode":
+        if path.name not in there:
+            pytest.skip("only of what is there")
+        monkeypatch.setattr("shutil.copymode", refuse(shutil.copymode, lambda source, to: source))
+    else:
+        kind = KeyboardInterrupt() if step == "interrupt" else OSError(errno.EBUSY, "Device or resource busy")
+        monkeypatch.setattr(os, "replace", refuse(os.replace, lambda source, to: to if source.endswith(".part") else "", kind))
+        if step == "replace without links":
+            monkeypatch.setattr(os, "link", refuse(os.link, lambda source, to: str(path), OSError(errno.EPERM, "Operation not permitted")))
+    with pytest.raises(KeyboardInterrupt if step == "interrupt" else OSError) as caught:
+        sequence().write(prepared(), gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=2)
+    monkeypatch.undo()
+    assert contents(tmp_path) == before and (step == "interrupt" or caught.value.filename == str(path))
+
+
+def test_files_are_replaced_together(tmp_path):
+    for name in ("a.glb", "a.pc2"):
+        (tmp_path / name).write_bytes(b"old")
+        (tmp_path / name).chmod(0o640)
+    with pytest.raises(FileNotFoundError, match="none/a.pc2'"):
+        sequence().write(prepared(), gltf=tmp_path / "a.glb", pc2=tmp_path / "none" / "a.pc2", rate=2)
+    assert contents(tmp_path) == {"a.glb": b"old", "a.pc2": b"old"}
+    sequence().write(prepared(), gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=2)
+    written = contents(tmp_path)
+    assert sorted(written) == ["a.glb", "a.pc2"] and written["a.glb"][:4] == b"glTF" and written["a.pc2"][:6] == b"POINTC"
+    assert all((tmp_path / name).stat().st_mode & 0o777 == 0o640 for name in written)
+
+
+@pytest.mark.parametrize("way", ["same", "relative", "link", "link to nothing", "linked folder", "folder and back", "hard link", "case"])
+def test_one_file_is_not_written_twice(tmp_path, monkeypatch, way):
+    first, second = tmp_path / "a.glb", tmp_path / "b.pc2"
+    (tmp_path / "folder").mkdir()
+    if way not in ("link to nothing", "case", "relative"):
+        first.write_bytes(b"old")
+    if way == "same":
+        second = first
+    elif way == "relative":
+        monkeypatch.chdir(tmp_path / "folder")
+        second = Path("..") / "folder" / ".." / "a.glb"
+    elif way in ("link", "link to nothing"):
+        second.symlink_to("a.glb")
+    elif way == "linked folder":
+        (tmp_path / "again").symlink_to(tmp_path / "folder")
+        first, second = tmp_path / "folder" / "new", tmp_path / "again" / "new"
+    elif way == "folder and back":
+        second = tmp_path / "folder" / ".." / "a.glb"
+    elif way == "hard link":
+        os.link(first, second)
+    else:
+        first, second = tmp_path / "Á.bin", tmp_path / "a\u0301.BIN"
+    before = contents(tmp_path)
+    with pytest.raises(ValueError, match="are the same file; give different files"):
+        sequence().write(prepared(), gltf=first, pc2=second)
+    assert contents(tmp_path) == before
 
 
 def test_gltf_is_what_it_should_be(tmp_path):
