@@ -71,7 +71,8 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
         "says that it did not converge; a converged result does not change.");
     addParameter<RichFloat>(list, Shown::Advanced, "tolerance", Scalarm(deformation.tolerance), "Tolerance",
                             "At rest means that no node is farther from where it comes to rest than ten times this "
-                            "fraction of the bounding box diagonal (estimated from how fast the steps get shorter). "
+                            "fraction of the bounding box diagonal (estimated from how fast the steps get shorter; "
+                            "where these tell too little, as of springs, by a step of Newton's method). "
                             "<b>Raising it</b> ends sooner and less exactly.");
     addParameter<RichEnum>(
         list, Shown::Advanced, "graph_weights", int(deformation.graphWeights),

@@ -344,6 +344,44 @@ TEST(GraphDeformer, ToleranceIsHowFarTheNodesAreFromRest) {
     }
 }
 
+/// A spring of wire, 1 in radius, 15 high.
+static Shape Spring(double turns, double wire) {
+    Shape spring = Tube(int(40 * turns), 8);
+    for (Vector3d &p : spring.position) {
+        const double s = p[2] / 6, angle = 2 * double(EIGEN_PI) * turns * s, radius = 1 + wire * p[0];
+        p = Vector3d(radius * std::cos(angle), radius * std::sin(angle), 15 * s + wire * p[1]);
+    }
+    return spring;
+}
+
+TEST(GraphDeformer, IsAtRestWhereStepsAreShortFromTheStart) {
+    struct Case {
+        double turns, wire, patch;
+    };
+    for (const auto &[turns, wire, patch] : {Case{30, 0.08, 0.3}, Case{10, 0.05, 0.1}}) {
+        const Rig rig(Spring(turns, wire), patch, [](const Vector3d &p) {
+            return p[2] < 0.3 ? 0 : p[2] > 14.7 ? 2 : 1;
+        });
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
+        const Eigen::Matrix3Xf &x = rig.graph.graph.position;
+        const double diagonal = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+        for (double degrees : {30.0, 90.0}) {
+            const Eigen::AngleAxisd turned(degrees * double(EIGEN_PI) / 180, Vector3d::UnitZ());
+            const std::vector<Affine3d> motion =
+                rig.NodeMotion([&](Index t) { return t ? Affine3d(turned) : Affine3d::Identity(); });
+            SolverParam param;
+            param.follow = true;
+            const GraphPose pose = deformer.Solve(motion, param);
+            param.maxIterations = 20000;
+            param.tolerance = 1e-10;
+            const GraphPose rest = deformer.Solve(motion, param);
+            ASSERT_TRUE(pose.converged && rest.converged);
+            EXPECT_LE((pose.position - rest.position).colwise().norm().maxCoeff(), 1e-4 * diagonal)
+                << turns << " turns, by " << degrees << " degrees, after " << pose.iterations;
+        }
+    }
+}
+
 TEST(GraphDeformer, PlainStepsEndWhereTheAcceleratedOnesDo) {
     const Rig rig = TubeRig();
     const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);

@@ -6,8 +6,8 @@
 #include <vcg_ext/solve/anderson.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_energy.h>
-#include <vcg_ext/solve/graph_hessian.h>
 #include <vcg_ext/solve/graph_laplacian.h>
+#include <vcg_ext/solve/graph_newton.h>
 #include <vcg_ext/solve/graph_pose.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 #include <vcg_ext/solve/solver_param.h>
@@ -50,6 +50,10 @@ class GraphDeformer {
           energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown) {
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
+        Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            mass[Eigen::Index(u)] = energy.TurningMass(unknown.position[u]);
+        spread = laplacian.LeastEigenvalue(mass);
     }
 
     /// Whether node \p i is in a component with a constrained node.
@@ -153,12 +157,14 @@ class GraphDeformer {
         if (few == param.maxIterations || (pose.converged && isNear(state)))
             return;
         State stationary = state;
+        detail::GraphNewton newton = NewtonOf(given, param);
         // From where the steps led, if that was not down another way; otherwise from where they began.
-        pose.followed = !goesOn && FindStationary(given, param, stationary, pose, progress.Slice(0.4, 0.6)) &&
+        pose.followed = !goesOn &&
+                        newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.4, 0.6)) &&
                         stationary.energy <= (1 + least) * state.energy;
         if (!pose.followed) {
             stationary = begin;
-            pose.followed = FindStationary(given, param, stationary, pose, progress.Slice(0.6, 0.8)) &&
+            pose.followed = newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.6, 0.8)) &&
                             isNear(stationary) && stationary.energy <= (1 + least) * energy.Of(begin, given);
         }
         if (pose.followed)
@@ -169,39 +175,23 @@ class GraphDeformer {
         pose.unstable = pose.unstable && pose.followed;
     }
 
-    /// Finds where the energy is stationary, be it a minimum or a saddle, by Newton's method from \p state. \return
-    /// whether it did
-    bool FindStationary(const Given &given, const SolverParam &param, State &state, GraphPose &pose,
-                        const Progress &progress) const {
-        const int most = 40;         // where the shape is about to give way; otherwise four to ten do
-        const double farthest = 0.5; // radian, in a step: its quadratic is good for so much
-        const double still = 10 * param.tolerance * Diagonal();
-        detail::GraphHessian hessian(unknown, graph.Size());
-        for (int n = 0; n < most && pose.iterations < param.maxIterations; ++n, ++pose.iterations) {
-            progress(double(n) / most, "Deforming the graph");
-            if (!hessian.Factorise(energy, state, given))
-                return false;
-            const Eigen::VectorXd step = hessian.Newton();
-            const double turned = hessian.LargestTurn(step);
-            const double moved = std::max(hessian.LargestMove(step), turned * edgeLength);
-            if (!std::isfinite(moved))
-                return false;
-            hessian.Move(state, std::min(1.0, farthest / turned) * step);
-            if (moved <= still) {
-                state.energy = energy.Of(state, given);
-                pose.unstable = hessian.Falling() > 0;
-                return true;
-            }
-        }
-        return false;
+    detail::GraphNewton NewtonOf(const Given &given, const SolverParam &param) const {
+        return {energy, unknown, given, graph.Size(), edgeLength, Still(param)};
     }
+    double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
     /// Takes local and global steps until \p state is at rest, or there were \p most. Counts them in \p pose.
     void Minimise(const Given &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
-        const double still = 10 * param.tolerance * Diagonal();
+        const double still = Still(param);
+        // A turn that is spread over all that is free shrinks by about this share in a step. So slow, as over a way
+        // much longer than wide, it does not show in the steps' lengths after the 20 or more that others take to come
+        // to rest: accelerated ones see down to the square of one over their number.
+        const double slowest = 1.0 / (20 * 20);
+        const bool isSlow = param.smoothness * area * spread < slowest;
+        double near = still; // what would be left where what is slow is looked for
         const double rounding = Rounding(rest, state);
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
@@ -225,8 +215,8 @@ class GraphDeformer {
             Pack(state, here);
             Pack(stepped, after);
             anderson.Mix(here, after);
-            pose.converged =
-                moved <= (1 - anderson.Contraction()) * still || IsRounding(state, stepped, moved, rounding);
+            const bool mayRest = moved <= (1 - anderson.Contraction()) * near;
+            pose.converged = (mayRest && !isSlow) || IsRounding(state, stepped, moved, rounding);
             Unpack(after, mixed);
             mixed.energy = energy.Of(mixed, given);
             if (mixed.energy < state.energy) {
@@ -235,6 +225,11 @@ class GraphDeformer {
                 std::swap(state, stepped);
                 state.energy = energy.Of(state, given);
             }
+            if (pose.converged || !mayRest)
+                continue;
+            pose.converged = NewtonOf(given, param).Descend(most, state, pose, progress);
+            anderson = detail::Anderson(size);
+            near = moved / 4;
         }
     }
 
@@ -337,6 +332,7 @@ class GraphDeformer {
     detail::GraphEnergy energy;
     detail::GraphLaplacian laplacian;
     double edgeLength = 0; // mean
+    double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
 };
 
 } // namespace fcd

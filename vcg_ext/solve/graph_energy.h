@@ -89,7 +89,7 @@ class GraphEnergy {
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e) {
                 const Eigen::Vector3d d = graph.edge.col(e).cast<double>();
-                stay[i] += 1e-6 * graph.weight[e] * d.squaredNorm();
+                stay[i] += stayed * graph.weight[e] * d.squaredNorm();
                 edge[e] = graph.weight[e] * d;
             }
         for (double &s : stay)
@@ -108,6 +108,9 @@ class GraphEnergy {
             for (std::uint32_t e = Begin(unknown.position[u]); e < Begin(unknown.position[u] + 1); ++e)
                 sumOfEdges[u] += edge[e];
     }
+
+    /// What a turn of node \p i alone moves: the sum of its edges' weights times their lengths^2, > 0.
+    double TurningMass(Index i) const { return stay[i] / stayed; }
 
     /// Eq. 2.
     double Of(const State &x, const Given &given) const {
@@ -192,6 +195,8 @@ class GraphEnergy {
     }
 
   private:
+    static constexpr double stayed = 1e-6; // share of its edges by which a rotation stays as it is
+
     /// An edge of the graph, once.
     struct Pair {
         Index i, j;

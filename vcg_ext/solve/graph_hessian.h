@@ -126,6 +126,14 @@ class GraphHessian {
             most = std::max(most, step.segment<3>(rotation[i]).norm());
         return most;
     }
+    /// Of nodes whose position is given.
+    double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
+        double most = 0;
+        for (Index i : unknown.rotation)
+            if (unknown.constrained[i])
+                most = std::max(most, step.segment<3>(rotation[i]).norm());
+        return most;
+    }
     double LargestMove(const Eigen::VectorXd &step) const {
         double most = 0;
         for (Index i : unknown.position)

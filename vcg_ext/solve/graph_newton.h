@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_GRAPH_NEWTON_H
+#define VCG_FCD_GRAPH_NEWTON_H
+
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/solve/graph_energy.h>
+#include <vcg_ext/solve/graph_hessian.h>
+#include <vcg_ext/solve/graph_pose.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+
+#include <algorithm>
+
+namespace vcg {
+namespace fcd {
+namespace detail {
+
+/// Newton's method on the energy of a graph at what a pose gives.
+class GraphNewton {
+  public:
+    using State = GraphEnergy::State;
+
+    /// \param edgeLength by which turns are measured \param still below it a node does not move
+    GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::Given &given, Index nodes,
+                double edgeLength, double still)
+        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown, nodes) {}
+
+    /// Finds where the energy is stationary, be it a minimum or a saddle, from \p state. Counts the steps in \p pose,
+    /// to \p mostIterations. \return whether it did
+    bool FindStationary(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
+        const int most = 40; // where the shape is about to give way; otherwise four to ten do
+        for (int n = 0; n < most && pose.iterations < mostIterations; ++n, ++pose.iterations) {
+            progress(double(n) / most, "Deforming the graph");
+            if (!Look(state))
+                return false;
+            const double moved = std::max(hessian.LargestMove(step), hessian.LargestTurn(step) * edgeLength);
+            hessian.Move(state, Limited());
+            if (moved <= still) {
+                state.energy = energy.Of(state, given);
+                pose.unstable = hessian.Falling() > 0;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// Goes downwards to rest, as long as that leads to a minimum; a state that is at rest is left as it is. Counts the
+    /// steps in \p pose, to \p mostIterations. \return whether \p state is at rest
+    bool Descend(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
+        for (; pose.iterations < mostIterations; ++pose.iterations) {
+            progress(1 - Exponential(-4.0 * pose.iterations / mostIterations), "Deforming the graph");
+            if (!Look(state))
+                return false;
+            Eigen::VectorXd way = Limited();
+            if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
+                return true;
+            if (hessian.Falling() > 0)
+                return false;
+            State moved;
+            const int halvings = 6; // where the quadratic is good for less, the other steps go on
+            for (int half = 0;; ++half, way *= 0.5) {
+                moved = state;
+                hessian.Move(moved, way);
+                moved.energy = energy.Of(moved, given);
+                if (moved.energy < state.energy)
+                    break;
+                if (half == halvings)
+                    return false;
+            }
+            state = std::move(moved);
+        }
+        return false;
+    }
+
+  private:
+    /// \return whether there is a step from \p state
+    bool Look(const State &state) {
+        if (!hessian.Factorise(energy, state, given))
+            return false;
+        step = hessian.Newton();
+        return step.allFinite();
+    }
+    Eigen::VectorXd Limited() const {
+        const double farthest = 0.5; // radian, in a step: its quadratic is good for so much
+        return std::min(1.0, farthest / hessian.LargestTurn(step)) * step;
+    }
+
+    const GraphEnergy &energy;
+    const GraphEnergy::Given &given;
+    const double edgeLength, still;
+    GraphHessian hessian;
+    Eigen::VectorXd step;
+};
+
+} // namespace detail
+} // namespace fcd
+} // namespace vcg
+
+#endif
