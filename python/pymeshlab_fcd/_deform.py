@@ -5,13 +5,14 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from ._deformation import Deformation
-from ._deformer import Deformer, GraphWeights, LooseParts, Transforms, Weighing
+from ._deformer import Deformer, Distances, GraphWeights, LooseParts, Transforms, renamed_weights
 from ._inputs import Points
+from ._meshes import MeshLike
 from ._pose import Pose
 from ._progress import Progress, report, shared
 
 
-def _posed(vertices: object, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None, landmarks: ArrayLike | None,
+def _posed(vertices: ArrayLike | MeshLike, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None, landmarks: ArrayLike | None,
            percent: float, steps: int, progress: Progress, points: ArrayLike | None, parameters: dict[str, object]) -> Pose:
     told = shared(progress)
     deformer = Deformer(vertices, faces, tags, points, progress=report(told, 0, 75), **parameters)  # type: ignore[arg-type]
@@ -19,7 +20,7 @@ def _posed(vertices: object, faces: ArrayLike | None, tags: ArrayLike | None, tr
 
 
 def deform(
-    vertices: ArrayLike | object,
+    vertices: ArrayLike | MeshLike,
     faces: ArrayLike | None = None,
     tags: ArrayLike | None = None,
     transforms: Transforms | None = None,
@@ -34,7 +35,7 @@ def deform(
     seed: int = 1,
     nodes: ArrayLike | None = None,
     graph_weights: GraphWeights = "border",
-    weights: Weighing = "surface",
+    distances: Distances = "surface",
     influence: float = 4.0,
     loose_parts: LooseParts = "follow",
     weld_distance: float = 1e-6,
@@ -42,6 +43,7 @@ def deform(
     tolerance: float = 1e-5,
     threads: int = 0,
     progress: Progress = None,
+    weights: Distances | None = None,
 ) -> Points:
     """Deforms a mesh or a cloud in one call: what [Deformer][pymeshlab_fcd.Deformer] and its
     [pose][pymeshlab_fcd.Deformer.pose] do, where all parameters are explained.
@@ -61,7 +63,7 @@ def deform(
         seed: Chooses where the first patches are.
         nodes: k x 3, centres of patches to use instead.
         graph_weights: `border`, `uniform`, `paper` or `printed`.
-        weights: `surface` or `euclidean`.
+        distances: `surface` or `euclidean`.
         influence: How far a node reaches, in radii of its patch.
         loose_parts: `follow` or `stay`.
         weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
@@ -69,6 +71,7 @@ def deform(
         tolerance: When it is at rest, a fraction of the diagonal.
         threads: How many to use; 0 is one a core.
         progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        weights: What `distances` was called before.
 
     Returns:
         The positions, n x 3: the same bits as those of the filter `generate_fcd_deformed_mesh`.
@@ -83,12 +86,12 @@ def deform(
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
-        tolerance=tolerance, threads=threads)).vertices
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
+        tolerance=tolerance, threads=threads))._vertices.given_away()
 
 
 def deformation(
-    vertices: ArrayLike | object,
+    vertices: ArrayLike | MeshLike,
     faces: ArrayLike | None = None,
     tags: ArrayLike | None = None,
     transforms: Transforms | None = None,
@@ -103,7 +106,7 @@ def deformation(
     seed: int = 1,
     nodes: ArrayLike | None = None,
     graph_weights: GraphWeights = "border",
-    weights: Weighing = "surface",
+    distances: Distances = "surface",
     influence: float = 4.0,
     loose_parts: LooseParts = "follow",
     weld_distance: float = 1e-6,
@@ -111,6 +114,7 @@ def deformation(
     tolerance: float = 1e-5,
     threads: int = 0,
     progress: Progress = None,
+    weights: Distances | None = None,
 ) -> Deformation:
     """The same as [deform][pymeshlab_fcd.deform] as a deformation of space, to be applied to other points: deform a thinned scan,
     then all of it.
@@ -130,7 +134,7 @@ def deformation(
         seed: Chooses where the first patches are.
         nodes: k x 3, centres of patches to use instead.
         graph_weights: `border`, `uniform`, `paper` or `printed`.
-        weights: `surface` or `euclidean`.
+        distances: `surface` or `euclidean`.
         influence: How far a node reaches, in radii of its patch.
         loose_parts: `follow` or `stay`.
         weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
@@ -138,6 +142,7 @@ def deformation(
         tolerance: When it is at rest, a fraction of the diagonal.
         threads: How many to use; 0 is one a core.
         progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        weights: What `distances` was called before.
 
     Returns:
         What `save_fcd_deformation` saves of the same, to the bit. Its `largest_difference` tells how far a vertex is off at most.
@@ -153,6 +158,6 @@ def deformation(
     told = shared(progress)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
         tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._numbers import plain, told_shape
+from ._numbers import text as expected_text
 
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
@@ -39,6 +40,9 @@ class Motion:
 
     text: str = ""
     """The steps, as the filters' parameter `transforms` takes them."""
+
+    def __post_init__(self) -> None:
+        expected_text("the steps", self.text, "translate 0 0 5")
 
     @classmethod
     def translate(cls, by: ArrayLike) -> Motion:
@@ -120,11 +124,10 @@ class Motion:
             TypeError: It is no text.
             ValueError: It is for several handles.
         """
-        if not isinstance(text, str):
-            raise TypeError(f"the steps must be a text, as 'translate 0 0 5'; it is a {type(text).__name__}")
-        if ":" in text or ";" in text:
+        steps = cls(text)
+        if ":" in steps.text or ";" in steps.text:
             raise ValueError("the steps must be those of one handle, without its tag: 'translate 0 0 5', not '2: translate 0 0 5'")
-        return cls(text.strip())
+        return cls(steps.text.strip())
 
     def then(self, other: Motion) -> Motion:
         """The steps of this motion, and then those of another.

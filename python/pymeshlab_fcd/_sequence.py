@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import BinaryIO, Literal, Union
@@ -14,8 +13,11 @@ import numpy as np
 from . import _core, _inputs
 from ._deformation import _aside, _write
 from ._deformer import Deformer, Transforms
-from ._pose import DeformationWarning, Pose
+from ._numbers import shown
+from ._numbers import text as expected_text
+from ._pose import Pose
 from ._progress import Progress, report
+from ._warnings import DeformationWarning, FoldWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 EasingName = Literal["linear", "smooth", "hold"]
 _EASINGS: tuple[EasingName, ...] = ("linear", "smooth", "hold")
@@ -47,6 +49,8 @@ class AnimationInfo:
     """Whether a shape jumps on its way to another one."""
     folded: int
     """Triangles that turned over, in the frame that has most."""
+    discretisation_error: float
+    """As of [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error], for the frame that is bent most."""
 
 
 class PoseSequence:
@@ -66,7 +70,7 @@ class PoseSequence:
     def __init__(self, poses: Mapping[str, Union[Transforms, str]], keys: Sequence[KeyFrame] | None = None) -> None:
         if not isinstance(poses, Mapping):
             raise TypeError(f"poses must be a mapping, {{name: {{tag: Motion}}}}; it is a {type(poses).__name__}")
-        texts = [(str(name), motions if isinstance(motions, str) else
+        texts = [(expected_text("the name of a pose", str(name)), expected_text("poses", motions) if isinstance(motions, str) else
                   "; ".join(f"{tag}: {text}" for tag, text in _inputs.transforms(motions, None))) for name, motions in poses.items()]
         names = [name for name, _ in texts]
         if keys is None:
@@ -90,8 +94,11 @@ class PoseSequence:
             ValueError: What is wrong, with the line.
         """
         made = cls.__new__(cls)
-        made._core = _core.Sequence.parse(text, name)
+        made._core = _core.Sequence.parse(expected_text("text", text), shown(expected_text("name", name)))
         return made
+
+    def __reduce__(self) -> tuple[Callable[[str], PoseSequence], tuple[str]]:
+        return type(self).parse, (self._core.state(),)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PoseSequence:
@@ -104,8 +111,8 @@ class PoseSequence:
             OSError: It cannot be read.
             ValueError: What is wrong in it, with the line.
         """
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            return cls.parse(file.read(), os.fspath(path))
+        with open(os.fspath(path), encoding="utf-8-sig", newline="") as file:  # no number of an open file
+            return cls.parse(file.read(), shown(path))
 
     def text(self, deformer: Deformer | None = None) -> str:
         """The table.
@@ -113,7 +120,7 @@ class PoseSequence:
         Args:
             deformer: Of which surface the poses are: with another one, they are an error then. None: of any.
         """
-        return self._core.text(None if deformer is None else deformer._core)
+        return self._core.text(None if deformer is None else _expected(deformer)._prepared)
 
     def save(self, path: str | os.PathLike[str], deformer: Deformer | None = None) -> None:
         """Writes the table to a file; one that is there is replaced when all is written.
@@ -148,38 +155,57 @@ class PoseSequence:
     def _named(self, weights: list[float]) -> dict[str, float]:
         return dict(zip(self.poses, weights))
 
-    def blend(self, deformer: Deformer, weights: Mapping[str, float], *, progress: Progress = None) -> Pose:
+    def blend(self, deformer: Deformer, weights: Mapping[str, float], *, check: bool = True, progress: Progress = None) -> Pose:
         """The poses at once, each by its weight, from rest.
 
         Args:
             deformer: What is posed.
             weights: Of each pose, by its name, how many percent; those that are not in it have 0.
+            check: Also look for triangles that turned over, and warn of them.
             progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
         Raises:
             ValueError: There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
-        """
-        return self._posed(deformer, _core.Sequencer(deformer._core, self._core), _weights(weights, list(self.poses)), progress)
 
-    def frames(self, deformer: Deformer, *, rate: float = 24.0) -> Iterator[tuple[float, Pose]]:
+        Warns:
+            DeformationWarning: Triangles turned over, or the shape did not come to rest.
+        """
+        checked, share = _inputs.flag("check", check), _weights(weights, list(self.poses))
+        sequencer = _core.Sequencer(_expected(deformer)._prepared, self._core)
+        pose = self._posed(deformer, sequencer, share, progress)
+        warn(_told_of(pose, checked, "The pose"), 2)
+        return pose
+
+    def frames(self, deformer: Deformer, *, rate: float = 24.0, check: bool = True) -> Iterator[tuple[float, Pose]]:
         """Each frame, one after the other, each from the one before: its time in seconds, and the pose.
 
         Args:
             deformer: What is posed.
             rate: How many frames a second; the last one is at the last key frame, or after it.
+            check: Also look for triangles that turned over, and warn of them.
 
         Raises:
             ValueError: A pose moves a handle that the Deformer does not have, or they are of another surface.
+
+        Warns:
+            DeformationWarning: Triangles turned over, or a frame did not come to rest: once for each, at the first such frame.
         """
-        sequencer = _core.Sequencer(deformer._core, self._core)
-        for time in self._core.times(_inputs.single("rate", rate)):
-            yield time, self._posed(deformer, sequencer, self._core.weights_at(time), None)
+        checked, times = _inputs.flag("check", check), self._core.times(_inputs.number("rate", rate))
+        return self._frames(deformer, _core.Sequencer(_expected(deformer)._prepared, self._core), times, checked)
+
+    def _frames(self, deformer: Deformer, sequencer: _core.Sequencer, times: list[float], check: bool) -> Iterator[tuple[float, Pose]]:
+        told: set[type[DeformationWarning]] = set()
+        for time in times:
+            pose = self._posed(deformer, sequencer, self._core.weights_at(time), None)
+            found = [each for each in _told_of(pose, check, f"The frame at {time:g} s") if each[0] not in told]
+            told |= {kind for kind, _ in found}
+            warn(found, 2)
+            yield time, pose
 
     @staticmethod
     def _posed(deformer: Deformer, sequencer: _core.Sequencer, weights: list[float], progress: Progress) -> Pose:
-        told = report(progress)
-        pose = Pose(deformer, sequencer.go(weights, told), np.empty_like(deformer.vertices))
-        pose._write(None, None)
+        pose = Pose(deformer, sequencer.go(weights, report(progress)))
+        pose._write(None, None, None)
         return pose
 
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
@@ -218,18 +244,33 @@ class PoseSequence:
                     file.write(data)
 
                 writers.append(put)
-            info = AnimationInfo(**self._core.write(deformer._core, _inputs.single("rate", rate), writers[0], kind, writers[1],
+            info = AnimationInfo(**self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate), writers[0], kind, writers[1],
                                                     report(progress)))
-        if info.folded > 0:
-            warnings.warn(f"In a frame, {info.folded} {'triangle has' if info.folded == 1 else 'triangles have'} turned over: the surface is "
-                          "squeezed or twisted too much there. Move the handles less, or leave more free surface between them.",
-                          DeformationWarning, 2)
-        if not info.converged:
-            warnings.warn("A frame did not come to rest: raise max_iterations, or tolerance.", DeformationWarning, 2)
+        warn(_words(info.folded, info.converged, "A frame"), 2)
         return info
 
     def __repr__(self) -> str:
         return f"<PoseSequence of {', '.join(self.poses)}, {len(self._core.keys())} key frames>"
+
+
+def _expected(deformer: object) -> Deformer:
+    if not isinstance(deformer, Deformer):
+        raise TypeError(f"deformer must be a Deformer; it is a {type(deformer).__name__}")
+    return deformer
+
+
+def _told_of(pose: Pose, check: bool, what: str) -> list[Told]:
+    return _words(pose._check()["folded"] if check else 0, pose._told["converged"], what)
+
+
+def _words(folded: int, converged: bool, what: str) -> list[Told]:
+    found: list[Told] = []
+    if folded > 0:
+        found.append((FoldWarning, f"{what} has folds: {triangles_turned(folded)}, where the surface is squeezed or twisted too much. Move the "
+                                   "handles less, or leave more free surface between them."))
+    if not converged:
+        found.append((NotAtRestWarning, f"{what} did not come to rest: raise max_iterations, or tolerance."))
+    return found
 
 
 def _weights(given: Mapping[str, float], names: list[str]) -> list[float]:

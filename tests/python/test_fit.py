@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import same
+from shapes import same, with_filters
 
 import pymeshlab_fcd
 from pymeshlab_fcd import Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit
@@ -182,9 +182,7 @@ def test_landmarks_alone():
 
 @pytest.mark.parametrize("alone", [False, True])
 def test_the_same_bits_as_the_filter(tmp_path, alone):
-    pymeshlab = pytest.importorskip("pymeshlab")
-    if pymeshlab_fcd._meshlab.missing:
-        pytest.skip(pymeshlab_fcd._meshlab.missing)
+    pymeshlab = with_filters()
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(TARGET, TARGET_FACES))
     ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))
