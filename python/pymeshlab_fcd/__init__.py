@@ -19,7 +19,7 @@ from ._warnings import (AccuracyWarning, DeformationWarning, FoldWarning, Landma
                         NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning)
 
 __all__ = ["AccuracyWarning", "AnimationInfo", "Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter",
-           "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion", "NodeWarning",
-           "NotAtRestWarning", "NothingMovesWarning", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
+           "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
+           "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Transforms", "VERSIONS", "Weights",
            "__version__", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten"]

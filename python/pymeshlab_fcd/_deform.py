@@ -12,8 +12,9 @@ from ._pose import Pose
 from ._progress import Progress, report, shared
 
 
-def _posed(vertices: ArrayLike | MeshLike, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None, landmarks: ArrayLike | None,
-           percent: float, steps: int, progress: Progress, points: ArrayLike | None, parameters: dict[str, object]) -> Pose:
+def _posed(vertices: ArrayLike | MeshLike, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None,
+           landmarks: ArrayLike | None, percent: float, steps: int, progress: Progress, points: ArrayLike | None,
+           parameters: dict[str, object]) -> Pose:
     told = shared(progress)
     deformer = Deformer(vertices, faces, tags, points, progress=report(told, 0, 75), **parameters)  # type: ignore[arg-type]
     return deformer._pose(transforms, landmarks, percent, steps, None, None, None, True, report(told, 75, 100), 5)
@@ -86,8 +87,8 @@ def deform(
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
-        tolerance=tolerance, threads=threads))._vertices.given_away()
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
+        max_iterations=max_iterations, tolerance=tolerance, threads=threads))._vertices.given_away()
 
 
 def deformation(
@@ -158,6 +159,6 @@ def deformation(
     told = shared(progress)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
-        tolerance=tolerance, threads=threads))
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
+        max_iterations=max_iterations, tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3)

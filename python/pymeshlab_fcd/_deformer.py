@@ -48,8 +48,9 @@ class Graph:
 class Weights:
     """What each of n vertices follows, as a sparse matrix of n rows in the CSR format.
 
-    `to_scipy` makes it one of scipy. The first k columns are the nodes of the graph, the next ones the held regions (`tags`, 0 first: what is fixed or outside), the last ones the landmarks. Each
-    row's sum is 1, but for loose parts that follow another part: their rows are empty.
+    `to_scipy` makes it one of scipy. The first k columns are the nodes of the graph, the next ones the held regions (`tags`, 0 first: what
+    is fixed or outside), the last ones the landmarks. Each row's sum is 1, but for loose parts that follow another part: their rows are
+    empty.
 
     Blending the nodes' motions with them comes near to a pose, but is not the same: the method blends to second order, and stretches
     what runs into held regions with the surface.
@@ -115,8 +116,8 @@ class SurfaceInfo:
     """That preparing took."""
 
 
-_CHANGED: Final = ("{} has been changed since it was given with copy=False: give it anew, or leave copy=False out, so that there is a copy of "
-                   "it")
+_CHANGED: Final = ("{} has been changed since it was given with copy=False: give it anew, or leave copy=False out, so that there is a "
+                   "copy of it")
 _GRAPH_WEIGHTS = {"border": (0, False), "uniform": (1, False), "paper": (1, True), "printed": (2, True)}
 
 

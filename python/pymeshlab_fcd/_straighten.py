@@ -125,8 +125,11 @@ def straighten(
     Warns:
         DeformationWarning: Parts of the surface do not go with the line, or triangles turned over.
     """
-    if _meshes.is_beside_mesh(vertices, faces) and (line is None or target is None):
-        faces, line, target = None, faces, line
+    if _meshes.is_beside_mesh(vertices, faces):
+        if line is None:  # the target, if there is one, by its name
+            faces, line = None, faces
+        elif target is None:
+            faces, line, target = None, faces, line
     goal: dict[str, Any] = {
         "line": _inputs.finite("line", _inputs.rows("line", line)),
         "target": None if target is None else _inputs.finite("target", _inputs.rows("target", target)),

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 import warnings
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import pytest
 from shapes import bar, same
 
 import pymeshlab_fcd
+import pymeshlab_fcd as fcd
 from pymeshlab_fcd import DeformationWarning, Deformer, Motion
 
 
@@ -265,6 +267,37 @@ def test_weights_of_landmarks_and_loose_parts():
     assert same(stays.vertices[len(vertices):], other)
 
 
+def test_weights_of_scipy(bent, monkeypatch):
+    weights = bent[0].weights()
+    monkeypatch.setitem(sys.modules, "scipy.sparse", types.SimpleNamespace(csr_array=lambda parts, shape: (*parts, shape)))
+    data, indices, indptr, shape = weights.to_scipy()
+    assert data is weights.data and indices is weights.indices and indptr is weights.indptr and shape == weights.shape
+    monkeypatch.setitem(sys.modules, "scipy.sparse", None)
+    with pytest.raises(ImportError):
+        weights.to_scipy()
+    monkeypatch.undo()
+    pytest.importorskip("scipy")
+    assert np.abs(weights.to_scipy().sum(axis=1) - 1).max() < 1e-6
+
+
+def test_names_of_before(bent):
+    vertices, faces, tags, lift = bar()
+    with pytest.warns(DeprecationWarning, match="the parameter weights is called distances now") as told:
+        old = Deformer(vertices, faces, tags, weights="euclidean").pose({2: lift}).vertices
+        assert same(pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, weights="euclidean"), old)
+        pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift}, weights="euclidean")
+    assert len(told) == 3 and {each.filename for each in told} == {__file__}
+    assert same(Deformer(vertices, faces, tags, distances="euclidean").pose({2: lift}).vertices, old) and not same(old, bent[1].vertices)
+
+
+def test_numbers_are_doubles():
+    vertices, faces, tags, lift = bar()
+    one, other = (Deformer(vertices, faces, tags, smoothness=0.0058 * (1 + step)).pose({2: lift}) for step in (0, 1e-10))
+    assert not same(one.vertices, other.vertices) and np.abs(one.vertices - other.vertices).max() < 1e-6
+    percent = [one.deformer.pose({2: lift}, percent=50 + step).vertices[tags == 2] for step in (0, 1e-9)]
+    assert 0 < np.abs(percent[0] - percent[1]).max() < 1e-8
+
+
 @pytest.mark.parametrize("graph_weights", ["uniform", "paper", "printed"])
 def test_other_ways_to_deform(bent, graph_weights):
     vertices, faces, tags, lift = bar()
@@ -282,27 +315,27 @@ def test_what_is_probably_not_meant_is_told():
     vertices, faces, tags, _ = bar()
     flat, onto = vertices * [1, 1, 0], np.eye(4)
     onto[0, 3] = -7.5
-    with pytest.warns(DeformationWarning, match=r"triangles? ha(s|ve) turned over"):
+    with pytest.warns(fcd.FoldWarning, match=r"triangles? ha(s|ve) turned over"):
         pose = Deformer(flat, faces, tags).pose({2: onto})
     assert pose.info.folded > 0
-    with pytest.warns(DeformationWarning, match="No handle moves"):
+    with pytest.warns(fcd.NothingMovesWarning, match="No handle moves"):
         Deformer(vertices, faces, tags).pose()
     up = np.eye(4)
     up[2, 3] = 1
-    with pytest.warns(DeformationWarning, match="moves rigidly"):
+    with pytest.warns(fcd.RigidWarning, match="moves rigidly"):
         assert np.abs(Deformer(vertices, faces, np.maximum(tags, 1)).pose({2: up}).vertices - vertices - [0, 0, 1]).max() < 1e-6
-    with pytest.warns(DeformationWarning, match="did not come to rest: raise max_iterations"):
+    with pytest.warns(fcd.NotAtRestWarning, match="did not come to rest: raise max_iterations"):
         Deformer(vertices, faces, tags, max_iterations=1).pose({2: up})
-    with pytest.warns(DeformationWarning, match="straight from one held region|moves rigidly"):
+    with pytest.warns(fcd.StretchWarning, match="straight from one held region"):
         Deformer(vertices, faces, np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] < 2, 2, 1))).pose({2: up})
-    with pytest.warns(DeformationWarning, match="at the same place as a fixed vertex"):
+    with pytest.warns(fcd.OverruledWarning, match="at the same place as a fixed vertex"):
         Deformer(np.concatenate([vertices, vertices[135:136]]), faces, np.append(tags, 2)).pose({2: up})
-    with pytest.warns(DeformationWarning, match="1 of the 2 nodes do not lie on the free surface"):
+    with pytest.warns(fcd.NodeWarning, match="1 of the 2 nodes do not lie on the free surface"):
         Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
     y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
-    with pytest.warns(DeformationWarning, match="see others along their own line alone"):
+    with pytest.warns(fcd.ScanLineWarning, match="see others along their own line alone"):
         Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
-    with pytest.warns(DeformationWarning, match="such a slit may open"):
+    with pytest.warns(fcd.SlitWarning, match="such a slit may open"):
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
         sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
         i = np.arange(441).reshape(21, 21)[:-1, :-1].ravel()
@@ -506,5 +539,5 @@ def test_a_pose_as_a_deformation(bent, tmp_path):
 def test_a_deformation_that_cannot_be_told_by_samples_says_so():
     vertices, faces, tags, lift = bar()
     two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
-    with pytest.warns(DeformationWarning, match="farther off than 0.01 percent"):
+    with pytest.warns(fcd.AccuracyWarning, match="farther off than"):
         pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})
