@@ -72,8 +72,10 @@ class Weights:
     def to_scipy(self) -> Any:
         """A `scipy.sparse.csr_array` on the same numbers.
 
-        Raises:
-            ImportError: scipy is not installed; nothing else needs it.
+        Raises
+        ------
+        ImportError
+            scipy is not installed; nothing else needs it.
         """
         return importlib.import_module("scipy.sparse").csr_array((self.data, self.indices, self.indptr), self.shape)
 
@@ -146,48 +148,73 @@ class Deformer:
 
     The same input gives the same bits, for any number of threads, and the same as the filters of MeshLab give.
 
-    Args:
-        vertices: n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. Any kind of numbers, stride, byte order; what
-            becomes of the array later does not matter.
-        faces: m x 3 numbers of vertices, the corners of triangles. None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free
-            but the landmarks.
-        points: Landmarks, which are put somewhere, while how the surface turns there is left to it: k numbers of free vertices, or
-            k x 3 places, of which the nearest vertices are taken.
-        normals: n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
-        copy: False: `vertices` and `normals`, if they are C-contiguous doubles, are referred to instead of copied, which saves 24 bytes
-            a vertex each. Do not change them while the Deformer or a pose of it is used: that is an error then.
-        smoothness: How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the
-            paper).
-        patches: How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where
-            the surface is so thin or torn that 300 would bend it otherwise.
-        target_radius: How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches
-            and the area that can bend (D of sec. 2.1).
-        seed: Chooses where the first patches are, 0 to 2147483647.
-        nodes: k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
-        graph_weights: How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the
-            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is
-            1 in the paper).
-        distances: What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
-        influence: How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
-        loose_parts: What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
-        weld_distance: Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to
-            0.001.
-        max_iterations: The shape is improved at most this often, from 1.
-        tolerance: At rest is where no node is farther from where it comes to rest than ten times this fraction of the diagonal,
-            more than 0.
-        threads: How many to use, for its poses, too; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
-        weights: What `distances` was called before.
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. Any kind of numbers, stride, byte order; what becomes of the
+        array later does not matter.
+    faces : array_like, optional
+        m x 3 numbers of vertices, the corners of triangles. None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free but the
+        landmarks.
+    points : array_like, optional
+        Landmarks, which are put somewhere, while how the surface turns there is left to it: k numbers of free vertices, or k x 3 places, of
+        which the nearest vertices are taken.
+    normals : array_like, optional
+        n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
+    copy : bool, default True
+        False: `vertices` and `normals`, if they are C-contiguous doubles, are referred to instead of copied, which saves 24 bytes a vertex
+        each. Do not change them while the Deformer or a pose of it is used: that is an error then.
+    smoothness : float, default 0.0058
+        How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the paper).
+    patches : int, default 0
+        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where the surface is
+        so thin or torn that 300 would bend it otherwise.
+    target_radius : float, default 0.0
+        How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches and the area that can
+        bend (D of sec. 2.1).
+    seed : int, default 1
+        Chooses where the first patches are, 0 to 2147483647.
+    nodes : array_like, optional
+        k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
+    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
+        How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the same with patches
+        balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is 1 in the paper).
+    distances : {'surface', 'euclidean'}, default 'surface'
+        What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
+    influence : float, default 4.0
+        How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
+    loose_parts : {'follow', 'stay'}, default 'follow'
+        What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
+    weld_distance : float, default 1e-06
+        Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to 0.001.
+    max_iterations : int, default 1000
+        The shape is improved at most this often, from 1.
+    tolerance : float, default 1e-05
+        At rest is where no node is farther from where it comes to rest than ten times this fraction of the diagonal, more than 0.
+    threads : int, default 0
+        How many to use, for its poses, too; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    weights : {'surface', 'euclidean'}, optional
+        What `distances` was called before.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-        MemoryError: There is not enough of it.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+    MemoryError
+        There is not enough of it.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: Open borders are close to each other, or nodes do not lie on the surface.
+    Warns
+    -----
+    DeformationWarning
+        Open borders are close to each other, or nodes do not lie on the surface.
     """
 
     _starts: Points | None
@@ -335,8 +362,10 @@ class Deformer:
     def vertices(self) -> Points:
         """n x 3, at rest, read-only.
 
-        Raises:
-            ValueError: They are the caller's own array (`copy=False`), who has changed it since.
+        Raises
+        ------
+        ValueError
+            They are the caller's own array (`copy=False`), who has changed it since.
         """
         return self._vertices.look()
 
@@ -378,26 +407,42 @@ class Deformer:
     ) -> Pose:
         """Moves the handles, and lets the free surface follow.
 
-        Args:
-            transforms: `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
-            landmarks: k x 3, where the `points` go; None: they stay.
-            percent: How much of all motions is carried out: 0 is none, and 100 all; it may be more, or less than 0.
-            steps: The pose is reached over so many at least, 1 to 1000, each bent from the one before, which finds the shape that grows
-                out of that at rest where there are several; over more where handles turn by more than 60 degrees a step.
-            start: A pose of this Deformer to go on from, instead of from rest: handles go from there as a blend of both does.
-            out: n x 3 doubles, C-contiguous: written to and used for `Pose.vertices`, instead of a new array. Once it has been written
-                to again, this pose's `vertices` are an error.
-            out_normals: The same for `Pose.normals`, which are then computed at once.
-            check: Also look for what is probably not meant (triangles that turned over), and warn of it.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        transforms : Transforms, optional
+            `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
+        landmarks : array_like, optional
+            k x 3, where the `points` go; None: they stay.
+        percent : float, default 100.0
+            How much of all motions is carried out: 0 is none, and 100 all; it may be more, or less than 0.
+        steps : int, default 1
+            The pose is reached over so many at least, 1 to 1000, each bent from the one before, which finds the shape that grows out of
+            that at rest where there are several; over more where handles turn by more than 60 degrees a step.
+        start : Pose, optional
+            A pose of this Deformer to go on from, instead of from rest: handles go from there as a blend of both does.
+        out : ndarray, optional
+            n x 3 doubles, C-contiguous: written to and used for `Pose.vertices`, instead of a new array. Once it has been written to again,
+            this pose's `vertices` are an error.
+        out_normals : ndarray, optional
+            The same for `Pose.normals`, which are then computed at once.
+        check : bool, default True
+            Also look for what is probably not meant (triangles that turned over), and warn of it.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape or is out of range, or a handle that moves does not exist.
-            KeyboardInterrupt: Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, or a handle that moves does not exist.
+        KeyboardInterrupt
+            Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
 
-        Warns:
-            DeformationWarning: Nothing moves, the shape did not come to rest, or the check found something.
+        Warns
+        -----
+        DeformationWarning
+            Nothing moves, the shape did not come to rest, or the check found something.
         """
         return self._pose(transforms, landmarks, percent, steps, start, out, out_normals, check, progress, 4)
 
@@ -464,8 +509,10 @@ class Deformer:
     def weights(self, *, progress: Progress = None) -> Weights:
         """What each vertex follows.
 
-        Args:
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
         indptr, indices, data, tags = self._prepared.weights(report(progress))
         columns = self.info.nodes + len(tags) + len(self._points)

@@ -76,8 +76,10 @@ class Fitted(Pose):
     def discretisation_error(self, *, progress: Progress = None) -> float:
         """Not a number: the target moves the surface, too, and not Eq. 2 alone.
 
-        Args:
-            progress: Told nothing.
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told nothing.
         """
         return math.nan
 
@@ -104,37 +106,61 @@ class Fitter:
     lock is free while it works. The same input gives the same bits, for any number of threads. It can be pickled, and is prepared again
     where it is used then.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
-        transforms: `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
-        normals: n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
-        copy: False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
-        start: Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar`
-            (with a scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the
-            one that fits best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
-        stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
-        largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
-        largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
-        landmarks_only: The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
-        both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
-            reached. Not where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and
-            taken if nothing of it is left then and more of the surface has a counterpart.
-        landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
-        patches: How many patches to begin with, from 1.
-        smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
-        seed: Chooses where the first patches are.
-        samples: How many places of the surface are matched, from 100.
-        steps: The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+    copy : bool, default True
+        False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
+    start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
+        Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
+        scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
+        best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
+    stiffness : float, default 1.0
+        How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
+    largest_distance : float, default 0.0
+        What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
+    largest_angle : float, default 70.0
+        A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+    landmarks_only : bool, default False
+        The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
+    both_ways : bool, default False
+        Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is reached. Not
+        where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and taken if nothing of
+        it is left then and more of the surface has a counterpart.
+    landmark_tolerance : float, default 0.0
+        So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
+    patches : int, default 150
+        How many patches to begin with, from 1.
+    smoothness : float, default 0.0058
+        How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
+    seed : int, default 1
+        Chooses where the first patches are.
+    samples : int, default 6000
+        How many places of the surface are matched, from 100.
+    steps : int, default 50
+        The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is
-            not finite.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is not finite.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
     """
 
     def __init__(
@@ -196,26 +222,40 @@ class Fitter:
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
 
-        Args:
-            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
-            target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-            landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
-                and the points of the target where they belong. These are exact, or within `landmark_tolerance`.
-            target_normals: k x 3, of a cloud: they tell its sides apart.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        target_vertices : array_like or mesh, optional
+            k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
+        target_faces : array_like, optional
+            m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+        landmarks : Sequence[array_like], optional
+            A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken; and the points
+            of the target where they belong. These are exact, or within `landmark_tolerance`.
+        target_normals : array_like, optional
+            k x 3, of a cloud: they tell its sides apart.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Returns:
+        Returns
+        -------
+        Fitted
             Where the vertices went, `Fitted.vertices`, and what that is worth, `Fitted.info`.
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there,
-                landmarks are not free or at one place, or the start does not go with them or with the tags.
-            KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there, landmarks are not
+            free or at one place, or the start does not go with them or with the tags.
+        KeyboardInterrupt
+            Ctrl-C, at once; nothing is half done.
 
-        Warns:
-            DeformationWarning: What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other,
-                the fit did not come to rest.
+        Warns
+        -----
+        DeformationWarning
+            What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other, the fit did not come to
+            rest.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
 
@@ -294,43 +334,75 @@ def fit(
     there is carried along. What a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] do, where all parameters are
     explained, in one call. A mesh of another library has its faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        target_vertices: k x 3, or a mesh.
-        target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-        landmarks: A pair: numbers of free vertices or places, and the points of the target where they belong.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
-        transforms: `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
-        normals: n x 3, at rest, which turn with the surface.
-        target_normals: k x 3, of a cloud.
-        start: `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
-        stiffness: 1 is the default, 10 is stiff.
-        largest_distance: What is farther from the target has no counterpart there. 0: no limit.
-        largest_angle: Of the normals of counterparts, in degrees.
-        landmarks_only: The surface follows its landmarks alone; `target_vertices` may be None.
-        both_ways: The target draws the surface where nothing of it is near, too. False: where that fits better.
-        landmark_tolerance: So far a landmark may stay from where it belongs. 0: it is exact.
-        patches: How many patches to begin with.
-        smoothness: 0.001 is loose, 0.1 is stiff.
-        seed: Chooses where the first patches are.
-        samples: How many places are matched.
-        steps: From stiff to soft, at most.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like or mesh, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    target_vertices : array_like or mesh, optional
+        k x 3, or a mesh.
+    target_faces : array_like, optional
+        m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+    landmarks : Sequence[array_like], optional
+        A pair: numbers of free vertices or places, and the points of the target where they belong.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface.
+    target_normals : array_like, optional
+        k x 3, of a cloud.
+    start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
+        `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
+    stiffness : float, default 1.0
+        1 is the default, 10 is stiff.
+    largest_distance : float, default 0.0
+        What is farther from the target has no counterpart there. 0: no limit.
+    largest_angle : float, default 70.0
+        Of the normals of counterparts, in degrees.
+    landmarks_only : bool, default False
+        The surface follows its landmarks alone; `target_vertices` may be None.
+    both_ways : bool, default False
+        The target draws the surface where nothing of it is near, too. False: where that fits better.
+    landmark_tolerance : float, default 0.0
+        So far a landmark may stay from where it belongs. 0: it is exact.
+    patches : int, default 150
+        How many patches to begin with.
+    smoothness : float, default 0.0058
+        0.001 is loose, 0.1 is stiff.
+    seed : int, default 1
+        Chooses where the first patches are.
+    samples : int, default 6000
+        How many places are matched.
+    steps : int, default 50
+        From stiff to soft, at most.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Returns:
-        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries
-        other points along, and its `deformation` can be saved.
+    Returns
+    -------
+    Fitted
+        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries other
+        points along, and its `deformation` can be saved.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there,
-            landmarks are not free or at one place, or the start does not go with them or with the tags.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks are not
+        free or at one place, or the start does not go with them or with the tags.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
+    Warns
+    -----
+    DeformationWarning
+        What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
     """
     told = shared(progress)
     own: Any = faces

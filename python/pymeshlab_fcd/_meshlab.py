@@ -38,11 +38,15 @@ def enable_pymeshlab() -> list[str]:
     """Loads the plugin into pymeshlab, and makes its filters methods of `pymeshlab.MeshSet`. `import pymeshlab_fcd_plugin` does the same. It
     may be called any number of times.
 
-    Returns:
+    Returns
+    -------
+    list[str]
         The names of the filters.
 
-    Raises:
-        RuntimeError: There is no pymeshlab that there is a plugin for, or it cannot load the plugin; the text says why.
+    Raises
+    ------
+    RuntimeError
+        There is no pymeshlab that there is a plugin for, or it cannot load the plugin; the text says why.
     """
     without = "deform and Deformer work without."
     if not PLUGINS:
@@ -75,20 +79,32 @@ def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None 
     """Deforms the current layer of a MeshSet; the deformed layers become new ones, the last of them the current one. Colours, textures
     and all else that the layer has come along. It needs the filters (`enable_pymeshlab`, which it calls).
 
-    Args:
-        ms: A pymeshlab.MeshSet.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: the layer has them as vertex quality.
-        transforms: `{tag: 4 x 4 matrix or Motion}`, world coordinates.
-        parameters: Those of the filter `generate_fcd_deformed_mesh`.
+    Parameters
+    ----------
+    ms : Any
+        A pymeshlab.MeshSet.
+    tags : array_like
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: the layer has them as vertex quality.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}`, world coordinates.
+    parameters : any
+        Those of the filter `generate_fcd_deformed_mesh`.
 
-    Returns:
+    Returns
+    -------
+    dict[str, Any]
         What the filter returns.
 
-    Raises:
-        RuntimeError: As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range.
-        pymeshlab.PyMeshLabException: It cannot be deformed; the message says why. The MeshSet is then as it was.
+    Raises
+    ------
+    RuntimeError
+        As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range.
+    pymeshlab.PyMeshLabException
+        It cannot be deformed; the message says why. The MeshSet is then as it was.
     """
     enable_pymeshlab()
     text = "; ".join(f"{tag}: {steps}" for tag, steps in _inputs.transforms(transforms, None))

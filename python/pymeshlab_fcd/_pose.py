@@ -83,8 +83,10 @@ class Pose:
     def vertices(self) -> Points:
         """n x 3, read-only: what is fixed or outside is as it was, to the bit, and handles are where they were put.
 
-        Raises:
-            ValueError: They are in an array of the caller's (`out`), who has written to it since.
+        Raises
+        ------
+        ValueError
+            They are in an array of the caller's (`out`), who has written to it since.
         """
         return self._vertices.look()
 
@@ -152,8 +154,10 @@ class Pose:
         """n x 3, read-only: the normals at rest that the Deformer was given, turned with the surface and as long as they were; or else, of
         length 1, those of the faces in this pose, weighed by their angles (0 at a vertex without a face).
 
-        Raises:
-            ValueError: A cloud that was given none, or they are in an array of the caller's (`out_normals`), who has written to it since.
+        Raises
+        ------
+        ValueError
+            A cloud that was given none, or they are in an array of the caller's (`out_normals`), who has written to it since.
         """
         if self._normals is None:
             rest = self._deformer._rest_normals
@@ -180,8 +184,10 @@ class Pose:
         """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
         what bends; not a number where that cannot be told. It is computed when it is asked for first, from a second, coarser solution.
 
-        Args:
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
         if self._error is None:
             self._error = self._core.discretisation_error(report(progress))
@@ -191,8 +197,10 @@ class Pose:
         """How much longer the surface got around each vertex: n, root mean square length of the edges there over that at rest; 1
         is as long as before, 2 twice as long.
 
-        Args:
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._core.stretch(self.vertices, report(progress))
 
@@ -203,17 +211,26 @@ class Pose:
     def map(self, points: ArrayLike, normals: ArrayLike | None = None, *, progress: Progress = None) -> Points | tuple[Points, Points]:
         """Carries other points of the same space: each goes with the nearest place of the surface.
 
-        Args:
-            points: k x 3, at rest. Those that are not finite, or beyond 1e100, stay as they are.
-            normals: k x 3, to be turned along.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        points : array_like
+            k x 3, at rest. Those that are not finite, or beyond 1e100, stay as they are.
+        normals : array_like, optional
+            k x 3, to be turned along.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Returns:
+        Returns
+        -------
+        ndarray or tuple[ndarray, ndarray]
             The points, k x 3, and where normals are given these, too, as long as they were.
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape.
         """
         rows = _inputs.rows("points", points, lent=True)
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each of points", lent=True)
@@ -239,13 +256,18 @@ class Pose:
         """The same as a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points: its samples
         are as few as tell it to a ten-thousandth.
 
-        Args:
-            inverse: Whether it is the way back, from where the surface went to where it was.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        inverse : bool, default False
+            Whether it is the way back, from where the surface went to where it was.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Warns:
-            DeformationWarning: It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose
-                folds the surface somewhere, and there is no way back from there.
+        Warns
+        -----
+        DeformationWarning
+            It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose folds the surface
+            somewhere, and there is no way back from there.
         """
         return self._deformation(progress, 4, inverse)
 
@@ -265,8 +287,10 @@ class Pose:
     def mesh(self) -> Any:
         """The mesh of another library that the Deformer was given, as a copy in this pose.
 
-        Raises:
-            ValueError: It was given arrays, the mesh has other faces or another number of vertices by now, or it could not be pickled.
+        Raises
+        ------
+        ValueError
+            It was given arrays, the mesh has other faces or another number of vertices by now, or it could not be pickled.
         """
         has_normals = self._deformer.faces is not None or self._deformer._rest_normals is not None
         return _meshes.posed(self._deformer._given_mesh(), self.vertices, self._deformer.faces, self.normals if has_normals else None)

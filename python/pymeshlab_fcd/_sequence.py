@@ -57,14 +57,20 @@ class PoseSequence:
     """Poses, each with a name, and key frames of them. Poses are blended: the turns of a handle (turns of half a turn and more, too), the
     ways of its middle and the logarithms of its scalings add up, each by its weight. [Pose sequences](sequences.md) tells more.
 
-    Args:
-        poses: Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter
-            `transforms` takes it.
-        keys: The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
+    Parameters
+    ----------
+    poses : Mapping[str, Union[Transforms, str]]
+        Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter `transforms` takes
+        it.
+    keys : Sequence[KeyFrame], optional
+        The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
     """
 
     def __init__(self, poses: Mapping[str, Union[Transforms, str]], keys: Sequence[KeyFrame] | None = None) -> None:
@@ -86,12 +92,17 @@ class PoseSequence:
     def parse(cls, text: str, name: str = "poses") -> PoseSequence:
         """From the table that [save][pymeshlab_fcd.PoseSequence.save] writes.
 
-        Args:
-            text: The table.
-            name: What messages call it.
+        Parameters
+        ----------
+        text : str
+            The table.
+        name : str, default 'poses'
+            What messages call it.
 
-        Raises:
-            ValueError: What is wrong, with the line.
+        Raises
+        ------
+        ValueError
+            What is wrong, with the line.
         """
         made = cls.__new__(cls)
         made._core = _core.Sequence.parse(expected_text("text", text), shown(expected_text("name", name)))
@@ -104,12 +115,17 @@ class PoseSequence:
     def load(cls, path: str | os.PathLike[str]) -> PoseSequence:
         """From a file with such a table.
 
-        Args:
-            path: Of the file, `.csv`.
+        Parameters
+        ----------
+        path : path
+            Of the file, `.csv`.
 
-        Raises:
-            OSError: It cannot be read.
-            ValueError: What is wrong in it, with the line.
+        Raises
+        ------
+        OSError
+            It cannot be read.
+        ValueError
+            What is wrong in it, with the line.
         """
         with open(os.fspath(path), encoding="utf-8-sig", newline="") as file:  # no number of an open file
             return cls.parse(file.read(), shown(path))
@@ -117,20 +133,27 @@ class PoseSequence:
     def text(self, deformer: Deformer | None = None) -> str:
         """The table.
 
-        Args:
-            deformer: Of which surface the poses are: with another one, they are an error then. None: of any.
+        Parameters
+        ----------
+        deformer : Deformer, optional
+            Of which surface the poses are: with another one, they are an error then. None: of any.
         """
         return self._core.text(None if deformer is None else _expected(deformer)._prepared)
 
     def save(self, path: str | os.PathLike[str], deformer: Deformer | None = None) -> None:
         """Writes the table to a file; one that is there is replaced when all is written.
 
-        Args:
-            path: Of the file, `.csv`.
-            deformer: As in [text][pymeshlab_fcd.PoseSequence.text].
+        Parameters
+        ----------
+        path : path
+            Of the file, `.csv`.
+        deformer : Deformer, optional
+            As in [text][pymeshlab_fcd.PoseSequence.text].
 
-        Raises:
-            OSError: It cannot be written; what was there is still there.
+        Raises
+        ------
+        OSError
+            It cannot be written; what was there is still there.
         """
         _write(path, self.text(deformer).encode())
 
@@ -147,8 +170,10 @@ class PoseSequence:
     def weights_at(self, time: float) -> dict[str, float]:
         """How many percent there are of each pose at a time.
 
-        Args:
-            time: Seconds; before the first key frame, and after the last one, it is as at that.
+        Parameters
+        ----------
+        time : float
+            Seconds; before the first key frame, and after the last one, it is as at that.
         """
         return self._named(self._core.weights_at(_inputs.number("time", time)))
 
@@ -158,17 +183,26 @@ class PoseSequence:
     def blend(self, deformer: Deformer, weights: Mapping[str, float], *, check: bool = True, progress: Progress = None) -> Pose:
         """The poses at once, each by its weight, from rest.
 
-        Args:
-            deformer: What is posed.
-            weights: Of each pose, by its name, how many percent; those that are not in it have 0.
-            check: Also look for triangles that turned over, and warn of them.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        weights : Mapping[str, float]
+            Of each pose, by its name, how many percent; those that are not in it have 0.
+        check : bool, default True
+            Also look for triangles that turned over, and warn of them.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            ValueError: There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
+        Raises
+        ------
+        ValueError
+            There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
 
-        Warns:
-            DeformationWarning: Triangles turned over, or the shape did not come to rest.
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or the shape did not come to rest.
         """
         checked, share = _inputs.flag("check", check), _weights(weights, list(self.poses))
         sequencer = _core.Sequencer(_expected(deformer)._prepared, self._core)
@@ -179,16 +213,24 @@ class PoseSequence:
     def frames(self, deformer: Deformer, *, rate: float = 24.0, check: bool = True) -> Iterator[tuple[float, Pose]]:
         """Each frame, one after the other, each from the one before: its time in seconds, and the pose.
 
-        Args:
-            deformer: What is posed.
-            rate: How many frames a second; the last one is at the last key frame, or after it.
-            check: Also look for triangles that turned over, and warn of them.
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        rate : float, default 24.0
+            How many frames a second; the last one is at the last key frame, or after it.
+        check : bool, default True
+            Also look for triangles that turned over, and warn of them.
 
-        Raises:
-            ValueError: A pose moves a handle that the Deformer does not have, or they are of another surface.
+        Raises
+        ------
+        ValueError
+            A pose moves a handle that the Deformer does not have, or they are of another surface.
 
-        Warns:
-            DeformationWarning: Triangles turned over, or a frame did not come to rest: once for each, at the first such frame.
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or a frame did not come to rest: once for each, at the first such frame.
         """
         checked, times = _inputs.flag("check", check), self._core.times(_inputs.number("rate", rate))
         return self._frames(deformer, _core.Sequencer(_expected(deformer)._prepared, self._core), times, checked)
@@ -213,22 +255,35 @@ class PoseSequence:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
         that are there are replaced when all is written.
 
-        Args:
-            deformer: What is posed.
-            gltf: A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
-            pc2: A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
-            rate: How many frames a second.
-            shapes: What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        gltf : path, optional
+            A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
+        pc2 : path, optional
+            A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
+        rate : float, default 24.0
+            How many frames a second.
+        shapes : {'frames', 'poses'}, default 'frames'
+            What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            ValueError: Neither file is given, a pose moves a handle that the Deformer does not have, they are of another surface, or a
-                file would be larger than its format holds.
-            OSError: A file cannot be written; those that were there are still there.
-            KeyboardInterrupt: Ctrl-C, at once; nothing is written then.
+        Raises
+        ------
+        ValueError
+            Neither file is given, a pose moves a handle that the Deformer does not have, they are of another surface, or a file would be
+            larger than its format holds.
+        OSError
+            A file cannot be written; those that were there are still there.
+        KeyboardInterrupt
+            Ctrl-C, at once; nothing is written then.
 
-        Warns:
-            DeformationWarning: Triangles turned over, or a frame did not come to rest.
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or a frame did not come to rest.
         """
         kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
         with contextlib.ExitStack() as stack:

@@ -89,41 +89,67 @@ def straighten(
     follows as rigidly as possible instead. A mesh of another library has its faces: `straighten(mesh, line)`, or
     `straighten(mesh, line, target)`.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        line: k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the
-            surface or on it.
-        target: k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is
-            longer. None: a straight line, or an arc, where the line is.
-        degrees: By how much the arc bends from end to end, less than 360; 0 is straight.
-        direction: Of the straight line, or of the middle of the arc; None: from end to end of the line.
-        towards: Where the ends of the arc bend to; None: where those of the line do.
-        length: How long the line gets; 0: as long as it is. Cross-sections keep their size.
-        middle: Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on
-            the surface.
-        untwist: Whether the cross-sections are turned about the line so that their longest axes lie alike.
-        smoothing: Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
-        normals: n x 3, at rest, which turn with the surface. None: those of its faces.
-        patches: How many patches to begin with, from 1.
-        seed: Chooses where the first patches are.
-        smoothness: Of what does not go with the line: 0.001 is loose, 0.1 is stiff.
-        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    line : array_like, optional
+        k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the surface or
+        on it.
+    target : array_like, optional
+        k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is longer. None:
+        a straight line, or an arc, where the line is.
+    degrees : float, default 0.0
+        By how much the arc bends from end to end, less than 360; 0 is straight.
+    direction : array_like, optional
+        Of the straight line, or of the middle of the arc; None: from end to end of the line.
+    towards : array_like, optional
+        Where the ends of the arc bend to; None: where those of the line do.
+    length : float, default 0.0
+        How long the line gets; 0: as long as it is. Cross-sections keep their size.
+    middle : bool, default False
+        Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on the surface.
+    untwist : bool, default False
+        Whether the cross-sections are turned about the line so that their longest axes lie alike.
+    smoothing : float, default 0.0
+        Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface. None: those of its faces.
+    patches : int, default 1000
+        How many patches to begin with, from 1.
+    seed : int, default 1
+        Chooses where the first patches are.
+    smoothness : float, default 0.0058
+        Of what does not go with the line: 0.001 is loose, 0.1 is stiff.
+    weld_distance : float, default 1e-06
+        Fraction of the diagonal up to which vertices on open borders count as one.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Returns:
-        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. Its
-        `map` carries other points along, its `deformation` can be saved, and `deformation(inverse=True)` leads back.
+    Returns
+    -------
+    Straightened
+        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. Its `map`
+        carries other points along, its `deformation` can be saved, and `deformation(inverse=True)` leads back.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range; the line has one point, no extent, two points in a row at one place, is
-            closed, turns back on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range; the line has one point, no extent, two points in a row at one place, is closed, turns back
+        on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: Parts of the surface do not go with the line, or triangles turned over.
+    Warns
+    -----
+    DeformationWarning
+        Parts of the surface do not go with the line, or triangles turned over.
     """
     if _meshes.is_beside_mesh(vertices, faces):
         if line is None:  # the target, if there is one, by its name
