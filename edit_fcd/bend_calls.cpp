@@ -32,7 +32,7 @@ std::string BendSession::filterCall(const std::string &script, const BendCall &c
                        "', transforms=" + quoted(call.transforms);
     const BendOptions defaults;
     if (call.pose != defaults.pose)
-        text += ", pose=" + ToText(rounded<Scalarm>(call.pose));
+        text += ", pose=" + ToText(asTyped(call.pose));
     if (options.weights != defaults.weights)
         text += ", weights=" + std::to_string(int(options.weights));
     return text + shapeCall() + more + ")";
@@ -43,7 +43,7 @@ std::string BendSession::shapeCall() const {
     std::string call;
     const BendOptions defaults;
     if (options.smoothness != defaults.smoothness)
-        call += ", smoothness=" + ToText(rounded<Scalarm>(options.smoothness));
+        call += ", smoothness=" + ToText(asTyped(options.smoothness));
     if (options.initialPatches != defaults.initialPatches)
         call += ", initial_patches=" + std::to_string(options.initialPatches);
     return call;
@@ -59,7 +59,7 @@ std::optional<std::size_t> BendSession::poseOfFilter() const {
                 return {};
             shown = i;
         }
-    if (!shown || now.weights[*shown] != rounded<Scalarm>(now.weights[*shown]))
+    if (!shown || now.weights[*shown] != asTyped(now.weights[*shown]))
         return {};
     const auto turns = [](const std::map<int, Motion> &pose, int tag) {
         const auto found = pose.find(tag);

@@ -131,16 +131,16 @@ StraightenMeshParam BendLineBox::param() const {
     StraightenMeshParam param;
     param.middle = middle->isChecked();
     param.shape = StraightenMeshParam::Shape(shape->currentIndex());
-    param.angle = rounded<Scalarm>(angle->value());
+    param.angle = asTyped(angle->value());
     const StraightenTexts texts = straightenTexts();
     if (param.shape != StraightenMeshParam::Line)
         param.direction = directionIn(*direction, texts.direction);
     if (param.shape == StraightenMeshParam::Arc)
         param.towards = directionIn(*towards, texts.towards);
     param.reverse = reverse->isChecked();
-    param.length = rounded<Scalarm>(length->value());
+    param.length = asTyped(length->value());
     param.untwist = untwist->isChecked();
-    param.bend.smoothness = rounded<Scalarm>(param.bend.smoothness); // as a filter is handed it
+    param.bend.smoothness = asTyped(param.bend.smoothness); // as a filter is handed it
     return param;
 }
 

@@ -49,8 +49,8 @@ def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]
     return goals
 
 
-def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK) -> int:
-    """Deforms one tile. Returns how many points it has."""
+def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK, threads: int = 0) -> int:
+    """Deforms one tile, by so many threads (0: one a core). Returns how many points it has."""
     source, target = Path(source), Path(target)
     if target.exists() and source.exists() and target.samefile(source):
         raise ValueError(f"{source} would be written over itself. Give another file")
@@ -63,11 +63,11 @@ def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path
                 for points in reader.chunk_iterator(chunk):
                     xyz = columns(points, "xyz")
                     if names:
-                        xyz, turned = bend(xyz, columns(points, names[0]))
+                        xyz, turned = bend(xyz, columns(points, names[0]), threads=threads)
                         for name, values in zip(names[0], turned.T):
                             points[name] = values
                     else:
-                        xyz = bend(xyz)
+                        xyz = bend(xyz, threads=threads)
                     points.x, points.y, points.z = xyz.T
                     writer.write_points(points)
                 if reader.evlrs:

@@ -26,7 +26,7 @@ def warp_all(client: Any, bend: pymeshlab_fcd.Deformation, tiles: Iterable[str |
     """Deforms tiles. Yields each, as they are done, and how many points it has, or why it could not be deformed."""
     client.upload_file(str(Path(__file__).with_name("warp_las.py")))  # workers may not have it
     shared = client.scatter(bend, broadcast=True)  # once to each worker, not with each task
-    tasks = {client.submit(warp, shared, str(source), str(target), chunk, pure=False): source
+    tasks = {client.submit(warp, shared, str(source), str(target), chunk, threads=1, pure=False): source
              for source, target in targets(tiles, folder).items()}
     for task in distributed.as_completed(tasks):
         try:

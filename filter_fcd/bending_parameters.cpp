@@ -50,7 +50,7 @@ void addRandomSeed(RichParameterList &list, unsigned randomSeed) {
 
 vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
     vcg::fcd::GraphParam param;
-    param.targetRadius = list.getAbsPerc("target_radius");
+    param.targetRadius = asTyped(list.getAbsPerc("target_radius"));
     param.initialPatches = list.getInt("initial_patches");
     param.randomSeed = unsigned(list.getInt("random_seed"));
     return param;
@@ -124,9 +124,9 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all) {
     vcg::fcd::DeformationParam deformation;
     deformation.graph = graphParam(list);
-    deformation.smoothness = list.getFloat("smoothness");
+    deformation.smoothness = asTyped(list.getFloat("smoothness"));
     deformation.maxIterations = list.getInt("max_iterations");
-    deformation.tolerance = list.getFloat("tolerance");
+    deformation.tolerance = asTyped(list.getFloat("tolerance"));
     using vcg::fcd::GraphWeights;
     using vcg::fcd::PatchMeasure;
     const GraphWeights graphWeights[] = {GraphWeights::Border, GraphWeights::Uniform, GraphWeights::Uniform,
@@ -135,11 +135,11 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     deformation.graphWeights = graphWeights[chosen];
     deformation.graph.measure = chosen >= 2 ? PatchMeasure::Vertices : PatchMeasure::Area;
     deformation.weights = vcg::fcd::MappingWeights(enumValue(list, "weights", 2));
-    deformation.influence = list.getFloat("influence");
+    deformation.influence = asTyped(list.getFloat("influence"));
     deformation.looseParts = vcg::fcd::LooseParts(enumValue(list, "loose_parts", 2));
-    deformation.pose = list.getFloat("pose");
+    deformation.pose = asTyped(list.getFloat("pose"));
     if (all) {
-        deformation.weldDistance = list.getFloat("weld_distance");
+        deformation.weldDistance = asTyped(list.getFloat("weld_distance"));
         deformation.steps = list.getInt("pose_steps");
     }
     deformation.Validate();

@@ -109,21 +109,21 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.target = host::layerParameter(list, "target_layer", document);
     param.landmarkFile = list.getOpenFileName("landmarks_file");
     param.targetFile = list.getOpenFileName("target_landmarks_file");
-    param.fit.landmarkTolerance = list.getFloat("landmark_tolerance");
+    param.fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
     param.fit.bothWays = list.getBool("both_ways");
     param.landmarksOnly = list.getBool("landmarks_only");
     param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;
     vcg::fcd::FitParam &fit = param.fit;
-    fit.stiffness = list.getFloat("stiffness");
-    fit.largestDistance = list.getFloat("largest_distance");
+    fit.stiffness = asTyped(list.getFloat("stiffness"));
+    fit.largestDistance = asTyped(list.getFloat("largest_distance"));
     if (fit.largestDistance == 0)
         fit.largestDistance = std::numeric_limits<double>::infinity();
-    fit.largestAngle = list.getFloat("largest_angle");
+    fit.largestAngle = asTyped(list.getFloat("largest_angle"));
     fit.graph.initialPatches = list.getInt("initial_patches");
     fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    fit.smoothness = list.getFloat("smoothness");
+    fit.smoothness = asTyped(list.getFloat("smoothness"));
     fit.samples = list.getInt("samples");
     fit.fitSteps = list.getInt("fit_steps");
     fit.Validate();

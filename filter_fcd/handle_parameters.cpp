@@ -121,7 +121,7 @@ HandleParam handleParam(const RichParameterList &list, const MeshDocument &docum
     handles.pointFile = list.getOpenFileName("point_handles_file");
     handles.translation = toVector(list.getPoint3m("translation"));
     handles.rotationAxis = toVector(list.getPoint3m("rotation_axis"));
-    handles.rotationAngle = list.getFloat("rotation_angle");
+    handles.rotationAngle = asTyped(list.getFloat("rotation_angle"));
     handles.rotationCenter = HandleParam::Center(enumValue(list, "rotation_center", 3));
     handles.rotationPoint = toVector(list.getPoint3m("rotation_point"));
     const Matrix44m matrix = host::matrixParameter(list, "TransformMatrix");

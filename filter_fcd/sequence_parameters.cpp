@@ -74,7 +74,7 @@ SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &d
         handles.setValue(name, list.getParameterByName(name).value());
     param.handles = handleParam(handles, document);
     param.posesFile = list.getOpenFileName("poses_file");
-    param.rate = list.getFloat("frames_per_second");
+    param.rate = asTyped(list.getFloat("frames_per_second"));
     param.layers = SequenceParam::Layers(enumValue(list, "frame_layers", 3));
     param.gltfFile = list.getSaveFileName("gltf_file");
     param.shapes = vcg::fcd::SequenceOutput::Shapes(enumValue(list, "gltf_shapes", 2));
@@ -82,7 +82,7 @@ SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &d
     param.saveFile = list.getSaveFileName("save_poses_file");
     param.deformation.graph.initialPatches = list.getInt("initial_patches");
     param.deformation.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    param.deformation.smoothness = list.getFloat("smoothness");
+    param.deformation.smoothness = asTyped(list.getFloat("smoothness"));
     param.deformation.Validate();
     param.deformation = asHandedOver(param.deformation); // so that what is prepared is that of the other filters
     param.validate();

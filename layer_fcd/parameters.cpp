@@ -3,7 +3,10 @@
 
 #include "save_files.h"
 
+#include <vcg_ext/base/words.h>
+
 #include <cmath>
+#include <string>
 
 using vcg::fcd::Error;
 
@@ -58,8 +61,23 @@ void SaveTagsParam::validate() const {
         throw Error("tag_file and transform_file are the same file. Give two different files.");
 }
 
+double asTyped(double value, int exponent) {
+    if (!std::isfinite(value))
+        return value;
+    std::string text = vcg::fcd::detail::ToText(float(value));
+    const std::size_t e = text.find('e');
+    if (e != std::string::npos) {
+        exponent += std::stoi(text.substr(e + 1));
+        text.resize(e);
+    }
+    text += "e" + std::to_string(exponent);
+    double typed = value; // which stays where it is beyond a double
+    vcg::fcd::detail::ToNumber(text.data(), text.data() + text.size(), typed);
+    return typed;
+}
+
 vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
-    const auto round = [](double &number) { number = rounded<Scalarm>(number); };
+    const auto round = [](double &number) { number = asTyped(number); };
     round(param.graph.targetRadius);
     round(param.smoothness);
     round(param.tolerance);

@@ -208,7 +208,11 @@ struct SaveTagsParam {
     void validate() const;
 };
 
-/// \p param with its numbers as they are when a host has handed them over to a filter: in the host's precision.
+/// The number that was typed, where a host hands \p value over, in single precision: the shortest decimal that it is
+/// rounded from, times 10^\p exponent. It has then the bits that scripts and panels have, which take it in double.
+double asTyped(double value, int exponent = 0);
+
+/// \p param with its numbers as they are when a host has handed them over to a filter.
 vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param);
 
 /// A parameter as people read it, in a dialog and in a panel.

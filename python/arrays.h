@@ -36,6 +36,13 @@ nb::object newArray(std::initializer_list<std::size_t> shape, T *&data) {
     return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner));
 }
 
+/// \throw value_error where an array has another number of rows than the surface that it is of
+template <class Array>
+void expectRows(const Array &rows, std::size_t count) {
+    if (rows.shape(0) != count)
+        throw nb::value_error("an array has another number of rows than the surface has vertices");
+}
+
 inline Eigen::Map<const Eigen::Vector3d> rowOf(const double *rows, std::size_t i) {
     return Eigen::Map<const Eigen::Vector3d>(rows + 3 * i);
 }

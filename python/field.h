@@ -8,6 +8,7 @@
 
 #include <vcg_ext/field/deformation_file.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,14 +16,21 @@
 /// A deformation that any number of threads may apply at a time.
 class Field {
   public:
-    Field(const nb::bytes &content, const std::string &name)
-        : Field(vcg::fcd::ReadDeformationText(std::string(content.c_str(), content.size()), name)) {}
-    explicit Field(vcg::fcd::FieldSamples samples)
-        : field(std::move(samples)),
+    /// Of a file. \param threads that prepare it, 0 = one a core
+    static std::unique_ptr<Field> read(const nb::bytes &content, const std::string &name, unsigned threads) {
+        const std::string text(content.c_str(), content.size());
+        const nb::gil_scoped_release release;
+        return std::make_unique<Field>(vcg::fcd::ReadDeformationText(text, name), threads);
+    }
+    Field(vcg::fcd::FieldSamples samples, unsigned threads)
+        : field(std::move(samples), threads),
           box(field.samples.position.rowwise().minCoeff(), field.samples.position.rowwise().maxCoeff()) {}
 
     nb::bytes content() const {
-        const std::string text = vcg::fcd::DeformationText(field.samples);
+        const std::string text = [&] {
+            const nb::gil_scoped_release release;
+            return vcg::fcd::DeformationText(field.samples);
+        }();
         return nb::bytes(text.data(), text.size());
     }
     std::size_t samples() const { return std::size_t(field.samples.Size()); }

@@ -121,6 +121,8 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
 }
 
 void Fitting::put(const Numbers &points, const Rows &places, const Written &vertices) const {
+    expectRows(vertices, prepared->view.vertexSlots);
+    const nb::gil_scoped_release release;
     fitter->PutLandmarks(landmarksOf(points, places),
                          Eigen::Map<Eigen::Matrix3Xd>(vertices.data(), 3, Eigen::Index(vertices.shape(0))));
 }

@@ -81,8 +81,9 @@ std::shared_ptr<Prepared> prepareFree(const Rows &vertices, const std::optional<
 NB_MODULE(_core, module) {
     using nb::arg;
     nb::register_exception_translator(translate);
+    module.attr("__version__") = FCD_VERSION;
     nb::class_<Field>(module, "Field")
-        .def(nb::init<const nb::bytes &, const std::string &>(), arg("content"), arg("name"))
+        .def_static("read", &Field::read, arg("content"), arg("name"), arg("threads"))
         .def("content", &Field::content)
         .def_prop_ro("samples", &Field::samples)
         .def_prop_ro("largest_difference", &Field::largestDifference)
@@ -94,7 +95,7 @@ NB_MODULE(_core, module) {
         .def("weights", &Prepared::weights, arg("report").none())
         .def("report", &Prepared::report)
         .def("centers", &Prepared::centers)
-        .def("normals_of", &Prepared::normalsOf, arg("positions"), arg("out").none());
+        .def("normals_of", &Prepared::normalsOf, arg("positions"), arg("out"));
     nb::class_<Posed>(module, "Posed")
         .def("write", &Posed::write, arg("vertices"), arg("normals").none(), arg("turned").none(), arg("report").none())
         .def("check", &Posed::check, arg("vertices"), arg("report").none())
@@ -102,11 +103,19 @@ NB_MODULE(_core, module) {
         .def("map", &Posed::map, arg("points"), arg("normals").none(), arg("report").none())
         .def("field", &Posed::field, arg("inverse"), arg("report").none())
         .def("nodes", &Posed::nodes)
-        .def("info", &Posed::info);
+        .def("info", &Posed::info)
+        .def("discretisation_error", &Posed::discretisationError, arg("report").none())
+        .def("state", &Posed::state);
     module.def("prepare", &prepare, arg("vertices"), arg("faces").none(), arg("tags"), arg("points"), arg("param"),
                arg("threads"), arg("report").none());
     module.def("solve", &solve, arg("prepared"), arg("motions"), arg("targets").none(), arg("percent"), arg("steps"),
                arg("start").none(), arg("report").none());
+    module.def(
+        "restore",
+        [](const std::shared_ptr<Prepared> &prepared, const nb::bytes &state) {
+            return std::make_unique<Posed>(prepared, state);
+        },
+        arg("prepared"), arg("state"));
     module.def("prepare_free", &prepareFree, arg("vertices"), arg("faces").none(), arg("param"), arg("threads"),
                arg("report").none());
     module.def("straighten", &straighten, arg("prepared"), arg("goal"), arg("report").none());
@@ -126,6 +135,7 @@ NB_MODULE(_core, module) {
             "parse", [](const std::string &text, const std::string &name) { return Sequence(text, name); }, arg("text"),
             arg("name"))
         .def("text", &Sequence::text, arg("prepared").none())
+        .def("state", &Sequence::state)
         .def("poses", &Sequence::poses)
         .def("keys", &Sequence::keys)
         .def("weights_at", &Sequence::weightsAt, arg("time"))
@@ -135,5 +145,7 @@ NB_MODULE(_core, module) {
     nb::class_<Sequencer>(module, "Sequencer")
         .def(nb::init<std::shared_ptr<Prepared>, const Sequence &>(), arg("prepared"), arg("sequence"))
         .def("go", &Sequencer::go, arg("weights"), arg("report").none());
-    module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"));
+    module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"), arg("threads"),
+               arg("report").none());
+    module.def("checksum", &checksum, arg("rows"), arg("threads"));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "posed.h"
+#include "pose_state.h"
 
 #include <vcg_ext/field/field_sampling.h>
 #include <vcg_ext/handles/motion_text.h>
@@ -12,28 +13,63 @@ using vcg::fcd::Stopwatch;
 Posed::Posed(std::shared_ptr<const Prepared> given, const PoseParam &param, const Posed *start,
              const nb::object &report)
     : prepared(std::move(given)) {
-    setMotions(param);
     Listener::Run(report, prepared->threads, [&](const Progress &progress) { solve(param, start, progress); });
 }
 
 Posed::Posed(std::shared_ptr<const Prepared> given, vcg::fcd::SurfacePose found, double seconds)
     : prepared(std::move(given)), anyMoves(found.Moves()), pose(std::move(found)),
-      carrier(std::make_unique<const vcg::fcd::Carrier>(*prepared->deformer, pose)), secondsSolve(seconds) {}
+      carrier(std::make_unique<const vcg::fcd::Carrier>(*prepared->deformer, pose, prepared->threads)),
+      secondsSolve(seconds) {}
 
-void Posed::setMotions(const PoseParam &param) {
+Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : prepared(std::move(given)) {
+    StateReader reader(std::string(state.c_str(), state.size()));
+    reader(pose, reached, anyMoves, secondsSolve, secondsMap);
+    reader.ExpectEnd();
+    const auto k = std::size_t(prepared->deformer->graph.Size());
+    for (const vcg::fcd::GraphPose *each : {&pose.solved, &pose.graph})
+        if (std::size_t(each->position.cols()) != k || each->linear.size() != k ||
+            (!each->rests.empty() && each->rests.size() != k) || pose.nodeMotion.size() != k)
+            throw vcg::fcd::BadInput("The pose is one of another surface, or of another version of this package: pose "
+                                     "the surface anew.");
+    const nb::gil_scoped_release release;
+    carrier = std::make_unique<const vcg::fcd::Carrier>(*prepared->deformer, pose, prepared->threads);
+}
+
+nb::bytes Posed::state() const {
+    StateWriter writer;
+    writer(pose, reached, anyMoves, secondsSolve, secondsMap);
+    return nb::bytes(writer.text.data(), writer.text.size());
+}
+
+vcg::fcd::Handles Posed::handlesOf(const PoseParam &param) const {
+    vcg::fcd::Handles handles;
     handles.point = prepared->handles.point;
     for (const auto &[tag, text] : param.motions) {
         const auto steps = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "the motion");
-        const vcg::fcd::Motion motion = vcg::fcd::ToMotion(steps.at(tag), prepared->deformer->center.at(tag));
-        anyMoves |= !motion.matrix.isIdentity(0) || !motion.turn.isZero(0);
-        handles.motion[tag] = motion;
+        handles.motion[tag] = vcg::fcd::ToMotion(steps.at(tag), prepared->deformer->center.at(tag));
     }
-    for (std::size_t k = 0; k < handles.point.size(); ++k) {
-        const auto at = prepared->view.At(handles.point[k].vertex);
-        handles.point[k].target =
-            param.targets ? Eigen::Vector3d(rowOf(param.targets->data(), k)) : Eigen::Vector3d(at);
-        anyMoves |= handles.point[k].target != at;
+    for (std::size_t k = 0; k < handles.point.size(); ++k)
+        handles.point[k].target = param.targets ? Eigen::Vector3d(rowOf(param.targets->data(), k))
+                                                : Eigen::Vector3d(prepared->view.At(handles.point[k].vertex));
+    return handles;
+}
+
+vcg::fcd::Handles Posed::between(const Posed &start, const vcg::fcd::Handles &end, double percent, double share) const {
+    vcg::fcd::Handles handles;
+    handles.point = end.point;
+    for (const auto &[tag, middle] : prepared->deformer->center) {
+        const vcg::fcd::HeldMotions &given = start.pose.given;
+        const auto turn = given.turn.find(tag);
+        const vcg::fcd::Motion from(given.motion.at(tag),
+                                    turn == given.turn.end() ? Eigen::Vector3d::Zero() : turn->second, middle);
+        const auto to = end.motion.find(tag);
+        handles.motion[tag] = vcg::fcd::Blend(
+            {{from, 100 * (1 - share)}, {to == end.motion.end() ? vcg::fcd::Motion() : to->second, percent * share}},
+            middle);
     }
+    for (std::size_t k = 0; k < handles.point.size(); ++k)
+        handles.point[k].target = (1 - share) * start.reached[k] + share * reached[k];
+    return handles;
 }
 
 void Posed::solve(const PoseParam &param, const Posed *start, const Progress &progress) {
@@ -43,14 +79,33 @@ void Posed::solve(const PoseParam &param, const Posed *start, const Progress &pr
     how.steps = param.steps;
     how.Validate();
     const vcg::fcd::Deformer &deformer = *prepared->deformer;
-    pose = start ? deformer.Solve(deformer.MotionsOf(handles, how.pose), how, &start->pose, progress)
-                 : deformer.Solve(handles, how, progress);
-    carrier = std::make_unique<const vcg::fcd::Carrier>(deformer, pose);
+    const vcg::fcd::Handles handles = handlesOf(param);
+    for (const auto &[tag, motion] : handles.motion)
+        anyMoves |= !motion.matrix.isIdentity(0) || !motion.turn.isZero(0);
+    for (const vcg::fcd::PointHandle &point : handles.point) {
+        const Eigen::Vector3d rest = prepared->view.At(point.vertex);
+        anyMoves |= point.target != rest;
+        reached.push_back(rest + how.pose / 100 * (point.target - rest));
+    }
+    const vcg::fcd::HeldMotions end = deformer.MotionsOf(handles, how.pose);
+    const auto way = [&](int step, int steps) {
+        return step == steps ? end : deformer.MotionsOf(between(*start, handles, how.pose, double(step) / steps), 100);
+    };
+    // What is at rest is that to the bit, from wherever it comes, and what goes on from rest begins there.
+    const bool isFromRest = !start || !start->pose.Moves() || !end.Moves() || start->reached.size() != reached.size();
+    pose = isFromRest ? deformer.Solve(handles, how, progress) : deformer.SolveAlong(way, how, &start->pose, progress);
+    carrier = std::make_unique<const vcg::fcd::Carrier>(deformer, pose, prepared->threads);
     secondsSolve = watch.Seconds();
 }
 
 void Posed::write(const Written &vertices, const std::optional<Rows> &normals, const std::optional<Written> &turned,
                   const nb::object &report) {
+    const std::size_t n = prepared->view.vertexSlots;
+    expectRows(vertices, n);
+    if (normals)
+        expectRows(*normals, n);
+    if (turned)
+        expectRows(*turned, n);
     const double *rest = prepared->vertices.data(), *before = normals ? normals->data() : nullptr;
     double *to = vertices.data(), *after = turned ? turned->data() : nullptr;
     const std::vector<std::uint32_t> &still = prepared->still;
@@ -96,6 +151,7 @@ Eigen::Map<const Eigen::Matrix3Xd> columnsOf(const Rows &rows) {
 } // namespace
 
 nb::dict Posed::check(const Rows &vertices, const nb::object &report) const {
+    expectRows(vertices, prepared->view.vertexSlots);
     vcg::fcd::DeformationCheck found;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         found = vcg::fcd::CheckPose(prepared->view, prepared->handles, *prepared->deformer, pose, columnsOf(vertices),
@@ -111,6 +167,7 @@ nb::dict Posed::check(const Rows &vertices, const nb::object &report) const {
 }
 
 nb::object Posed::stretch(const Rows &vertices, const nb::object &report) const {
+    expectRows(vertices, prepared->view.vertexSlots);
     vcg::fcd::SurfaceMeasure measure;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         measure = vcg::fcd::MeasurePose(*prepared->deformer, pose, *carrier, columnsOf(vertices), progress);
@@ -144,6 +201,7 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
 
 std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb::object &report) const {
     vcg::fcd::SampledField sampled;
+    std::unique_ptr<Field> made;
     Index folded = 0;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         Eigen::Matrix3Xd rest = prepared->view.Copy(prepared->threads);
@@ -155,8 +213,9 @@ std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb
             folded = vcg::fcd::Invert(linear);
         }
         sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
+        made = std::make_unique<Field>(std::move(sampled.samples), prepared->threads);
     });
-    return {std::make_unique<Field>(std::move(sampled.samples)), int(sampled.off + sampled.stirred), int(folded)};
+    return {std::move(made), int(sampled.off + sampled.stirred), int(folded)};
 }
 
 nb::tuple Posed::nodes() const {
@@ -178,9 +237,15 @@ nb::dict Posed::info() const {
     all["iterations"] = pose.iterations;
     all["converged"] = pose.graph.converged;
     all["energy"] = pose.graph.energy * scale * scale;
-    all["discretisation_error"] = prepared->deformer->DiscretisationError(pose, prepared->param);
     all["moves"] = anyMoves;
     all["seconds_solve"] = secondsSolve;
     all["seconds_map"] = secondsMap;
     return all;
+}
+
+double Posed::discretisationError(const nb::object &report) const {
+    double error = 0;
+    Listener::Run(report, prepared->threads,
+                  [&](const Progress &) { error = prepared->deformer->DiscretisationError(pose, prepared->param); });
+    return error;
 }

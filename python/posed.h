@@ -23,11 +23,14 @@ struct PoseParam {
 /// A pose of a prepared surface.
 class Posed {
   public:
-    /// Solved, but not yet mapped. \param start the pose to go on from
+    /// Solved, but not yet mapped. \param start the pose to go on from; its motions lead to the new ones as those of a
+    /// blend do
     Posed(std::shared_ptr<const Prepared> prepared, const PoseParam &param, const Posed *start,
           const nb::object &report);
     /// A pose that something else has found. \param seconds that it took
     Posed(std::shared_ptr<const Prepared> prepared, vcg::fcd::SurfacePose pose, double seconds);
+    /// As state() has told it, of a surface that is prepared alike. \throw BadInput another one
+    Posed(std::shared_ptr<const Prepared> prepared, const nb::bytes &state);
     Posed(const Posed &) = delete;
     Posed &operator=(const Posed &) = delete;
 
@@ -47,14 +50,19 @@ class Posed {
     /// Positions of the nodes, and their linear maps.
     nb::tuple nodes() const;
     nb::dict info() const;
+    /// How far it is from the pose of more and more nodes; solves a second graph.
+    double discretisationError(const nb::object &report) const;
+    /// All that it knows besides the surface.
+    nb::bytes state() const;
 
   private:
     void solve(const PoseParam &param, const Posed *start, const vcg::fcd::Progress &progress);
-    void setMotions(const PoseParam &param);
+    vcg::fcd::Handles handlesOf(const PoseParam &param) const;
+    vcg::fcd::Handles between(const Posed &start, const vcg::fcd::Handles &end, double percent, double share) const;
 
     const std::shared_ptr<const Prepared> prepared;
-    vcg::fcd::Handles handles; ///< motions and targets, no tags
-    bool anyMoves = false;     ///< whether any motion leads anywhere
+    std::vector<Eigen::Vector3d> reached; ///< where the landmarks are; none of a pose that something else has found
+    bool anyMoves = false;                ///< whether any motion leads anywhere
     vcg::fcd::SurfacePose pose;
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
     double secondsSolve = 0, secondsMap = 0;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -106,6 +107,7 @@ nb::tuple Prepared::graph() const {
 nb::object Prepared::patchOf() const {
     std::int32_t *patch;
     nb::object patches = newArray({view.vertexSlots}, patch);
+    const nb::gil_scoped_release release;
     for (std::size_t i = 0; i < view.vertexSlots; ++i) {
         const Index node = deformer->surface.nodeOf[i];
         patch[i] = node < 0 ? -1 : std::int32_t(deformer->patches.patchOf[std::size_t(node)]);
@@ -117,22 +119,24 @@ nb::tuple Prepared::weights(const nb::object &report) const {
     // The columns: nodes, held tags (0 first), landmarks.
     const HeldNodes &held = deformer->held;
     std::set<Index> regions{0};
-    for (int tag : handles.tag)
-        if (tag != 1)
-            regions.insert(std::max(0, tag));
     std::map<Index, std::int32_t> column;
-    std::int32_t next = std::int32_t(deformer->graph.Size());
-    for (Index tag : regions)
-        column[tag] = next++;
     std::map<std::size_t, std::int32_t> ofPoint; // by slot
-    for (std::size_t p = 0; p < handles.point.size(); ++p, ++next) {
-        ofPoint[handles.point[p].vertex] = next;
-        if (HeldNodes::IsSingle(held.pointTag[p]))
-            column[held.pointTag[p]] = next;
-    }
-    for (std::size_t s = 0; s < held.original.size(); ++s)
-        if (held.original[s] >= 0)
-            column[-1 - Index(s)] = column.at(held.original[s]);
+    const auto findColumns = [&] {
+        for (int tag : handles.tag)
+            if (tag != 1)
+                regions.insert(std::max(0, tag));
+        std::int32_t next = std::int32_t(deformer->graph.Size());
+        for (Index tag : regions)
+            column[tag] = next++;
+        for (std::size_t p = 0; p < handles.point.size(); ++p, ++next) {
+            ofPoint[handles.point[p].vertex] = next;
+            if (HeldNodes::IsSingle(held.pointTag[p]))
+                column[held.pointTag[p]] = next;
+        }
+        for (std::size_t s = 0; s < held.original.size(); ++s)
+            if (held.original[s] >= 0)
+                column[-1 - Index(s)] = column.at(held.original[s]);
+    };
 
     constexpr std::size_t grain = 1 << 12;
     struct Part {
@@ -163,6 +167,7 @@ nb::tuple Prepared::weights(const nb::object &report) const {
         part.count.push_back(std::int32_t(part.item.size() - before));
     };
     Listener::Run(report, threads, [&](const Progress &progress) {
+        findColumns();
         ParallelFor(progress, "Weighing", view.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
             vcg::fcd::GraphMapping::Influences influences;
             for (std::size_t i = first; i < last; ++i)
@@ -177,14 +182,18 @@ nb::tuple Prepared::weights(const nb::object &report) const {
     float *weight;
     nb::object begins = newArray({view.vertexSlots + 1}, begin), indices = newArray({items}, item),
                values = newArray({items}, weight);
-    std::int64_t at = 0;
-    *begin++ = 0;
-    for (const Part &part : parts) {
-        for (std::int32_t count : part.count)
-            *begin++ = at += count;
-        item = std::copy(part.item.begin(), part.item.end(), item);
-        weight = std::copy(part.weight.begin(), part.weight.end(), weight);
-    }
+    const auto gather = [&] {
+        const nb::gil_scoped_release release;
+        std::int64_t at = 0;
+        *begin++ = 0;
+        for (const Part &part : parts) {
+            for (std::int32_t count : part.count)
+                *begin++ = at += count;
+            item = std::copy(part.item.begin(), part.item.end(), item);
+            weight = std::copy(part.weight.begin(), part.weight.end(), weight);
+        }
+    };
+    gather();
     nb::list tagsOfColumns;
     for (Index tag : regions)
         tagsOfColumns.append(int(tag));
@@ -220,45 +229,71 @@ nb::dict Prepared::centers() const {
     return all;
 }
 
-nb::object Prepared::normalsOf(const Rows &positions, const std::optional<Written> &out) const {
-    double *normal;
-    nb::object normals = out ? nb::cast(*out) : newArray({view.vertexSlots, 3}, normal);
-    if (out)
-        normal = out->data();
+void Prepared::normalsOf(const Rows &positions, const Written &out) const {
+    expectRows(positions, view.vertexSlots);
+    expectRows(out, view.vertexSlots);
     const double *position = positions.data();
+    double *normal = out.data();
     Listener::Run(nb::none(), threads,
                   [&](const Progress &progress) { vcg::fcd::FaceNormals(view, position, normal, progress.threads); });
-    return normals;
 }
 
 const vcg::fcd::NearestPlace &Prepared::places() const {
     std::call_once(placesMade, [this] {
         rest = view.Copy(threads);
+        if (!rest.allFinite())
+            throw vcg::fcd::BadInput("A coordinate of the vertices is no longer finite.");
         std::vector<std::array<Index, 3>> triangle(view.faces);
         for (std::size_t f = 0; f < view.faces; ++f)
             for (std::size_t k = 0; k < 3; ++k)
                 triangle[f][k] = Index(view.corner[3 * f + k]);
-        found =
-            std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle), std::vector<char>(view.vertexSlots, 1));
+        found = std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle),
+                                                         std::vector<char>(view.vertexSlots, 1), threads);
     });
     return *found;
 }
 
-nb::object nearestVertices(const Rows &vertices, const Rows &points) {
-    std::vector<std::int64_t> slot;
-    std::vector<Eigen::Vector3d> position;
-    for (std::size_t i = 0; i < vertices.shape(0); ++i)
-        if (const Eigen::Vector3d p = rowOf(vertices.data(), i); p.allFinite()) {
-            slot.push_back(std::int64_t(i));
-            position.push_back(p);
-        }
-    if (position.empty())
-        throw nb::value_error("vertices holds no finite coordinates, so no vertex is nearest to a point");
+nb::object nearestVertices(const Rows &vertices, const Rows &points, unsigned threads, const nb::object &report) {
     std::int64_t *number;
     nb::object numbers = newArray({points.shape(0)}, number);
-    const nb::gil_scoped_release release;
-    const vcg::fcd::PointTree<double> tree(position);
-    for (std::size_t k = 0; k < points.shape(0); ++k)
-        number[k] = slot[std::size_t(tree.Nearest(rowOf(points.data(), k)))];
+    Listener::Run(report, threads, [&](const Progress &progress) {
+        std::vector<std::int64_t> slot;
+        std::vector<Eigen::Vector3d> position;
+        for (std::size_t i = 0; i < vertices.shape(0); ++i)
+            if (const Eigen::Vector3d p = rowOf(vertices.data(), i); p.allFinite()) {
+                slot.push_back(std::int64_t(i));
+                position.push_back(p);
+            }
+        if (position.empty())
+            throw vcg::fcd::BadInput("vertices holds no finite coordinates, so no vertex is nearest to a point");
+        const vcg::fcd::PointTree<double> tree(position);
+        ParallelFor(progress, "Looking for landmarks", points.shape(0), 64, [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k)
+                number[k] = slot[std::size_t(tree.Nearest(rowOf(points.data(), k)))];
+        });
+    });
     return numbers;
+}
+
+std::uint64_t checksum(const Rows &rows, unsigned threads) {
+    const std::size_t n = 3 * rows.shape(0), grain = 3 << 14;
+    const double *number = rows.data();
+    std::vector<std::uint64_t> part((n + grain - 1) / grain);
+    const nb::gil_scoped_release release;
+    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        std::uint64_t sum[3] = {1, 2, 3}; // for each column, so that three are added at a time
+        for (std::size_t i = first; i < last; i += 3)
+            for (std::size_t d = 0; d < 3; ++d) {
+                std::uint64_t bits;
+                std::memcpy(&bits, number + i + d, sizeof bits);
+                // A step of FNV, of which bits go up only; those above come down again.
+                sum[d] = (sum[d] ^ bits) * 0x100000001B3u;
+                sum[d] ^= sum[d] >> 32;
+            }
+        part[first / grain] = sum[0] ^ sum[1] << 1 ^ sum[2] << 2;
+    });
+    std::uint64_t all = n;
+    for (std::uint64_t each : part)
+        all = (all ^ each) * 0x100000001B3u ^ all >> 32;
+    return all;
 }

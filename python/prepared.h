@@ -14,7 +14,8 @@
 #include <optional>
 #include <vector>
 
-/// A surface of numpy's arrays that is prepared to be deformed. The arrays are referred to, not copied.
+/// A surface of numpy's arrays that is prepared to be deformed. The arrays are referred to, not copied: Python gives
+/// arrays of its own, or looks before each call whether they are as they were.
 class Prepared {
   public:
     /// \param tags one per vertex \param points vertices of the landmarks
@@ -39,9 +40,10 @@ class Prepared {
 
     /// The normals of \p positions, one per vertex: the sum of those of its faces, times their angles there; 0 without
     /// a face.
-    nb::object normalsOf(const Rows &positions, const std::optional<Written> &out) const;
+    void normalsOf(const Rows &positions, const Written &out) const;
 
-    /// To find what is nearest to points; made when it is asked for first.
+    /// To find what is nearest to points; made when it is asked for first. \throw BadInput a coordinate that is no
+    /// longer finite
     const vcg::fcd::NearestPlace &places() const;
 
     const Rows vertices;
@@ -66,6 +68,9 @@ class Prepared {
 };
 
 /// The numbers of the vertices nearest to points.
-nb::object nearestVertices(const Rows &vertices, const Rows &points);
+nb::object nearestVertices(const Rows &vertices, const Rows &points, unsigned threads, const nb::object &report);
+
+/// A sum of the bits of numbers, to tell whether any has changed; the same for any number of threads.
+std::uint64_t checksum(const Rows &rows, unsigned threads);
 
 #endif

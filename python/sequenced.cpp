@@ -10,6 +10,7 @@ using vcg::fcd::Progress;
 namespace {
 
 vcg::fcd::SurfaceMark markOf(const Prepared &prepared) {
+    const nb::gil_scoped_release release;
     return vcg::fcd::SurfaceMark::Of(prepared.view, prepared.handles.world);
 }
 
@@ -95,6 +96,7 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
     all["converged"] = made.converged;
     all["jumps"] = made.jumps;
     all["folded"] = made.folded;
+    all["discretisation_error"] = made.discretisationError;
     return all;
 }
 

@@ -22,6 +22,8 @@ class Sequence {
 
     /// The table. \param prepared whose surface it tells of; null: none
     std::string text(const Prepared *prepared) const;
+    /// The table with what is known of the surface, as it was read.
+    std::string state() const { return PoseSequenceText(sequence); }
     std::vector<std::pair<std::string, std::string>> poses() const;
     std::vector<Key> keys() const;
     std::vector<double> weightsAt(double time) const { return sequence.WeightsAt(time); }

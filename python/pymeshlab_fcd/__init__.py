@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fast centroidal deformation of meshes and point clouds, on numpy's arrays.
 
-Where the extra `meshlab` is installed, the filters of the plugin become methods of pymeshlab.MeshSet on import; nothing else needs
-pymeshlab.
+Nothing but numpy is imported. Where the filters for pymeshlab are installed, `enable_pymeshlab` makes them methods of its MeshSet.
 """
+from ._core import __version__
 from ._deform import deform, deformation
 from ._deformation import Deformation
-from ._deformer import Deformer, Graph, Transforms, SurfaceInfo, Weights
-from ._fit import FitInfo, Fitted, Fitter, FitStart, fit
-from ._meshlab import VERSIONS, deform_layer
+from ._deformer import Deformer, Graph, SurfaceInfo, Transforms, Weights
+from ._fit import FitInfo, FitStart, Fitted, Fitter, fit
+from ._meshes import MeshLike
+from ._meshlab import VERSIONS, deform_layer, enable_pymeshlab
 from ._motion import Motion
-from ._pose import DeformationWarning, Pose, PoseInfo
+from ._pose import Pose, PoseInfo
 from ._progress import Progress
 from ._sequence import AnimationInfo, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
+from ._warnings import (AccuracyWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning, NodeWarning,
+                        NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning)
 
-__all__ = ["AnimationInfo", "Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter", "Graph",
-           "KeyFrame", "LineInfo", "Motion", "Pose", "PoseInfo", "PoseSequence", "Progress", "Straightened", "SurfaceInfo", "Transforms",
-           "VERSIONS", "Weights", "deform", "deform_layer", "deformation", "fit", "straighten"]
+__all__ = ["AccuracyWarning", "AnimationInfo", "Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter",
+           "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
+           "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
+           "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Transforms", "VERSIONS", "Weights",
+           "__version__", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten"]

@@ -5,21 +5,23 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from ._deformation import Deformation
-from ._deformer import Deformer, GraphWeights, LooseParts, Transforms, Weighing
+from ._deformer import Deformer, Distances, GraphWeights, LooseParts, Transforms, renamed_weights
 from ._inputs import Points
+from ._meshes import MeshLike
 from ._pose import Pose
 from ._progress import Progress, report, shared
 
 
-def _posed(vertices: object, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None, landmarks: ArrayLike | None,
-           percent: float, steps: int, progress: Progress, points: ArrayLike | None, parameters: dict[str, object]) -> Pose:
+def _posed(vertices: ArrayLike | MeshLike, faces: ArrayLike | None, tags: ArrayLike | None, transforms: Transforms | None,
+           landmarks: ArrayLike | None, percent: float, steps: int, progress: Progress, points: ArrayLike | None,
+           parameters: dict[str, object]) -> Pose:
     told = shared(progress)
     deformer = Deformer(vertices, faces, tags, points, progress=report(told, 0, 75), **parameters)  # type: ignore[arg-type]
     return deformer._pose(transforms, landmarks, percent, steps, None, None, None, True, report(told, 75, 100), 5)
 
 
 def deform(
-    vertices: ArrayLike | object,
+    vertices: ArrayLike | MeshLike,
     faces: ArrayLike | None = None,
     tags: ArrayLike | None = None,
     transforms: Transforms | None = None,
@@ -34,7 +36,7 @@ def deform(
     seed: int = 1,
     nodes: ArrayLike | None = None,
     graph_weights: GraphWeights = "border",
-    weights: Weighing = "surface",
+    distances: Distances = "surface",
     influence: float = 4.0,
     loose_parts: LooseParts = "follow",
     weld_distance: float = 1e-6,
@@ -42,53 +44,87 @@ def deform(
     tolerance: float = 1e-5,
     threads: int = 0,
     progress: Progress = None,
+    weights: Distances | None = None,
 ) -> Points:
     """Deforms a mesh or a cloud in one call: what [Deformer][pymeshlab_fcd.Deformer] and its
     [pose][pymeshlab_fcd.Deformer.pose] do, where all parameters are explained.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
-        transforms: `{tag: 4 x 4 matrix or Motion}`; other handles stay.
-        points: Landmarks: k numbers of free vertices, or k x 3 places.
-        landmarks: k x 3, where the points go.
-        percent: How much of all motions is carried out.
-        steps: The pose is reached over so many.
-        smoothness: 0.001 is loose, 0.1 is stiff.
-        patches: How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
-        target_radius: How far a patch may reach; 0: automatic.
-        seed: Chooses where the first patches are.
-        nodes: k x 3, centres of patches to use instead.
-        graph_weights: `border`, `uniform`, `paper` or `printed`.
-        weights: `surface` or `euclidean`.
-        influence: How far a node reaches, in radii of its patch.
-        loose_parts: `follow` or `stay`.
-        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
-        max_iterations: The shape is improved at most this often.
-        tolerance: When it is at rest, a fraction of the diagonal.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}`; other handles stay.
+    points : array_like, optional
+        Landmarks: k numbers of free vertices, or k x 3 places.
+    landmarks : array_like, optional
+        k x 3, where the points go.
+    percent : float, default 100.0
+        How much of all motions is carried out.
+    steps : int, default 1
+        The pose is reached over so many.
+    smoothness : float, default 0.0058
+        0.001 is loose, 0.1 is stiff.
+    patches : int, default 0
+        How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
+    target_radius : float, default 0.0
+        How far a patch may reach; 0: automatic.
+    seed : int, default 1
+        Chooses where the first patches are.
+    nodes : array_like, optional
+        k x 3, centres of patches to use instead.
+    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
+        `border`, `uniform`, `paper` or `printed`.
+    distances : {'surface', 'euclidean'}, default 'surface'
+        `surface` or `euclidean`.
+    influence : float, default 4.0
+        How far a node reaches, in radii of its patch.
+    loose_parts : {'follow', 'stay'}, default 'follow'
+        `follow` or `stay`.
+    weld_distance : float, default 1e-06
+        Fraction of the diagonal up to which vertices on open borders count as one.
+    max_iterations : int, default 1000
+        The shape is improved at most this often.
+    tolerance : float, default 1e-05
+        When it is at rest, a fraction of the diagonal.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    weights : {'surface', 'euclidean'}, optional
+        What `distances` was called before.
 
-    Returns:
+    Returns
+    -------
+    ndarray
         The positions, n x 3: the same bits as those of the filter `generate_fcd_deformed_mesh`.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: What is probably not meant: nothing moves, triangles turned over, the shape did not come to rest.
+    Warns
+    -----
+    DeformationWarning
+        What is probably not meant: nothing moves, triangles turned over, the shape did not come to rest.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
-        tolerance=tolerance, threads=threads)).vertices
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
+        max_iterations=max_iterations, tolerance=tolerance, threads=threads))._vertices.given_away()
 
 
 def deformation(
-    vertices: ArrayLike | object,
+    vertices: ArrayLike | MeshLike,
     faces: ArrayLike | None = None,
     tags: ArrayLike | None = None,
     transforms: Transforms | None = None,
@@ -103,7 +139,7 @@ def deformation(
     seed: int = 1,
     nodes: ArrayLike | None = None,
     graph_weights: GraphWeights = "border",
-    weights: Weighing = "surface",
+    distances: Distances = "surface",
     influence: float = 4.0,
     loose_parts: LooseParts = "follow",
     weld_distance: float = 1e-6,
@@ -111,48 +147,82 @@ def deformation(
     tolerance: float = 1e-5,
     threads: int = 0,
     progress: Progress = None,
+    weights: Distances | None = None,
 ) -> Deformation:
     """The same as [deform][pymeshlab_fcd.deform] as a deformation of space, to be applied to other points: deform a thinned scan,
     then all of it.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
-        transforms: `{tag: 4 x 4 matrix or Motion}`; other handles stay.
-        points: Landmarks: k numbers of free vertices, or k x 3 places.
-        landmarks: k x 3, where the points go.
-        percent: How much of all motions is carried out.
-        steps: The pose is reached over so many.
-        smoothness: 0.001 is loose, 0.1 is stiff.
-        patches: How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
-        target_radius: How far a patch may reach; 0: automatic.
-        seed: Chooses where the first patches are.
-        nodes: k x 3, centres of patches to use instead.
-        graph_weights: `border`, `uniform`, `paper` or `printed`.
-        weights: `surface` or `euclidean`.
-        influence: How far a node reaches, in radii of its patch.
-        loose_parts: `follow` or `stay`.
-        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
-        max_iterations: The shape is improved at most this often.
-        tolerance: When it is at rest, a fraction of the diagonal.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}`; other handles stay.
+    points : array_like, optional
+        Landmarks: k numbers of free vertices, or k x 3 places.
+    landmarks : array_like, optional
+        k x 3, where the points go.
+    percent : float, default 100.0
+        How much of all motions is carried out.
+    steps : int, default 1
+        The pose is reached over so many.
+    smoothness : float, default 0.0058
+        0.001 is loose, 0.1 is stiff.
+    patches : int, default 0
+        How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
+    target_radius : float, default 0.0
+        How far a patch may reach; 0: automatic.
+    seed : int, default 1
+        Chooses where the first patches are.
+    nodes : array_like, optional
+        k x 3, centres of patches to use instead.
+    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
+        `border`, `uniform`, `paper` or `printed`.
+    distances : {'surface', 'euclidean'}, default 'surface'
+        `surface` or `euclidean`.
+    influence : float, default 4.0
+        How far a node reaches, in radii of its patch.
+    loose_parts : {'follow', 'stay'}, default 'follow'
+        `follow` or `stay`.
+    weld_distance : float, default 1e-06
+        Fraction of the diagonal up to which vertices on open borders count as one.
+    max_iterations : int, default 1000
+        The shape is improved at most this often.
+    tolerance : float, default 1e-05
+        When it is at rest, a fraction of the diagonal.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    weights : {'surface', 'euclidean'}, optional
+        What `distances` was called before.
 
-    Returns:
+    Returns
+    -------
+    Deformation
         What `save_fcd_deformation` saves of the same, to the bit. Its `largest_difference` tells how far a vertex is off at most.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: As of [deform][pymeshlab_fcd.deform], and where vertices are off by more than a ten-thousandth.
+    Warns
+    -----
+    DeformationWarning
+        As of [deform][pymeshlab_fcd.deform], and where vertices are off by more than a ten-thousandth.
     """
     told = shared(progress)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
-        weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
-        tolerance=tolerance, threads=threads))
+        distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
+        max_iterations=max_iterations, tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from . import _files, _inputs
 from ._core import Field
 from ._inputs import Points
+from ._numbers import shown, text
 from ._progress import Progress, report
 
 
@@ -21,13 +22,19 @@ class Deformation:
     itself: the bits do not depend on how points are cut into pieces, on their order, or on threads. Any number of threads may
     use one object at a time; it can be pickled, and is a megabyte or so then. Two are equal where they are the same to the bit.
 
-    Args:
-        content: That of a file.
-        name: What messages call it.
+    Parameters
+    ----------
+    content : bytes
+        That of a file.
+    name : str, default 'deformation'
+        What messages call it.
 
-    Raises:
-        TypeError: The content is no bytes.
-        ValueError: It is no saved deformation; the message says what is wrong.
+    Raises
+    ------
+    TypeError
+        The content is no bytes.
+    ValueError
+        It is no saved deformation; the message says what is wrong.
     """
 
     __slots__ = ("_field",)
@@ -35,7 +42,7 @@ class Deformation:
     def __init__(self, content: bytes, name: str = "deformation") -> None:
         if not isinstance(content, (bytes, bytearray, memoryview)):
             raise TypeError(f"content must be the bytes of a file; it is a {type(content).__name__}. Deformation.load(path) reads a file")
-        self._field = Field(bytes(content), name)
+        self._field = Field.read(bytes(content), shown(text("name", name)), 1)  # so small that more threads than one would not help
 
     @classmethod
     def _of(cls, field: Field) -> Deformation:
@@ -47,51 +54,70 @@ class Deformation:
     def load(cls, path: str | os.PathLike[str]) -> Deformation:
         """From a file.
 
-        Args:
-            path: Of a file that `save_fcd_deformation` or [save][pymeshlab_fcd.Deformation.save] has written.
+        Parameters
+        ----------
+        path : path
+            Of a file that `save_fcd_deformation` or [save][pymeshlab_fcd.Deformation.save] has written.
 
-        Raises:
-            OSError: It cannot be read.
-            ValueError: It is no saved deformation; the message says what is wrong.
+        Raises
+        ------
+        OSError
+            It cannot be read.
+        ValueError
+            It is no saved deformation; the message says what is wrong.
         """
-        with open(path, "rb") as file:
-            return cls(file.read(), os.fsdecode(path))
+        with open(os.fspath(path), "rb") as file:  # no number of an open file
+            return cls(file.read(), shown(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """To a file. What is there is replaced at once, when all is on the disk, and otherwise stays.
 
-        Args:
-            path: Where it goes.
+        Parameters
+        ----------
+        path : path
+            Where it goes.
 
-        Raises:
-            OSError: It cannot be written, as where the disk is full.
+        Raises
+        ------
+        OSError
+            It cannot be written, as where the disk is full.
         """
         _files.write(path, self._field.content())
 
     @overload
-    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1, progress: Progress = None) -> Points: ...
+    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 0, progress: Progress = None) -> Points: ...
     @overload
-    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 1, progress: Progress = None) -> tuple[Points, Points]: ...
+    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 0, progress: Progress = None) -> tuple[Points, Points]: ...
     def __call__(self, xyz: ArrayLike, normals: ArrayLike | None = None, *, threads: int = 1,
                  progress: Progress = None) -> Points | tuple[Points, Points]:
         """Carries points.
 
-        Args:
-            xyz: n x 3, world coordinates. Points that are not finite, or beyond 1e100, stay as they are, and so does, to the bit,
-                what is nearest to something that was fixed.
-            normals: n x 3, of any length.
-            threads: How many to use, 0 for one a core. Python's lock is free meanwhile.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        xyz : array_like
+            n x 3, world coordinates. Points that are not finite, or beyond 1e100, stay as they are, and so does, to the bit, what is
+            nearest to something that was fixed.
+        normals : array_like, optional
+            n x 3, of any length.
+        threads : int, default 1
+            How many to use; 0 is one a core. Python's lock is free meanwhile.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Returns:
+        Returns
+        -------
+        ndarray or tuple[ndarray, ndarray]
             The positions, n x 3, and, where normals are given, these, too, as long as they were.
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape.
         """
-        rows = _inputs.rows("xyz", xyz)
-        beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point")
+        rows = _inputs.rows("xyz", xyz, lent=True)
+        beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point", lent=True)
         positions, turned = self._field.apply(rows, beside, _inputs.whole("threads", threads, 0, 1024), report(progress))
         return positions if turned is None else (positions, turned)
 

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import functools
+import importlib
+import threading
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Literal, Union
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _inputs, _meshes
 from ._inputs import Points
+from ._kept import Kept
+from ._meshes import MeshLike
 from ._motion import Motion
-from ._pose import DeformationWarning, Pose
-from ._progress import Progress, report
+from ._pose import Pose
+from ._progress import Progress, Report, report
+from ._warnings import NodeWarning, ScanLineWarning, SlitWarning, Told, warn
 
 GraphWeights = Literal["border", "uniform", "paper", "printed"]
-Weighing = Literal["surface", "euclidean"]
+Distances = Literal["surface", "euclidean"]
 LooseParts = Literal["follow", "stay"]
 Transforms = Mapping[int, Union[Motion, ArrayLike]]
 """Of each handle that moves: its tag, and a 4 x 4 matrix (column vectors, world coordinates) or a Motion. Other handles stay."""
@@ -42,9 +48,9 @@ class Graph:
 class Weights:
     """What each of n vertices follows, as a sparse matrix of n rows in the CSR format.
 
-    `scipy.sparse.csr_array((weights.data, weights.indices, weights.indptr), weights.shape)` makes it one of scipy. The first k columns are
-    the nodes of the graph, the next ones the held regions (`tags`, 0 first: what is fixed or outside), the last ones the landmarks. Each
-    row's sum is 1, but for loose parts that follow another part: their rows are empty.
+    `to_scipy` makes it one of scipy. The first k columns are the nodes of the graph, the next ones the held regions (`tags`, 0 first: what
+    is fixed or outside), the last ones the landmarks. Each row's sum is 1, but for loose parts that follow another part: their rows are
+    empty.
 
     Blending the nodes' motions with them comes near to a pose, but is not the same: the method blends to second order, and stretches
     what runs into held regions with the surface.
@@ -62,6 +68,16 @@ class Weights:
     """How many columns are nodes."""
     tags: tuple[int, ...]
     """Those of the held regions, in the order of their columns."""
+
+    def to_scipy(self) -> Any:
+        """A `scipy.sparse.csr_array` on the same numbers.
+
+        Raises
+        ------
+        ImportError
+            scipy is not installed; nothing else needs it.
+        """
+        return importlib.import_module("scipy.sparse").csr_array((self.data, self.indices, self.indptr), self.shape)
 
 
 @dataclass(frozen=True)
@@ -102,72 +118,123 @@ class SurfaceInfo:
     """That preparing took."""
 
 
+_CHANGED: Final = ("{} has been changed since it was given with copy=False: give it anew, or leave copy=False out, so that there is a "
+                   "copy of it")
 _GRAPH_WEIGHTS = {"border": (0, False), "uniform": (1, False), "paper": (1, True), "printed": (2, True)}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a surface is prepared: after pickling again, with the same bits."""
+
+    kind: Literal["held", "free", "fitted"]
+    param: dict[str, Any]
+    tags: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    motions: list[tuple[int, str]] = field(default_factory=list)
+
+
+def renamed_weights(distances: Distances, weights: Distances | None, level: int) -> Distances:
+    """The parameter as it is called now. level: of whoever has called what has it, as of warnings.warn"""
+    if weights is None:
+        return distances
+    warnings.warn("the parameter weights is called distances now; this name goes with the next version", DeprecationWarning, level)
+    return weights
 
 
 class Deformer:
     """A surface or a cloud that is prepared to be deformed: read, divided into patches, its graph factorised. A pose then takes a
-    fraction of the time. Any number of threads may pose one Deformer at a time; Python's lock is free while it works.
+    fraction of the time. Any number of threads may pose one Deformer at a time; Python's lock is free while it works. It does not change,
+    and its arrays cannot be written to. It can be pickled, and is prepared again, with the same bits, where it is used then.
 
     The same input gives the same bits, for any number of threads, and the same as the filters of MeshLab give.
 
-    Args:
-        vertices: n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. C-contiguous doubles are not copied but
-            referred to: do not change them while the Deformer is used. Everything else (any kind of numbers, stride, byte order) is
-            copied once.
-        faces: m x 3 numbers of vertices, the corners of triangles. None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free
-            but the landmarks.
-        points: Landmarks, which are put somewhere, while how the surface turns there is left to it: k numbers of free vertices, or
-            k x 3 places, of which the nearest vertices are taken.
-        normals: n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
-        smoothness: How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the
-            paper).
-        patches: How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where
-            the surface is so thin or torn that 300 would bend it otherwise.
-        target_radius: How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches
-            and the area that can bend (D of sec. 2.1).
-        seed: Chooses where the first patches are, 0 to 2147483647.
-        nodes: k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
-        graph_weights: How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the
-            same with patches balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is
-            1 in the paper).
-        weights: What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
-        influence: How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
-        loose_parts: What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
-        weld_distance: Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to
-            0.001.
-        max_iterations: The shape is improved at most this often, from 1.
-        tolerance: At rest is where no node is farther from where it comes to rest than ten times this fraction of the diagonal,
-            more than 0.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. Any kind of numbers, stride, byte order; what becomes of the
+        array later does not matter.
+    faces : array_like, optional
+        m x 3 numbers of vertices, the corners of triangles. None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free but the
+        landmarks.
+    points : array_like, optional
+        Landmarks, which are put somewhere, while how the surface turns there is left to it: k numbers of free vertices, or k x 3 places, of
+        which the nearest vertices are taken.
+    normals : array_like, optional
+        n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
+    copy : bool, default True
+        False: `vertices` and `normals`, if they are C-contiguous doubles, are referred to instead of copied, which saves 24 bytes a vertex
+        each. Do not change them while the Deformer or a pose of it is used: that is an error then.
+    smoothness : float, default 0.0058
+        How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the paper).
+    patches : int, default 0
+        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where the surface is
+        so thin or torn that 300 would bend it otherwise.
+    target_radius : float, default 0.0
+        How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches and the area that can
+        bend (D of sec. 2.1).
+    seed : int, default 1
+        Chooses where the first patches are, 0 to 2147483647.
+    nodes : array_like, optional
+        k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
+    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
+        How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the same with patches
+        balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is 1 in the paper).
+    distances : {'surface', 'euclidean'}, default 'surface'
+        What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
+    influence : float, default 4.0
+        How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
+    loose_parts : {'follow', 'stay'}, default 'follow'
+        What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
+    weld_distance : float, default 1e-06
+        Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to 0.001.
+    max_iterations : int, default 1000
+        The shape is improved at most this often, from 1.
+    tolerance : float, default 1e-05
+        At rest is where no node is farther from where it comes to rest than ten times this fraction of the diagonal, more than 0.
+    threads : int, default 0
+        How many to use, for its poses, too; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    weights : {'surface', 'euclidean'}, optional
+        What `distances` was called before.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-        MemoryError: There is not enough of it.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+    MemoryError
+        There is not enough of it.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: Open borders are close to each other, or nodes do not lie on the surface.
+    Warns
+    -----
+    DeformationWarning
+        Open borders are close to each other, or nodes do not lie on the surface.
     """
+
+    _starts: Points | None
 
     def __init__(
         self,
-        vertices: ArrayLike | object,
+        vertices: ArrayLike | MeshLike,
         faces: ArrayLike | None = None,
         tags: ArrayLike | None = None,
         points: ArrayLike | None = None,
         *,
         normals: ArrayLike | None = None,
+        copy: bool = True,
         smoothness: float = 0.0058,
         patches: int = 0,
         target_radius: float = 0.0,
         seed: int = 1,
         nodes: ArrayLike | None = None,
         graph_weights: GraphWeights = "border",
-        weights: Weighing = "surface",
+        distances: Distances = "surface",
         influence: float = 4.0,
         loose_parts: LooseParts = "follow",
         weld_distance: float = 1e-6,
@@ -175,71 +242,155 @@ class Deformer:
         tolerance: float = 1e-5,
         threads: int = 0,
         progress: Progress = None,
+        weights: Distances | None = None,
     ) -> None:
-        self._mesh, positions, corners = _surface(vertices, faces)
-        self.vertices: Points = positions
-        """n x 3, at rest: the caller's own array where it is one of C-contiguous doubles."""
-        n = len(self.vertices)
-        self.faces: NDArray[np.uint32] | None = corners
-        """m x 3, None for a cloud."""
-        at: NDArray[np.int64] = np.zeros(0, np.int64)
-        starts: Points | None = None
+        distances = renamed_weights(distances, weights, 3)
+        lent = not _inputs.flag("copy", copy)
+        self._take(vertices, faces, normals, lent, _inputs.whole("threads", threads, 0, 1024))
+        n = len(self._vertices.look())
+        told = report(progress)
         if points is not None:
             given = _inputs.points(points, n)
             if given.ndim == 2:
-                starts = _finite("points", np.asarray(given, np.float64))
-                at = _core.nearest_vertices(self.vertices, starts)
+                starts = np.asarray(given, np.float64)
+                self._starts = starts
+                self._points = _inputs.own(_core.nearest_vertices(self._vertices.look(), starts, self._threads, None), np.int64)
             else:
-                at = np.asarray(given, np.int64)
-        if tags is None and len(at) == 0:
+                self._points = np.asarray(given, np.int64)
+        if tags is None and len(self._points) == 0:
             raise ValueError(f"nothing is held: give tags ({_inputs.TAGS}), points, or both")
-        self._starts = starts
-        self._normals = None if normals is None else _inputs.normals(normals, n)
         kind, by_vertices = tuple(_GRAPH_WEIGHTS.values())[_inputs.choice("graph_weights", graph_weights, tuple(_GRAPH_WEIGHTS))]
         param: dict[str, Any] = {
             "patches": _inputs.whole("patches", patches, 0),
-            "target_radius": _inputs.single("target_radius", target_radius),
+            "target_radius": _inputs.number("target_radius", target_radius),
             "seed": _inputs.whole("seed", seed, 0),
             "by_vertices": by_vertices,
             "graph_weights": kind,
-            "weights": _inputs.choice("weights", weights, ("surface", "euclidean")),
-            "influence": _inputs.single("influence", influence),
+            "weights": _inputs.choice("distances", distances, ("surface", "euclidean")),
+            "influence": _inputs.number("influence", influence),
             "loose_parts": _inputs.choice("loose_parts", loose_parts, ("follow", "stay")),
-            "weld_distance": _inputs.single("weld_distance", weld_distance),
-            "smoothness": _inputs.single("smoothness", smoothness),
+            "weld_distance": _inputs.number("weld_distance", weld_distance),
+            "smoothness": _inputs.number("smoothness", smoothness),
             "max_iterations": _inputs.whole("max_iterations", max_iterations, 1),
-            "tolerance": _inputs.single("tolerance", tolerance),
-            "nodes": None if nodes is None else _finite("nodes", _inputs.rows("nodes", nodes)),
+            "tolerance": _inputs.number("tolerance", tolerance),
+            "nodes": None if nodes is None else _inputs.finite("nodes", _inputs.rows("nodes", nodes)),
         }
-        self._core = _core.prepare(self.vertices, corners, _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n), at, param,
-                                   _inputs.whole("threads", threads, 0, 1024), report(progress))
-        self.points: NDArray[np.int64] = at
-        """k, the vertices of the landmarks."""
+        self._plan = Plan("held", param, _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n))
+        self._prepare(told)
         self._warn(0 if nodes is None else len(param["nodes"]))
 
     @classmethod
-    def _made(cls, vertices: object, faces: ArrayLike | None, normals: ArrayLike | None,
-              prepare: Callable[[Points, NDArray[np.uint32] | None, Points | None], _core.Prepared]) -> Deformer:
-        """What something else prepares of vertices, faces and normals, to be moved by that."""
+    def _made(cls, vertices: object, faces: object, normals: ArrayLike | None, lent: bool, threads: int, plan: Callable[[int], Plan],
+              told: Report | None) -> Deformer:
+        """What is moved by something else than handles, or beside them. plan: for so many vertices"""
         made = cls.__new__(cls)
-        made._mesh, made.vertices, made.faces = _surface(vertices, faces)
-        made._starts = None
-        made._normals = None if normals is None else _inputs.normals(normals, len(made.vertices))
-        made.points = np.zeros(0, np.int64)
-        made._core = prepare(made.vertices, made.faces, made._normals)
+        made._take(vertices, faces, normals, lent, threads)
+        made._plan = plan(len(made.vertices))
+        made._prepare(told)
         return made
+
+    def _take(self, vertices: object, faces: object, normals: ArrayLike | None, lent: bool, threads: int) -> None:
+        self._lock = threading.Lock()
+        self._ready: tuple[_core.Prepared, _core.Fitting | None] | None = None
+        self._threads = threads
+        self._mesh, positions, self._faces = _meshes.surface(vertices, faces, lent=lent)
+        self._left_behind = ""
+        self._vertices = Kept(positions, _CHANGED.format("vertices") if lent else None, threads)
+        self._normals = None if normals is None else Kept(_inputs.normals(normals, len(positions), lent=lent),
+                                                          _CHANGED.format("normals") if lent else None, threads)
+        self._starts = None
+        self._points = _inputs.own(np.zeros(0), np.int64)
+
+    def _prepare(self, told: Report | None) -> tuple[_core.Prepared, _core.Fitting | None]:
+        plan, vertices = self._plan, self._vertices.look()
+        fitting: _core.Fitting | None = None
+        if plan.kind == "held":
+            prepared = _core.prepare(vertices, self._faces, plan.tags, self._points, plan.param, self._threads, told)
+        elif plan.kind == "free":
+            prepared = _core.prepare_free(vertices, self._faces, plan.param, self._threads, told)
+        else:
+            fitting = _core.Fitting(vertices, self._faces, plan.tags, plan.motions, self._rest_normals, plan.param, self._threads, told)
+            prepared = fitting.prepared
+        self._ready = prepared, fitting
+        return self._ready
+
+    def _both(self) -> tuple[_core.Prepared, _core.Fitting | None]:
+        self._vertices.look()
+        if self._ready is None:  # after pickling
+            with self._lock:
+                return self._ready or self._prepare(None)
+        return self._ready
+
+    @property
+    def _prepared(self) -> _core.Prepared:
+        return self._both()[0]
+
+    @property
+    def _fitting(self) -> _core.Fitting:
+        fitting = self._both()[1]
+        assert fitting
+        return fitting
+
+    @property
+    def _rest_normals(self) -> Points | None:
+        return None if self._normals is None else self._normals.look()
+
+    def _given_mesh(self) -> object:
+        if self._left_behind:
+            raise ValueError(f"the mesh that the Deformer was given cannot be pickled (a {self._left_behind}), and was left behind; "
+                             "Pose.vertices has the positions")
+        if self._mesh is None:
+            raise ValueError("the Deformer was given arrays, not a mesh; Pose.vertices has the positions")
+        return self._mesh
+
+    def __getstate__(self) -> dict[str, Any]:
+        carried = _meshes.can_be_pickled(self._mesh)
+        return {"mesh": self._mesh if carried else None, "left_behind": self._left_behind if carried else type(self._mesh).__name__,
+                "vertices": self.vertices, "faces": self._faces, "normals": self._rest_normals, "starts": self._starts,
+                "points": self._points, "plan": self._plan, "threads": self._threads}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._lock, self._ready = threading.Lock(), None
+        self._mesh, self._left_behind, self._threads, self._plan = state["mesh"], state["left_behind"], state["threads"], state["plan"]
+        self._vertices, normals, faces = Kept(_inputs.own(state["vertices"], np.float64)), state["normals"], state["faces"]
+        self._starts = state["starts"]
+        self._normals = None if normals is None else Kept(_inputs.own(normals, np.float64))
+        self._faces = None if faces is None else _inputs.own(faces, np.uint32)
+        self._points = _inputs.own(state["points"], np.int64)
+
+    @property
+    def vertices(self) -> Points:
+        """n x 3, at rest, read-only.
+
+        Raises
+        ------
+        ValueError
+            They are the caller's own array (`copy=False`), who has changed it since.
+        """
+        return self._vertices.look()
+
+    @property
+    def faces(self) -> NDArray[np.uint32] | None:
+        """m x 3, read-only; None for a cloud."""
+        return self._faces
+
+    @property
+    def points(self) -> NDArray[np.int64]:
+        """k, read-only: the vertices of the landmarks."""
+        return self._points
 
     def _warn(self, nodes: int) -> None:
         info = self.info
+        found: list[Told] = []
         if info.gaps > 3:
-            warnings.warn(f"{info.gaps} vertices on open borders lie closer to another border than a tenth of their edges, and nothing "
-                          "joins the two: such a slit may open. Weld the surface first, or raise weld_distance.", DeformationWarning, 3)
+            found.append((SlitWarning, f"{info.gaps} vertices on open borders lie closer to another border than a tenth of their edges, and "
+                                       "nothing joins the two: such a slit may open. Weld the surface first, or raise weld_distance."))
         if 100 * info.one_sided > info.free:
-            warnings.warn(f"{info.one_sided} points see others along their own line alone, so that lines hang together only here and "
-                          "there. If this is a surface, thin out the points along the lines first.", DeformationWarning, 3)
+            found.append((ScanLineWarning, f"{info.one_sided} points see others along their own line alone, so that lines hang together only "
+                                           "here and there. If this is a surface, thin out the points along the lines first."))
         if info.placed_nodes < nodes:
-            warnings.warn(f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out.",
-                          DeformationWarning, 3)
+            found.append((NodeWarning, f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out."))
+        warn(found, 3)
 
     def pose(
         self,
@@ -256,58 +407,76 @@ class Deformer:
     ) -> Pose:
         """Moves the handles, and lets the free surface follow.
 
-        Args:
-            transforms: `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
-            landmarks: k x 3, where the `points` go; None: they stay.
-            percent: How much of all motions is carried out: 0 is none, and 100 all; it may be more, or less than 0.
-            steps: The pose is reached over so many, 1 to 1000, each bent from the one before, which finds the shape that grows out
-                of that at rest where there are several.
-            start: A pose of this Deformer to go on from, instead of from rest.
-            out: n x 3 doubles, C-contiguous: written to and used for `Pose.vertices`, instead of a new array.
-            out_normals: The same for `Pose.normals`, which are then computed at once.
-            check: Also look for what is probably not meant (triangles that turned over), and warn of it.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        transforms : Transforms, optional
+            `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
+        landmarks : array_like, optional
+            k x 3, where the `points` go; None: they stay.
+        percent : float, default 100.0
+            How much of all motions is carried out: 0 is none, and 100 all; it may be more, or less than 0.
+        steps : int, default 1
+            The pose is reached over so many at least, 1 to 1000, each bent from the one before, which finds the shape that grows out of
+            that at rest where there are several; over more where handles turn by more than 60 degrees a step.
+        start : Pose, optional
+            A pose of this Deformer to go on from, instead of from rest: handles go from there as a blend of both does.
+        out : ndarray, optional
+            n x 3 doubles, C-contiguous: written to and used for `Pose.vertices`, instead of a new array. Once it has been written to again,
+            this pose's `vertices` are an error.
+        out_normals : ndarray, optional
+            The same for `Pose.normals`, which are then computed at once.
+        check : bool, default True
+            Also look for what is probably not meant (triangles that turned over), and warn of it.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape or is out of range, or a handle that moves does not exist.
-            KeyboardInterrupt: Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, or a handle that moves does not exist.
+        KeyboardInterrupt
+            Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
 
-        Warns:
-            DeformationWarning: Nothing moves, the shape did not come to rest, or the check found something.
+        Warns
+        -----
+        DeformationWarning
+            Nothing moves, the shape did not come to rest, or the check found something.
         """
         return self._pose(transforms, landmarks, percent, steps, start, out, out_normals, check, progress, 4)
 
     def _pose(self, transforms: object, landmarks: object, percent: object, steps: object, start: object, out: object, out_normals: object,
-              check: bool, progress: Progress, level: int) -> Pose:
-        n = len(self.vertices)
+              check: object, progress: Progress, level: int) -> Pose:
+        if self._plan.kind == "free":
+            raise ValueError("this surface was prepared to be bent along a line, not to be posed: make a Deformer of its vertices and faces")
+        rest = self.vertices
+        n = len(rest)
         targets: Points | None = None
         if landmarks is not None:
-            if len(self.points) == 0:
+            if len(self._points) == 0:
                 raise ValueError("landmarks are where the points go: give the Deformer points, numbers of vertices or places")
-            targets = _finite("landmarks", _inputs.rows("landmarks", landmarks, len(self.points), "one for each of points"))
+            targets = _inputs.finite("landmarks", _inputs.rows("landmarks", landmarks, len(self._points), "one for each of points"))
             if self._starts is not None:  # the vertex goes as far as the place that it is nearest to
-                targets = targets + (self.vertices[self.points] - self._starts)
+                targets = targets + (rest[self._points] - self._starts)
+        begin: _core.Posed | None = None
         if start is not None:
             if not isinstance(start, Pose) or start.deformer is not self:
                 raise TypeError(f"start must be a Pose of this Deformer; it is {'one of another' if isinstance(start, Pose) else f'a {type(start).__name__}'}")
-            if steps != 1:
-                raise ValueError("steps lead from rest; with start, pose in a loop, each from the one before")
-        if not isinstance(check, (bool, np.bool_)):
-            raise TypeError(f"check must be True or False; it is {check!r}")
-        vertices = np.empty((n, 3)) if out is None else _inputs.written("out", out, n)
+            begin = start._core
+        checked = _inputs.flag("check", check)
+        vertices = None if out is None else _inputs.written("out", out, n)
         turned = None if out_normals is None else _inputs.written("out_normals", out_normals, n)
         for name, array in (("out", out), ("out_normals", out_normals)):
-            if array is not None and (np.shares_memory(array, self.vertices) or
-                                      (self._normals is not None and np.shares_memory(array, self._normals))):
+            if array is not None and any(kept is not None and np.shares_memory(array, kept) for kept in (rest, self._rest_normals)):
                 raise ValueError(f"{name} must be another array than what the Deformer refers to: np.empty_like(vertices)")
         moves = _inputs.transforms(transforms, self.handles)
         told = report(progress)
-        solved = _core.solve(self._core, moves, targets, _inputs.single("percent", percent), _inputs.whole("steps", steps, 1, 1000),
-                             None if start is None else start._core, _part(told, 0, 50))
-        pose = Pose(self, solved, vertices)
-        pose._write(turned, _part(told, 50, 90))
-        pose._warn(check, _part(told, 90, 100), level)
+        solved = _core.solve(self._prepared, moves, targets, _inputs.number("percent", percent), _inputs.whole("steps", steps, 1, 1000),
+                             begin, _part(told, 0, 50))
+        pose = Pose(self, solved)
+        pose._write(vertices, turned, _part(told, 50, 90))
+        pose._warn(checked, _part(told, 90, 100), level)
         return pose
 
     @property
@@ -316,56 +485,41 @@ class Deformer:
         return tuple(self.centers)
 
     @functools.cached_property
-    def centers(self) -> dict[int, tuple[float, float, float]]:
+    def centers(self) -> Mapping[int, tuple[float, float, float]]:
         """The mean of the vertices of each handle, by its tag: what a Motion turns and scales about."""
-        return self._core.centers()
+        return MappingProxyType(self._prepared.centers())
 
     @functools.cached_property
     def info(self) -> SurfaceInfo:
         """What the surface is, as it was read."""
-        return SurfaceInfo(**self._core.report())
+        return SurfaceInfo(**self._prepared.report())
 
     @functools.cached_property
     def graph(self) -> Graph:
-        """The deformation graph at rest."""
-        return Graph(*self._core.graph())
+        """The deformation graph at rest; its arrays are read-only."""
+        nodes, edges, radius, centers = self._prepared.graph()
+        return Graph(_inputs.own(nodes, np.float64), _inputs.own(edges, np.int32), _inputs.own(radius, np.float64),
+                     _inputs.own(centers, np.float64))
 
     @functools.cached_property
     def patch_of(self) -> NDArray[np.int32]:
-        """n, the patch (the node of the graph) of each vertex; -1 where it is in none."""
-        return self._core.patch_of()
+        """n, read-only: the patch (the node of the graph) of each vertex; -1 where it is in none."""
+        return _inputs.own(self._prepared.patch_of(), np.int32)
 
     def weights(self, *, progress: Progress = None) -> Weights:
         """What each vertex follows.
 
-        Args:
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
-        indptr, indices, data, tags = self._core.weights(report(progress))
-        columns = self.info.nodes + len(tags) + len(self.points)
+        indptr, indices, data, tags = self._prepared.weights(report(progress))
+        columns = self.info.nodes + len(tags) + len(self._points)
         return Weights(indptr, indices, data, (len(self.vertices), columns), self.info.nodes, tuple(tags))
 
     def __repr__(self) -> str:
-        return f"<Deformer of {len(self.vertices)} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"
-
-
-def _surface(vertices: object, faces: ArrayLike | None, whose: str = "") -> tuple[object, Points, NDArray[np.uint32] | None]:
-    """The mesh of another library, if it is one; positions, corners."""
-    mesh: object = None
-    taken = _meshes.taken(vertices)
-    if taken is not None:
-        if faces is not None:
-            raise TypeError(f"{whose}faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
-        mesh = vertices
-        vertices, faces = taken
-    positions = _inputs.rows(f"{whose}vertices", vertices, what="one row per vertex")
-    return mesh, positions, _inputs.triangles(faces, len(positions), f"{whose}faces")
-
-
-def _finite(name: str, values: Points) -> Points:
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} must be finite numbers")
-    return values
+        return f"<Deformer of {len(self._vertices.look())} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"
 
 
 def _part(told: Any, begin: int, end: int) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -12,11 +11,13 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core, _inputs
-from ._deformer import Deformer, Transforms, _finite, _surface
+from . import _core, _inputs, _meshes
+from ._deformer import Deformer, Plan, Transforms
 from ._inputs import Points
-from ._pose import DeformationWarning, Pose, PoseInfo
+from ._meshes import MeshLike
+from ._pose import Pose, PoseInfo
 from ._progress import Progress, report, shared
+from ._warnings import FoldWarning, LandmarkWarning, MatchWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 FitStart = Literal["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"]
 """From where a fit begins; see [Fitter][pymeshlab_fcd.Fitter]."""
@@ -56,80 +57,121 @@ class Fitted(Pose):
 
     _report: dict[str, Any]
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "report": self._report}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._report = state["report"]
+
     @functools.cached_property
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
-        info, told = self._core.info(), dict(self._report)
-        del told["diagonal"], told["beyond"], told["alone"]
-        return FitInfo(nodes=info["nodes"], iterations=info["iterations"], converged=info["converged"], energy=math.nan,
-                       discretisation_error=math.nan, folded=self._check()["folded"], strained=self._check()["strained"],
-                       largest_stretch=float(self.stretch().max(initial=1)), seconds=info["seconds_solve"] + info["seconds_map"], **told)
+        told, found = self._told, dict(self._report)
+        del found["diagonal"], found["beyond"], found["alone"]
+        return FitInfo(nodes=told["nodes"], iterations=told["iterations"], converged=told["converged"], energy=math.nan,
+                       folded=self._check()["folded"], strained=self._check()["strained"],
+                       largest_stretch=float(self.stretch().max(initial=1)), seconds=told["seconds_solve"] + told["seconds_map"], **found)
 
-    def _words(self, folded: int) -> list[str]:
+    def discretisation_error(self, *, progress: Progress = None) -> float:
+        """Not a number: the target moves the surface, too, and not Eq. 2 alone.
+
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told nothing.
+        """
+        return math.nan
+
+    def _words(self, folded: int) -> list[Told]:
         """What is not to be trusted, in words."""
-        told, texts = self._report, []
+        told, found = self._report, list[Told]()
         if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
-            texts.append(f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay the surfaces "
-                         "onto each other first, give landmarks, or raise largest_distance or largest_angle.")
+            found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay "
+                                        "the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
         if folded > 0:
-            texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the fit folds the surface there. Give "
-                         "landmarks, or raise stiffness.")
+            found.append((FoldWarning, f"{triangles_turned(folded)}: the fit folds the surface there. Give landmarks, or raise stiffness."))
         off = told["beyond"] > 1e-6 * told["diagonal"]
         if off or told["landmark_pull"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
-            texts.append("The landmarks contradict each other or the target, by "
-                         f"{max(told['landmark_pull'], told['beyond']):g}. Look for pairs that are mixed up"
-                         f"{'; where they are closer than patches, raise patches' if off else ''}.")
-        if not self._core.info()["converged"]:
-            texts.append("The fit did not come to rest: raise steps.")
-        return texts
+            found.append((LandmarkWarning, "The landmarks contradict each other or the target, by "
+                                           f"{max(told['landmark_pull'], told['beyond']):g}. Look for pairs that are mixed up"
+                                           f"{'; where they are closer than patches, raise patches' if off else ''}."))
+        if not self._told["converged"]:
+            found.append((NotAtRestWarning, "The fit did not come to rest: raise steps."))
+        return found
 
 
 class Fitter:
     """A surface or a cloud that is prepared once to be laid onto others. Any number of threads may fit one Fitter at a time; Python's
-    lock is free while it works. The same input gives the same bits, for any number of threads.
+    lock is free while it works. The same input gives the same bits, for any number of threads. It can be pickled, and is prepared again
+    where it is used then.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab. C-contiguous doubles are referred to, not copied.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
-        transforms: `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
-        normals: n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
-        start: Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar`
-            (with a scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the
-            one that fits best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
-        stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
-        largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
-        largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
-        landmarks_only: The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
-        both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
-            reached. Not where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and
-            taken if nothing of it is left then and more of the surface has a counterpart.
-        landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
-        patches: How many patches to begin with, from 1.
-        smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
-        seed: Chooses where the first patches are.
-        samples: How many places of the surface are matched, from 100.
-        steps: The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+    copy : bool, default True
+        False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
+    start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
+        Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
+        scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
+        best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
+    stiffness : float, default 1.0
+        How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
+    largest_distance : float, default 0.0
+        What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
+    largest_angle : float, default 70.0
+        A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+    landmarks_only : bool, default False
+        The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
+    both_ways : bool, default False
+        Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is reached. Not
+        where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and taken if nothing of
+        it is left then and more of the surface has a counterpart.
+    landmark_tolerance : float, default 0.0
+        So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
+    patches : int, default 150
+        How many patches to begin with, from 1.
+    smoothness : float, default 0.0058
+        How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
+    seed : int, default 1
+        Chooses where the first patches are.
+    samples : int, default 6000
+        How many places of the surface are matched, from 100.
+    steps : int, default 50
+        The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is
-            not finite.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is not finite.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
     """
-
-    _fitting: _core.Fitting
 
     def __init__(
         self,
-        vertices: ArrayLike | object,
+        vertices: ArrayLike | MeshLike,
         faces: ArrayLike | None = None,
         tags: ArrayLike | None = None,
         transforms: Transforms | None = None,
         *,
         normals: ArrayLike | None = None,
+        copy: bool = True,
         start: FitStart = "as_they_lie",
         stiffness: float = 1.0,
         largest_distance: float = 0.0,
@@ -146,31 +188,32 @@ class Fitter:
         progress: Progress = None,
     ) -> None:
         param: dict[str, Any] = {
-            "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.single("stiffness", stiffness),
-            "largest_distance": _inputs.single("largest_distance", largest_distance),
-            "largest_angle": _inputs.single("largest_angle", largest_angle), "both_ways": _inputs.flag("both_ways", both_ways),
-            "landmark_tolerance": _inputs.single("landmark_tolerance", landmark_tolerance),
+            "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.number("stiffness", stiffness),
+            "largest_distance": _inputs.number("largest_distance", largest_distance),
+            "largest_angle": _inputs.number("largest_angle", largest_angle), "both_ways": _inputs.flag("both_ways", both_ways),
+            "landmark_tolerance": _inputs.number("landmark_tolerance", landmark_tolerance),
             "landmarks_only": _inputs.flag("landmarks_only", landmarks_only), "patches": _inputs.whole("patches", patches, 1),
-            "smoothness": _inputs.single("smoothness", smoothness), "seed": _inputs.whole("seed", seed, 0),
+            "smoothness": _inputs.number("smoothness", smoothness), "seed": _inputs.whole("seed", seed, 0),
             "samples": _inputs.whole("samples", samples, 0), "steps": _inputs.whole("steps", steps, 0),
         }
 
         self._alone: bool = param["landmarks_only"]
 
-        def prepare(positions: Points, corners: NDArray[np.uint32] | None, directions: Points | None) -> _core.Prepared:
-            n = len(positions)
+        def plan(n: int) -> Plan:
             regions = _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
-            moves = _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist())
-            self._fitting = _core.Fitting(positions, corners, regions, moves, directions, param, _inputs.whole("threads", threads, 0, 1024),
-                                       report(progress))
-            return self._fitting.prepared
+            return Plan("fitted", param, regions, _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist()))
 
-        self.deformer: Deformer = Deformer._made(vertices, faces, normals, prepare)
+        self._deformer = Deformer._made(vertices, faces, normals, not _inputs.flag("copy", copy), _inputs.whole("threads", threads, 0, 1024),
+                                        plan, report(progress))
+
+    @property
+    def deformer(self) -> Deformer:
         """The surface: its `vertices`, `faces`, `graph`, and what it is (`info`)."""
+        return self._deformer
 
     def fit(
         self,
-        target_vertices: ArrayLike | object | None,
+        target_vertices: ArrayLike | MeshLike | None = None,
         target_faces: ArrayLike | None = None,
         *,
         landmarks: Sequence[ArrayLike] | None = None,
@@ -179,53 +222,66 @@ class Fitter:
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
 
-        Args:
-            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
-            target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-            landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
-                and the points of the target where they belong. These are exact, or within `landmark_tolerance`.
-            target_normals: k x 3, of a cloud: they tell its sides apart.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        target_vertices : array_like or mesh, optional
+            k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
+        target_faces : array_like, optional
+            m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+        landmarks : Sequence[array_like], optional
+            A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken; and the points
+            of the target where they belong. These are exact, or within `landmark_tolerance`.
+        target_normals : array_like, optional
+            k x 3, of a cloud: they tell its sides apart.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Returns:
+        Returns
+        -------
+        Fitted
             Where the vertices went, `Fitted.vertices`, and what that is worth, `Fitted.info`.
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there,
-                landmarks are not free or at one place, or the start does not go with them or with the tags.
-            KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there, landmarks are not
+            free or at one place, or the start does not go with them or with the tags.
+        KeyboardInterrupt
+            Ctrl-C, at once; nothing is half done.
 
-        Warns:
-            DeformationWarning: What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other,
-                the fit did not come to rest.
+        Warns
+        -----
+        DeformationWarning
+            What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other, the fit did not come to
+            rest.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
 
-    def _fit(self, target: object, faces: ArrayLike | None, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
+    def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
              told: Progress, level: int) -> Fitted:
         points, places = self._pairs(landmarks)
         if self._alone and len(points) == 0:
             raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
         goal = {} if self._alone else self._goal(target, faces, normals)
-        solved, found = self._fitting.fit(goal, points, places, report(told, 0, 70))
+        fitting = self._deformer._fitting
+        solved, found = fitting.fit(goal, points, places, report(told, 0, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
             raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, or raise "
                              "largest_distance or largest_angle")
-        made = Fitted(self.deformer, solved, np.empty_like(self.deformer.vertices))
+        made = Fitted(self._deformer, solved)
         made._report = found
-        made._write(None, report(told, 70, 90))
-        self._fitting.put(points, places, made.vertices)
-        for text in made._words(made._check(report(told, 90, 100))["folded"]):
-            warnings.warn(text, DeformationWarning, level)
+        made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))
+        warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
         return made
 
-    def _goal(self, target: object, faces: ArrayLike | None, normals: ArrayLike | None) -> dict[str, Any]:
-        positions, corners = (np.zeros((0, 3)), None) if target is None else _surface(target, faces, "target_")[1:]
+    def _goal(self, target: object, faces: object, normals: ArrayLike | None) -> dict[str, Any]:
+        positions, corners = (np.zeros((0, 3)), None) if target is None else _meshes.surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
-        return {"vertices": _finite("target_vertices", positions), "faces": corners,
+        return {"vertices": _inputs.finite("target_vertices", positions), "faces": corners,
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
@@ -234,24 +290,24 @@ class Fitter:
             return np.zeros(0, np.int64), np.zeros((0, 3))
         if not isinstance(landmarks, (tuple, list)) or len(landmarks) != 2:
             raise TypeError("landmarks must be a pair: (numbers of vertices or places, k x 3 points where they belong)")
-        vertices = self.deformer.vertices
+        vertices = self._deformer.vertices
         given = _inputs.points(landmarks[0], len(vertices), "the first of landmarks")
-        places = _finite("the second of landmarks",
-                         _inputs.rows("the second of landmarks", landmarks[1], len(given), "one for each of the first"))
+        places = _inputs.finite("the second of landmarks",
+                                _inputs.rows("the second of landmarks", landmarks[1], len(given), "one for each of the first"))
         if given.ndim == 1:
             return np.asarray(given, np.int64), places
-        starts = _finite("the first of landmarks", np.asarray(given, np.float64))
-        points = _core.nearest_vertices(vertices, starts)
+        starts = np.asarray(given, np.float64)
+        points = _core.nearest_vertices(vertices, starts, self._deformer._threads, None)
         return points, places + (vertices[points] - starts)  # the vertex goes as far as the place that it is nearest to
 
     def __repr__(self) -> str:
-        return f"<Fitter of {len(self.deformer.vertices)} vertices, {self.deformer.info.nodes} nodes>"
+        return f"<Fitter of {len(self._deformer.vertices)} vertices, {self._deformer.info.nodes} nodes>"
 
 
 def fit(
-    vertices: ArrayLike | object,
-    faces: ArrayLike | None,
-    target_vertices: ArrayLike | object | None,
+    vertices: ArrayLike | MeshLike,
+    faces: ArrayLike | MeshLike | None = None,
+    target_vertices: ArrayLike | MeshLike | None = None,
     target_faces: ArrayLike | None = None,
     *,
     landmarks: Sequence[ArrayLike] | None = None,
@@ -276,48 +332,88 @@ def fit(
 ) -> Fitted:
     """Lays a surface onto another one: bends it, as rigidly as possible, until it lies on triangles or points. What has no counterpart
     there is carried along. What a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] do, where all parameters are
-    explained, in one call.
+    explained, in one call. A mesh of another library has its faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        target_vertices: k x 3, or a mesh.
-        target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-        landmarks: A pair: numbers of free vertices or places, and the points of the target where they belong.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
-        transforms: `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
-        normals: n x 3, at rest, which turn with the surface.
-        target_normals: k x 3, of a cloud.
-        start: `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
-        stiffness: 1 is the default, 10 is stiff.
-        largest_distance: What is farther from the target has no counterpart there. 0: no limit.
-        largest_angle: Of the normals of counterparts, in degrees.
-        landmarks_only: The surface follows its landmarks alone; `target_vertices` may be None.
-        both_ways: The target draws the surface where nothing of it is near, too. False: where that fits better.
-        landmark_tolerance: So far a landmark may stay from where it belongs. 0: it is exact.
-        patches: How many patches to begin with.
-        smoothness: 0.001 is loose, 0.1 is stiff.
-        seed: Chooses where the first patches are.
-        samples: How many places are matched.
-        steps: From stiff to soft, at most.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like or mesh, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    target_vertices : array_like or mesh, optional
+        k x 3, or a mesh.
+    target_faces : array_like, optional
+        m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
+    landmarks : Sequence[array_like], optional
+        A pair: numbers of free vertices or places, and the points of the target where they belong.
+    tags : array_like, optional
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface.
+    target_normals : array_like, optional
+        k x 3, of a cloud.
+    start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
+        `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
+    stiffness : float, default 1.0
+        1 is the default, 10 is stiff.
+    largest_distance : float, default 0.0
+        What is farther from the target has no counterpart there. 0: no limit.
+    largest_angle : float, default 70.0
+        Of the normals of counterparts, in degrees.
+    landmarks_only : bool, default False
+        The surface follows its landmarks alone; `target_vertices` may be None.
+    both_ways : bool, default False
+        The target draws the surface where nothing of it is near, too. False: where that fits better.
+    landmark_tolerance : float, default 0.0
+        So far a landmark may stay from where it belongs. 0: it is exact.
+    patches : int, default 150
+        How many patches to begin with.
+    smoothness : float, default 0.0058
+        0.001 is loose, 0.1 is stiff.
+    seed : int, default 1
+        Chooses where the first patches are.
+    samples : int, default 6000
+        How many places are matched.
+    steps : int, default 50
+        From stiff to soft, at most.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Returns:
-        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries
-        other points along, and its `deformation` can be saved.
+    Returns
+    -------
+    Fitted
+        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries other
+        points along, and its `deformation` can be saved.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there,
-            landmarks are not free or at one place, or the start does not go with them or with the tags.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks are not
+        free or at one place, or the start does not go with them or with the tags.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
+    Warns
+    -----
+    DeformationWarning
+        What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
     """
     told = shared(progress)
-    fitter = Fitter(vertices, faces, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
+    own: Any = faces
+    target: object = target_vertices
+    corners: object = target_faces
+    if _meshes.is_beside_mesh(vertices, faces):
+        if target_vertices is None:  # the target's faces, if there are any, by their name
+            own, target = None, faces
+        elif target_faces is None:
+            own, target, corners = None, faces, target_vertices
+    fitter = Fitter(vertices, own, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
                     largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
-    return fitter._fit(target_vertices, target_faces, landmarks, target_normals, report(told, 40, 100), 3)
+    return fitter._fit(target, corners, landmarks, target_normals, report(told, 40, 100), 3)

@@ -17,8 +17,15 @@ TAGS: Final = "0 fixed, 1 free, 2 and up handles, negative outside"
 _LAST_INT32: Final = 2**31 - 1
 
 
-def rows(name: str, values: object, count: int | None = None, what: str = "one row per point") -> Points:
-    """n x 3 doubles, C-contiguous; the caller's own array where it is that."""
+def own(array: NDArray[Any], dtype: type[np.generic]) -> NDArray[Any]:
+    """A copy that nobody else has, and nobody can write to: of a view, that cannot be taken back."""
+    copy = np.array(array, dtype=dtype, order="C", copy=True)
+    copy.flags.writeable = False
+    return copy.view()
+
+
+def rows(name: str, values: object, count: int | None = None, what: str = "one row per point", lent: bool = False) -> Points:
+    """n x 3 doubles, C-contiguous: a copy, or, if it may be lent, the caller's own array where it is that."""
     array = plain(name, values)
     if array.dtype.kind == "b":
         raise TypeError(f"{name} must be coordinates, not a mask")
@@ -26,12 +33,12 @@ def rows(name: str, values: object, count: int | None = None, what: str = "one r
         raise ValueError(f"{name} must be n x 3, {what}; it is {told_shape(array)}")
     if count is not None and len(array) != count:
         raise ValueError(f"{name} must have {count} rows, {what}; it has {len(array)}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.ascontiguousarray(array, dtype=np.float64) if lent else own(array, np.float64)
 
 
-def normals(values: object, count: int, name: str = "normals") -> Points:
+def normals(values: object, count: int, name: str = "normals", lent: bool = False) -> Points:
     """Normals at rest: of any length that single precision can square, or 0."""
-    array = rows(name, values, count, "one for each vertex")
+    array = rows(name, values, count, "one for each vertex", lent)
     largest = np.abs(array).max(axis=1, initial=0)
     if not (((largest >= 1e-15) & (largest <= 1e15)) | (largest == 0)).all():
         raise ValueError(f"{name} must be finite, of lengths from 1e-15 to 1e15, or 0 where there is none; scale them to length 1")
@@ -48,7 +55,7 @@ def written(name: str, array: object, count: int) -> Points:
 
 
 def triangles(values: object, vertices: int, name: str = "faces") -> NDArray[np.uint32] | None:
-    """m x 3 numbers of vertices; None where there are none."""
+    """A copy of m x 3 numbers of vertices; None where there are none."""
     if values is None:
         return None
     array = plain(name, values)
@@ -60,11 +67,12 @@ def triangles(values: object, vertices: int, name: str = "faces") -> NDArray[np.
     if array.dtype.kind not in "iu":
         raise TypeError(f"{name} must be whole numbers, those of the vertices at the corners; it holds {array.dtype}. "
                         f"Use {name}.astype(np.int64)")
-    if array.min() < 0 or array.max() >= vertices:
+    corners: NDArray[np.uint32] | None = None
+    if array.min() >= 0 and array.max() < vertices:
+        corners = own(array, np.uint32)
+    if corners is None or corners.max() >= vertices:  # what another thread has written meanwhile, too
         raise ValueError(f"{name} must hold numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
-    if array.dtype in (np.dtype(np.int32), np.dtype(np.uint32)):
-        return np.ascontiguousarray(array).view(np.uint32)
-    return np.ascontiguousarray(array, dtype=np.uint32)
+    return corners
 
 
 def tags(values: object, vertices: int) -> NDArray[np.int32]:
@@ -80,7 +88,7 @@ def tags(values: object, vertices: int) -> NDArray[np.int32]:
             raise ValueError(f"tags must be whole numbers ({TAGS}); that of vertex {odd.argmax()} is {array[odd.argmax()]}")
     if vertices and array.max() > _LAST_INT32:
         raise ValueError(f"tags must be below 2147483648; that of vertex {array.argmax()} is {array.max()}")
-    return np.ascontiguousarray(np.maximum(array, -1) if array.dtype.kind != "u" else array, dtype=np.int32)
+    return own(np.maximum(array, -1) if array.dtype.kind != "u" else array, np.int32)
 
 
 def number(name: str, value: object) -> float:
@@ -90,12 +98,6 @@ def number(name: str, value: object) -> float:
         return float(value)
     except OverflowError:
         raise ValueError(f"{name} must be a number that a double holds; it is {value!r}") from None
-
-
-def single(name: str, value: object) -> float:
-    """A parameter as MeshLab's filters get it, in single precision: with any other digits the bits of results would be others."""
-    with np.errstate(over="ignore"):
-        return float(np.float32(number(name, value)))
 
 
 def flag(name: str, value: object) -> bool:
@@ -157,13 +159,20 @@ def points(values: object, vertices: int, name: str = "points") -> NDArray[np.in
     """Landmarks: numbers of vertices, k, or places, k x 3."""
     array = plain(name, values)
     if array.ndim == 2 or array.dtype.kind == "f" and array.size:
-        return rows(name, array, what="a place for each landmark, or whole numbers of vertices")
+        return finite(name, rows(name, array, what="a place for each landmark, or whole numbers of vertices"))
     if array.size == 0:
         return np.zeros(0, np.int64)
     if array.dtype.kind not in "iu" or array.ndim != 1:
         raise ValueError(f"{name} must be numbers of vertices, or k x 3 places; it is {told_shape(array)} of {array.dtype}")
-    if array.min() < 0 or array.max() >= vertices:
+    numbers: NDArray[np.int64] = own(array, np.int64)
+    if array.max() > _LAST_INT32 or numbers.min() < 0 or numbers.max() >= vertices:
         raise ValueError(f"{name} must be numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return numbers
+
+
+def finite(name: str, values: Points) -> Points:
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} must be finite numbers")
+    return values
 
 

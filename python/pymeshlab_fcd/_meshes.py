@@ -5,13 +5,45 @@ from __future__ import annotations
 
 import copy
 import importlib
-from typing import Any
+from typing import Any, Protocol, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
+from . import _inputs
 from ._inputs import Points
 
 Taken = tuple[Any, Any]  # vertices, faces
+
+
+class HasVertices(Protocol):
+    """A mesh or cloud of trimesh (`vertices`, `faces`), a mesh of Open3D (`vertices`, `triangles`), and whatever is like it."""
+
+    @property
+    def vertices(self) -> Any:
+        """n x 3."""
+
+
+class HasPoints(Protocol):
+    """A mesh of pyvista (`points`, `regular_faces`), a cloud of Open3D (`points`)."""
+
+    @property
+    def points(self) -> Any:
+        """n x 3."""
+
+
+class HasVertexMatrix(Protocol):
+    """A mesh of pymeshlab."""
+
+    def vertex_matrix(self) -> Any:
+        """n x 3."""
+
+    def face_matrix(self) -> Any:
+        """m x 3."""
+
+
+MeshLike = Union[HasVertices, HasPoints, HasVertexMatrix]
+"""A mesh or a cloud of trimesh, pyvista, Open3D or pymeshlab, or of whatever is like one of them."""
 
 
 def taken(mesh: object) -> Taken | None:
@@ -38,13 +70,54 @@ def taken(mesh: object) -> Taken | None:
                     "give vertices (n x 3) and faces (m x 3)")
 
 
+def surface(vertices: object, faces: object, whose: str = "", lent: bool = False) -> tuple[object, Points, NDArray[np.uint32] | None]:
+    """The mesh of another library, if it is one; positions, corners."""
+    mesh: object = None
+    found = taken(vertices)
+    if found is not None:
+        if faces is not None:
+            raise TypeError(f"{whose}faces cannot be given beside a mesh, which has its own; give mesh.vertices and faces")
+        mesh = vertices
+        vertices, faces = found
+    positions = _inputs.rows(f"{whose}vertices", vertices, what="one row per vertex", lent=lent)
+    return mesh, positions, _inputs.triangles(faces, len(positions), f"{whose}faces")
+
+
+def is_beside_mesh(vertices: object, other: object) -> bool:
+    """Whether other, given where faces are, is what follows a mesh, which has its own."""
+    found = taken(vertices)
+    if found is None or other is None:
+        return False
+    try:
+        given = np.asarray(other)
+    except Exception:  # of another library
+        return True
+    return given.dtype.kind not in "iu" or given.shape != np.shape(found[1])
+
+
+def can_be_pickled(mesh: object) -> bool:
+    try:
+        mesh.__reduce_ex__(4)
+    except Exception:  # of another library
+        return False
+    return True
+
+
 def _is_pyvista(mesh: object) -> bool:
     return hasattr(mesh, "regular_faces") and hasattr(mesh, "points")
 
 
-def posed(mesh: object, vertices: Points, normals: Points | None) -> Any:
-    """A copy of a mesh that was taken, with other vertices, and with other normals where it stores any."""
+def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, normals: Points | None) -> Any:
+    """A copy of a mesh that was taken, with these faces then, with other vertices, and with other normals where it stores any."""
     given: Any = mesh
+    now = taken(mesh)
+    corners = None if now is None or now[1] is None or np.size(now[1]) == 0 else np.asarray(now[1])
+    is_same = corners is None if faces is None else corners is not None and np.array_equal(corners, faces)
+    if now is None or len(np.asarray(now[0])) != len(vertices) or not is_same:
+        raise ValueError("the mesh that the Deformer was given has other faces or another number of vertices by now; Pose.vertices has the "
+                         "positions")
+    vertices = vertices.copy()  # for the mesh to keep
+    normals = None if normals is None else normals.copy()
     if hasattr(mesh, "vertex_matrix"):
         return importlib.import_module("pymeshlab").Mesh(vertices, given.face_matrix())
     if _is_pyvista(mesh):

@@ -7,22 +7,24 @@ import importlib.metadata
 import importlib.util
 import re
 import tempfile
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from numpy.typing import ArrayLike
 
 from . import _inputs
 from ._deformer import Transforms
 
-_INSTALL = "pip install 'pymeshlab-fcd[meshlab]'"
+_INSTALL: Final = "pip install . ./python/plugin, in a clone of the repository after bash tests/setup.sh"
 
 
 def _plugins() -> Mapping[str, Path]:
-    """The plugin for each version of pymeshlab."""
-    found = importlib.util.find_spec("pymeshlab_fcd_plugin")
+    """The plugin for each version of pymeshlab. Looks for files, and imports nothing."""
+    try:
+        found = importlib.util.find_spec("pymeshlab_fcd_plugin")
+    except (ImportError, ValueError, AttributeError):  # where somebody has put something else in its place
+        return {}
     folders = [Path(each) for each in found.submodule_search_locations or []] if found else []
     return {each.parent.name: each for folder in folders for each in sorted(folder.glob("*/libfilter_fcd.so"))}
 
@@ -30,62 +32,81 @@ def _plugins() -> Mapping[str, Path]:
 PLUGINS = _plugins()
 VERSIONS = sorted(PLUGINS, key=lambda name: [int(part) for part in name.split(".")])
 """Of pymeshlab, that there is a plugin for."""
-METHODS: list[str] = []
-"""Filters that became methods of MeshSet."""
 
 
-def _load() -> str:
-    """Loads the plugin. Returns why there is none."""
+def enable_pymeshlab() -> list[str]:
+    """Loads the plugin into pymeshlab, and makes its filters methods of `pymeshlab.MeshSet`. `import pymeshlab_fcd_plugin` does the same. It
+    may be called any number of times.
+
+    Returns
+    -------
+    list[str]
+        The names of the filters.
+
+    Raises
+    ------
+    RuntimeError
+        There is no pymeshlab that there is a plugin for, or it cannot load the plugin; the text says why.
+    """
+    without = "deform and Deformer work without."
     if not PLUGINS:
-        return f"MeshLab's filters are not installed: {_INSTALL}. deform and Deformer need neither them nor pymeshlab."
+        raise RuntimeError(f"MeshLab's filters are not installed: {_INSTALL}. {without}")
     known = " and ".join(VERSIONS)
     try:
         pymeshlab = importlib.import_module("pymeshlab")
-    except ImportError as error:
-        return f"pymeshlab cannot be imported ({error}); there are filters for {known}: {_INSTALL}. deform and Deformer work without."
-    found = importlib.metadata.version("pymeshlab")
+        found = importlib.metadata.version("pymeshlab")
+    except Exception as error:  # of another library, whatever it is
+        raise RuntimeError(f"pymeshlab cannot be imported ({error}); there are filters for {known}. {without}") from error
     version = ".".join(re.findall(r"\d+", found)[:2])
     if version not in VERSIONS:
-        reason = (f"pymeshlab {found} is installed, and there are filters for {known}: install one of them. deform and Deformer work "
-                  "without.")
-        warnings.warn(reason, stacklevel=4)
-        return reason
+        raise RuntimeError(f"pymeshlab {found} is installed, and there are filters for {known}: install one of them. {without}")
 
     def ours() -> list[str]:
         return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")[1:]]  # 2022.2 lists titles, too
 
-    if not ours():  # someone may have loaded one before
-        pymeshlab.load_plugin(str(PLUGINS[version]))
-    for name in ours():
-        setattr(pymeshlab.MeshSet, name, pymeshlab.bind_function(name))
-        METHODS.append(name)
-    return ""
-
-
-missing = _load()
+    try:
+        if not ours():  # someone may have loaded one before
+            pymeshlab.load_plugin(str(PLUGINS[version]))
+        methods = {name: pymeshlab.bind_function(name) for name in ours()}
+    except Exception as error:  # of another library
+        raise RuntimeError(f"pymeshlab {found} cannot load the filters ({error}). {without}") from error
+    for name, method in methods.items():
+        setattr(pymeshlab.MeshSet, name, method)
+    return list(methods)
 
 
 def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None = None, **parameters: Any) -> dict[str, Any]:
     """Deforms the current layer of a MeshSet; the deformed layers become new ones, the last of them the current one. Colours, textures
-    and all else that the layer has come along. Needs the extra `meshlab`.
+    and all else that the layer has come along. It needs the filters (`enable_pymeshlab`, which it calls).
 
-    Args:
-        ms: A pymeshlab.MeshSet.
-        tags: n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: the layer has them as vertex quality.
-        transforms: `{tag: 4 x 4 matrix or Motion}`, world coordinates.
-        parameters: Those of the filter `generate_fcd_deformed_mesh`.
+    Parameters
+    ----------
+    ms : Any
+        A pymeshlab.MeshSet.
+    tags : array_like
+        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: the layer has them as vertex quality.
+    transforms : Transforms, optional
+        `{tag: 4 x 4 matrix or Motion}`, world coordinates.
+    parameters : any
+        Those of the filter `generate_fcd_deformed_mesh`.
 
-    Returns:
+    Returns
+    -------
+    dict[str, Any]
         What the filter returns.
 
-    Raises:
-        RuntimeError: There is no pymeshlab that there is a plugin for.
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range.
-        pymeshlab.PyMeshLabException: It cannot be deformed; the message says why. The MeshSet is then as it was.
+    Raises
+    ------
+    RuntimeError
+        As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range.
+    pymeshlab.PyMeshLabException
+        It cannot be deformed; the message says why. The MeshSet is then as it was.
     """
-    if missing:
-        raise RuntimeError(missing)
+    enable_pymeshlab()
     text = "; ".join(f"{tag}: {steps}" for tag, steps in _inputs.transforms(transforms, None))
     if tags is None:
         return ms.apply_filter("generate_fcd_deformed_mesh", transforms=text, **parameters)  # type: ignore[no-any-return]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._numbers import plain, told_shape
+from ._numbers import text as expected_text
 
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
@@ -40,16 +41,24 @@ class Motion:
     text: str = ""
     """The steps, as the filters' parameter `transforms` takes them."""
 
+    def __post_init__(self) -> None:
+        expected_text("the steps", self.text, "translate 0 0 5")
+
     @classmethod
     def translate(cls, by: ArrayLike) -> Motion:
         """Moves.
 
-        Args:
-            by: 3 numbers, the units of the vertices.
+        Parameters
+        ----------
+        by : array_like
+            3 numbers, the units of the vertices.
 
-        Raises:
-            TypeError: What is given is no numbers.
-            ValueError: It has another shape, or is not finite.
+        Raises
+        ------
+        TypeError
+            What is given is no numbers.
+        ValueError
+            It has another shape, or is not finite.
         """
         return cls("translate " + _numbers("by", by, (3,)))
 
@@ -57,15 +66,21 @@ class Motion:
     def rotate(cls, axis: ArrayLike, degrees: float, about: ArrayLike | None = None) -> Motion:
         """Turns, counterclockwise when the axis points at you.
 
-        Args:
-            axis: 3 numbers, of any length but 0.
-            degrees: Any angle; 360 is a full turn.
-            about: A point that stays where it is, 3 numbers. None: the mean of the handle's vertices, where the steps before
-                have put it.
+        Parameters
+        ----------
+        axis : array_like
+            3 numbers, of any length but 0.
+        degrees : float
+            Any angle; 360 is a full turn.
+        about : array_like, optional
+            A point that stays where it is, 3 numbers. None: the mean of the handle's vertices, where the steps before have put it.
 
-        Raises:
-            TypeError: What is given is no numbers.
-            ValueError: It has another shape, is not finite, or the axis has no length.
+        Raises
+        ------
+        TypeError
+            What is given is no numbers.
+        ValueError
+            It has another shape, is not finite, or the axis has no length.
         """
         text = f"rotate {_numbers('axis', axis, (3,))} {_numbers('degrees', degrees, ())}"
         if not np.any(np.asarray(axis, dtype=np.float64)):
@@ -76,13 +91,19 @@ class Motion:
     def scale(cls, factors: ArrayLike, about: ArrayLike | None = None) -> Motion:
         """Scales.
 
-        Args:
-            factors: One number, or 3 for x, y and z; greater than 0.
-            about: As in [rotate][pymeshlab_fcd.Motion.rotate].
+        Parameters
+        ----------
+        factors : array_like
+            One number, or 3 for x, y and z; greater than 0.
+        about : array_like, optional
+            As in [rotate][pymeshlab_fcd.Motion.rotate].
 
-        Raises:
-            TypeError: What is given is no numbers.
-            ValueError: It has another shape, is not finite, or not greater than 0.
+        Raises
+        ------
+        TypeError
+            What is given is no numbers.
+        ValueError
+            It has another shape, is not finite, or not greater than 0.
         """
         one = np.ndim(factors) == 0
         text = "scale " + _numbers("factors", factors, () if one else (3,))
@@ -94,13 +115,17 @@ class Motion:
     def affine(cls, matrix: ArrayLike) -> Motion:
         """Moves by a matrix.
 
-        Args:
-            matrix: 4 x 4, for column vectors; the last row is 0 0 0 1. It neither mirrors nor flattens (its determinant is
-                greater than 0).
+        Parameters
+        ----------
+        matrix : array_like
+            4 x 4, for column vectors; the last row is 0 0 0 1. It neither mirrors nor flattens (its determinant is greater than 0).
 
-        Raises:
-            TypeError: What is given is no numbers.
-            ValueError: It has another shape, is not finite, or has another last row.
+        Raises
+        ------
+        TypeError
+            What is given is no numbers.
+        ValueError
+            It has another shape, is not finite, or has another last row.
         """
         text = _numbers("the matrix", matrix, (4, 4))
         if not np.array_equal(np.asarray(matrix, dtype=np.float64)[3], [0, 0, 0, 1]):
@@ -112,28 +137,36 @@ class Motion:
     def parse(cls, text: str) -> Motion:
         """From the steps that the filters' parameter `transforms` takes.
 
-        Args:
-            text: For example `rotate 0 0 1 135 about 0 0 0 translate 0 0 5`, without the tag. What is wrong in it is told where
-                the motion is used.
+        Parameters
+        ----------
+        text : str
+            For example `rotate 0 0 1 135 about 0 0 0 translate 0 0 5`, without the tag. What is wrong in it is told where the motion is
+            used.
 
-        Raises:
-            TypeError: It is no text.
-            ValueError: It is for several handles.
+        Raises
+        ------
+        TypeError
+            It is no text.
+        ValueError
+            It is for several handles.
         """
-        if not isinstance(text, str):
-            raise TypeError(f"the steps must be a text, as 'translate 0 0 5'; it is a {type(text).__name__}")
-        if ":" in text or ";" in text:
+        steps = cls(text)
+        if ":" in steps.text or ";" in steps.text:
             raise ValueError("the steps must be those of one handle, without its tag: 'translate 0 0 5', not '2: translate 0 0 5'")
-        return cls(text.strip())
+        return cls(steps.text.strip())
 
     def then(self, other: Motion) -> Motion:
         """The steps of this motion, and then those of another.
 
-        Args:
-            other: Carried out after this one.
+        Parameters
+        ----------
+        other : Motion
+            Carried out after this one.
 
-        Raises:
-            TypeError: It is no Motion.
+        Raises
+        ------
+        TypeError
+            It is no Motion.
         """
         if not isinstance(other, Motion):
             raise TypeError(f"what follows must be a Motion, as Motion.affine(matrix); it is a {type(other).__name__}")

@@ -2,6 +2,7 @@
 """Numbers as callers may give them, as an array of numpy."""
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,22 @@ def plain(name: str, values: object, what: str = "an array of numbers") -> NDArr
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} must be {what}; {_kind(values, array)} is none")
     return array
+
+
+def text(name: str, value: object, example: str = "") -> str:
+    """A text that can be written as UTF-8."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text{example and f', as {example!r}'}; it is a {type(value).__name__}")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name} must be a text of whole characters; {value!r} has half of a surrogate pair") from None
+    return value
+
+
+def shown(path: str | bytes | os.PathLike[Any]) -> str:
+    """The name of a file for messages, whatever its characters are."""
+    return os.fsdecode(path).encode(errors="replace").decode().replace("\0", "?")
 
 
 def _kind(values: object, array: NDArray[Any]) -> str:

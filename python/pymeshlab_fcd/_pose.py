@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
-import warnings
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,14 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _inputs, _meshes
 from ._deformation import Deformation
 from ._inputs import Points
+from ._kept import Kept
 from ._progress import Progress, Report, report
+from ._warnings import (AccuracyWarning, FoldWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, StretchWarning,
+                        Told, triangles_turned, warn)
 
 if TYPE_CHECKING:
     from ._deformer import Deformer
 
-
-class DeformationWarning(UserWarning):
-    """Something in a deformation is probably not meant, or only approximate; the text says what to do."""
+_OVERWRITTEN: Final = ("the array that this pose was written to ({}) has been written to since: pose again, or give each pose an array of "
+                       "its own")
 
 
 @dataclass(frozen=True)
@@ -35,9 +38,6 @@ class PoseInfo:
     """Whether the shape came to rest."""
     energy: float
     """Of Eq. 2, in squares of the units of the vertices."""
-    discretisation_error: float
-    """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
-    what bends; not a number where that cannot be told."""
     folded: int
     """Triangles that turned over."""
     strained: int
@@ -46,29 +46,90 @@ class PoseInfo:
     """The largest of [stretch][pymeshlab_fcd.Pose.stretch]."""
     seconds: float
     """That it took, without the check."""
+    _error: Callable[[], float] = field(default=lambda: math.nan, repr=False, compare=False, kw_only=True)
+
+    @property
+    def discretisation_error(self) -> float:
+        """As [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error] tells; computed when it is asked for first."""
+        return self._error()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_error": self._error()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        error = float(state["_error"])
+        self.__dict__.update({**state, "_error": functools.partial(float, error)})
 
 
 class Pose:
-    """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it."""
+    """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays cannot be written
+    to. It can be pickled, with its Deformer, which is prepared again where something is asked of it for which that is needed."""
 
-    def __init__(self, deformer: Deformer, core: _core.Posed, vertices: Points) -> None:
-        self.deformer = deformer
-        """What was posed."""
-        self.vertices: Points = vertices
-        """n x 3: what is fixed or outside is as it was, to the bit, and handles are where they were put."""
-        self._core = core
-        self._turned: Points | None = None
+    def __init__(self, deformer: Deformer, core: _core.Posed) -> None:
+        self._deformer = deformer
+        self._solved: _core.Posed | bytes = core
+        self._told = core.info()
         self._found: dict[str, Any] | None = None
+        self._error: float | None = None
+        self._normals: Kept | None = None
+        self._vertices: Kept
 
-    def _write(self, turned: Points | None, told: Report | None) -> None:
-        rest = self.deformer._normals
-        if turned is not None and rest is None and self.deformer.faces is None:
-            raise ValueError("a cloud has no normals of its own: give the Deformer those at rest, normals=")
-        if turned is not None and np.shares_memory(turned, self.vertices):
-            raise ValueError("out_normals must be another array than out")
-        self._core.write(self.vertices, rest if turned is not None else None, turned if rest is not None else None, told)
-        if turned is not None:
-            self._turned = turned if rest is not None else self.deformer._core.normals_of(self.vertices, turned)
+    @property
+    def deformer(self) -> Deformer:
+        """What was posed."""
+        return self._deformer
+
+    @property
+    def vertices(self) -> Points:
+        """n x 3, read-only: what is fixed or outside is as it was, to the bit, and handles are where they were put.
+
+        Raises
+        ------
+        ValueError
+            They are in an array of the caller's (`out`), who has written to it since.
+        """
+        return self._vertices.look()
+
+    @property
+    def _core(self) -> _core.Posed:
+        prepared = self._deformer._prepared
+        if isinstance(self._solved, bytes):
+            self._solved = _core.restore(prepared, self._solved)
+        return self._solved
+
+    def __getstate__(self) -> dict[str, Any]:
+        solved = self._solved
+        state = {"deformer": self._deformer, "solved": solved if isinstance(solved, bytes) else solved.state(), "told": self._told,
+                 "found": self._found, "error": self._error, "vertices": self.vertices}
+        if self._normals is not None:
+            state["normals"] = self._normals.look()
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._deformer, self._solved, self._told = state["deformer"], state["solved"], state["told"]
+        self._found, self._error, self._vertices = state["found"], state["error"], Kept(_inputs.own(state["vertices"], np.float64))
+        self._normals = Kept(_inputs.own(state["normals"], np.float64)) if "normals" in state else None
+
+    def _write(self, out: Points | None, out_normals: Points | None, told: Report | None,
+               change: Callable[[Points], None] | None = None) -> None:
+        """Maps it to the vertices. change: what is done to these then"""
+        deformer = self._deformer
+        rest = deformer._rest_normals
+        if out_normals is not None:
+            if rest is None and deformer.faces is None:
+                raise ValueError("a cloud has no normals of its own: give the Deformer those at rest, normals=")
+            if out is not None and np.shares_memory(out_normals, out):
+                raise ValueError("out_normals must be another array than out")
+        vertices = np.empty_like(deformer.vertices) if out is None else out
+        self._core.write(vertices, rest if out_normals is not None else None, out_normals if rest is not None else None, told)
+        if change:
+            change(vertices)
+        if out_normals is not None:
+            if rest is None:
+                deformer._prepared.normals_of(vertices, out_normals)
+            self._normals = Kept(out_normals, _OVERWRITTEN.format("out_normals"), deformer._threads)
+        self._vertices = Kept(vertices, None if out is None else _OVERWRITTEN.format("out"), deformer._threads)
+        self._told = self._core.info()
 
     def _check(self, told: Report | None = None) -> dict[str, Any]:
         if self._found is None:
@@ -76,53 +137,70 @@ class Pose:
         return self._found
 
     def _warn(self, check: bool, told: Report | None, level: int) -> None:
-        info = self._core.info()
-        texts = []
-        if not info["moves"]:
-            texts.append("No handle moves: nothing that was given leads them away from where they are.")
-        if not info["converged"]:
-            texts.append("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at a time "
-                         "(steps).")
+        found: list[Told] = []
+        if not self._told["moves"]:
+            found.append((NothingMovesWarning, "No handle moves: nothing that was given leads them away from where they are."))
+        if not self._told["converged"]:
+            found.append((NotAtRestWarning, "The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles "
+                                            "less at a time (steps)."))
         if check:
-            texts += _describe(self._check(told))
+            found += _describe(self._check(told))
         elif told:
             told(100, "Done")
-        for text in texts:
-            warnings.warn(text, DeformationWarning, level)
+        warn(found, level)
 
     @property
     def normals(self) -> Points:
-        """n x 3: the normals at rest that the Deformer was given, turned with the surface and as long as they were; or else, of
+        """n x 3, read-only: the normals at rest that the Deformer was given, turned with the surface and as long as they were; or else, of
         length 1, those of the faces in this pose, weighed by their angles (0 at a vertex without a face).
 
-        Raises:
-            ValueError: A cloud that was given none.
+        Raises
+        ------
+        ValueError
+            A cloud that was given none, or they are in an array of the caller's (`out_normals`), who has written to it since.
         """
-        if self._turned is None:
-            rest = self.deformer._normals
+        if self._normals is None:
+            rest = self._deformer._rest_normals
             if rest is not None:
                 turned = np.empty_like(rest)
-                self._core.write(np.empty_like(self.vertices), rest, turned, None)
-                self._turned = turned
-            elif self.deformer.faces is None:
+                self._core.write(np.empty_like(rest), rest, turned, None)
+            elif self._deformer.faces is None:
                 raise ValueError("a cloud has no normals of its own: give the Deformer those at rest, normals=")
             else:
-                self._turned = self.deformer._core.normals_of(self.vertices, None)
-        return self._turned
+                vertices = self.vertices
+                turned = np.empty_like(vertices)
+                self._deformer._prepared.normals_of(vertices, turned)
+            self._normals = Kept(turned)
+        return self._normals.look()
 
     @functools.cached_property
     def info(self) -> PoseInfo:
         """What became of it; measured when it is asked for first."""
-        info, found = self._core.info(), self._check()
-        return PoseInfo(info["nodes"], info["iterations"], info["converged"], info["energy"], info["discretisation_error"], found["folded"],
-                        found["strained"], float(self.stretch().max(initial=1)), info["seconds_solve"] + info["seconds_map"])
+        told, found = self._told, self._check()
+        return PoseInfo(told["nodes"], told["iterations"], told["converged"], told["energy"], found["folded"], found["strained"],
+                        float(self.stretch().max(initial=1)), told["seconds_solve"] + told["seconds_map"], _error=self.discretisation_error)
+
+    def discretisation_error(self, *, progress: Progress = None) -> float:
+        """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
+        what bends; not a number where that cannot be told. It is computed when it is asked for first, from a second, coarser solution.
+
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        """
+        if self._error is None:
+            self._error = self._core.discretisation_error(report(progress))
+        return self._error
 
     def stretch(self, *, progress: Progress = None) -> NDArray[np.float32]:
         """How much longer the surface got around each vertex: n, root mean square length of the edges there over that at rest; 1
         is as long as before, 2 twice as long.
 
-        Args:
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._core.stretch(self.vertices, report(progress))
 
@@ -133,92 +211,114 @@ class Pose:
     def map(self, points: ArrayLike, normals: ArrayLike | None = None, *, progress: Progress = None) -> Points | tuple[Points, Points]:
         """Carries other points of the same space: each goes with the nearest place of the surface.
 
-        Args:
-            points: k x 3, at rest. Those that are not finite, or beyond 1e100, stay as they are.
-            normals: k x 3, to be turned along.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        points : array_like
+            k x 3, at rest. Those that are not finite, or beyond 1e100, stay as they are.
+        normals : array_like, optional
+            k x 3, to be turned along.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Returns:
+        Returns
+        -------
+        ndarray or tuple[ndarray, ndarray]
             The points, k x 3, and where normals are given these, too, as long as they were.
 
-        Raises:
-            TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape.
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape.
         """
-        rows = _inputs.rows("points", points)
-        beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each of points")
+        rows = _inputs.rows("points", points, lent=True)
+        beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each of points", lent=True)
         moved, turned = self._core.map(rows, beside, report(progress))
         return moved if turned is None else (moved, turned)
 
     @functools.cached_property
     def nodes(self) -> Points:
-        """k x 3, where the nodes of the graph went."""
-        return self._core.nodes()[0]
+        """k x 3, read-only: where the nodes of the graph went."""
+        return self._of_nodes[0]
 
     @functools.cached_property
     def node_maps(self) -> NDArray[np.float64]:
-        """k x 3 x 3, how the surface turns and stretches at each node: the linear map of column vectors."""
-        return self._core.nodes()[1]
+        """k x 3 x 3, read-only: how the surface turns and stretches at each node, the linear map of column vectors."""
+        return self._of_nodes[1]
+
+    @functools.cached_property
+    def _of_nodes(self) -> tuple[Points, NDArray[np.float64]]:
+        places, maps = self._core.nodes()
+        return _inputs.own(places, np.float64), _inputs.own(maps, np.float64)
 
     def deformation(self, *, inverse: bool = False, progress: Progress = None) -> Deformation:
         """The same as a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points: its samples
         are as few as tell it to a ten-thousandth.
 
-        Args:
-            inverse: Whether it is the way back, from where the surface went to where it was.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        inverse : bool, default False
+            Whether it is the way back, from where the surface went to where it was.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Warns:
-            DeformationWarning: It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose
-                folds the surface somewhere, and there is no way back from there.
+        Warns
+        -----
+        DeformationWarning
+            It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose folds the surface
+            somewhere, and there is no way back from there.
         """
         return self._deformation(progress, 4, inverse)
 
     def _deformation(self, progress: Progress, level: int, inverse: bool = False) -> Deformation:
-        field, off, folded = self._core.field(inverse, report(progress))
-        made = Deformation._of(field)
+        sampled, off, folded = self._core.field(_inputs.flag("inverse", inverse), report(progress))
+        made, found = Deformation._of(sampled), list[Told]()
         if folded > 0:
-            warnings.warn(f"The pose folds the surface at {folded} vertices: from there it has no way back, and what is near them may come "
-                          "to another place.", DeformationWarning, level)
+            found.append((FoldWarning, f"The pose folds the surface at {folded} vertices: from there it has no way back, and what is near "
+                                       "them may come to another place."))
         if off > 0:
-            warnings.warn(f"{off} vertices are farther off than 0.01 percent, up to {made.largest_difference:g}: parts that lie at one place "
-                          "move differently there, or there are more of them than a small file can tell apart. Where that matters, use "
-                          "Pose.map.", DeformationWarning, level)
+            found.append((AccuracyWarning, f"{off} vertices are farther off than 0.01 percent, up to {made.largest_difference:g}: parts that "
+                                           "lie at one place move differently there, or there are more of them than a small file can tell "
+                                           "apart. Where that matters, use Pose.map."))
+        warn(found, level)
         return made
 
     def mesh(self) -> Any:
         """The mesh of another library that the Deformer was given, as a copy in this pose.
 
-        Raises:
-            ValueError: It was given arrays.
+        Raises
+        ------
+        ValueError
+            It was given arrays, the mesh has other faces or another number of vertices by now, or it could not be pickled.
         """
-        if self.deformer._mesh is None:
-            raise ValueError("the Deformer was given arrays, not a mesh; Pose.vertices has the positions")
-        has_normals = self.deformer.faces is not None or self.deformer._normals is not None
-        return _meshes.posed(self.deformer._mesh, self.vertices, self.normals if has_normals else None)
+        has_normals = self._deformer.faces is not None or self._deformer._rest_normals is not None
+        return _meshes.posed(self._deformer._given_mesh(), self.vertices, self._deformer.faces, self.normals if has_normals else None)
 
     def __repr__(self) -> str:
-        info = self._core.info()
-        return f"<Pose of {len(self.vertices)} vertices, {info['iterations']} iterations, {'' if info['converged'] else 'not '}converged>"
+        told, name = self._told, type(self).__name__
+        return f"<{name} of {len(self._deformer.vertices)} vertices, {told['iterations']} iterations, {'' if told['converged'] else 'not '}converged>"
 
 
-def _describe(found: dict[str, Any]) -> list[str]:
+def _describe(found: dict[str, Any]) -> list[Told]:
     """What is probably not meant, in words."""
     def count(n: int, one: str, many: str) -> str:
         return f"{n} {one if n == 1 else many}"
 
-    texts = []
+    told: list[Told] = []
     if found["rigid"]:
-        texts.append("All that the free surface touches makes the same motion, so it moves rigidly with that. Mark what stays as fixed "
-                     "(tag 0), beside what is free.")
+        told.append((RigidWarning, "All that the free surface touches makes the same motion, so it moves rigidly with that. Mark what stays "
+                                   "as fixed (tag 0), beside what is free."))
     if found["overruled"]:
-        texts.append(f"{count(found['overruled'], 'handle vertex is', 'handle vertices are')} at the same place as a fixed vertex, or one of "
-                     "a handle with a smaller number, and held as that one. Give all vertices at a place the same tag.")
+        told.append((OverruledWarning,
+                     f"{count(found['overruled'], 'handle vertex is', 'handle vertices are')} at the same place as a fixed vertex, or one of "
+                     "a handle with a smaller number, and held as that one. Give all vertices at a place the same tag."))
     if found["strained"]:
-        texts.append(f"{count(found['strained'], 'edge leads', 'edges lead')} straight from one held region to another that moves otherwise, "
+        told.append((StretchWarning,
+                     f"{count(found['strained'], 'edge leads', 'edges lead')} straight from one held region to another that moves otherwise, "
                      "and stretched or shrunk to less than half or more than twice the length (the longest: "
-                     f"{found['longest']:g} times). Leave free vertices between them.")
+                     f"{found['longest']:g} times). Leave free vertices between them."))
     if found["folded"]:
-        texts.append(f"{count(found['folded'], 'triangle has', 'triangles have')} turned over: the surface is squeezed or twisted too much "
-                     "there. Move the handles less, or leave more free surface between them.")
-    return texts
+        told.append((FoldWarning, f"{triangles_turned(found['folded'])}: the surface is squeezed or twisted too much there. Move the handles "
+                                  "less, or leave more free surface between them."))
+    return told

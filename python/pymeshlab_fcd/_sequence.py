@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import BinaryIO, Literal, Union
@@ -12,8 +11,11 @@ import numpy as np
 
 from . import _core, _files, _inputs
 from ._deformer import Deformer, Transforms
-from ._pose import DeformationWarning, Pose
+from ._numbers import shown
+from ._numbers import text as expected_text
+from ._pose import Pose
 from ._progress import Progress, report
+from ._warnings import DeformationWarning, FoldWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 EasingName = Literal["linear", "smooth", "hold"]
 _EASINGS: tuple[EasingName, ...] = ("linear", "smooth", "hold")
@@ -45,26 +47,34 @@ class AnimationInfo:
     """Whether a shape jumps on its way to another one."""
     folded: int
     """Triangles that turned over, in the frame that has most."""
+    discretisation_error: float
+    """As of [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error], for the frame that is bent most."""
 
 
 class PoseSequence:
     """Poses, each with a name, and key frames of them. Poses are blended: the turns of a handle (turns of half a turn and more, too), the
     ways of its middle and the logarithms of its scalings add up, each by its weight. [Pose sequences](sequences.md) tells more.
 
-    Args:
-        poses: Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter
-            `transforms` takes it.
-        keys: The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
+    Parameters
+    ----------
+    poses : Mapping[str, Union[Transforms, str]]
+        Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter `transforms` takes
+        it.
+    keys : Sequence[KeyFrame], optional
+        The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
     """
 
     def __init__(self, poses: Mapping[str, Union[Transforms, str]], keys: Sequence[KeyFrame] | None = None) -> None:
         if not isinstance(poses, Mapping):
             raise TypeError(f"poses must be a mapping, {{name: {{tag: Motion}}}}; it is a {type(poses).__name__}")
-        texts = [(str(name), motions if isinstance(motions, str) else
+        texts = [(expected_text("the name of a pose", str(name)), expected_text("poses", motions) if isinstance(motions, str) else
                   "; ".join(f"{tag}: {text}" for tag, text in _inputs.transforms(motions, None))) for name, motions in poses.items()]
         names = [name for name, _ in texts]
         if keys is None:
@@ -80,48 +90,68 @@ class PoseSequence:
     def parse(cls, text: str, name: str = "poses") -> PoseSequence:
         """From the table that [save][pymeshlab_fcd.PoseSequence.save] writes.
 
-        Args:
-            text: The table.
-            name: What messages call it.
+        Parameters
+        ----------
+        text : str
+            The table.
+        name : str, default 'poses'
+            What messages call it.
 
-        Raises:
-            ValueError: What is wrong, with the line.
+        Raises
+        ------
+        ValueError
+            What is wrong, with the line.
         """
         made = cls.__new__(cls)
-        made._core = _core.Sequence.parse(text, name)
+        made._core = _core.Sequence.parse(expected_text("text", text), shown(expected_text("name", name)))
         return made
+
+    def __reduce__(self) -> tuple[Callable[[str], PoseSequence], tuple[str]]:
+        return type(self).parse, (self._core.state(),)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PoseSequence:
         """From a file with such a table.
 
-        Args:
-            path: Of the file, `.csv`.
+        Parameters
+        ----------
+        path : path
+            Of the file, `.csv`.
 
-        Raises:
-            OSError: It cannot be read.
-            ValueError: What is wrong in it, with the line.
+        Raises
+        ------
+        OSError
+            It cannot be read.
+        ValueError
+            What is wrong in it, with the line.
         """
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            return cls.parse(file.read(), os.fspath(path))
+        with open(os.fspath(path), encoding="utf-8-sig", newline="") as file:  # no number of an open file
+            return cls.parse(file.read(), shown(path))
 
     def text(self, deformer: Deformer | None = None) -> str:
         """The table.
 
-        Args:
-            deformer: Of which surface the poses are: with another one, they are an error then. None: of any.
+        Parameters
+        ----------
+        deformer : Deformer, optional
+            Of which surface the poses are: with another one, they are an error then. None: of any.
         """
-        return self._core.text(None if deformer is None else deformer._core)
+        return self._core.text(None if deformer is None else _expected(deformer)._prepared)
 
     def save(self, path: str | os.PathLike[str], deformer: Deformer | None = None) -> None:
         """Writes the table to a file; one that is there is replaced when all is written.
 
-        Args:
-            path: Of the file, `.csv`.
-            deformer: As in [text][pymeshlab_fcd.PoseSequence.text].
+        Parameters
+        ----------
+        path : path
+            Of the file, `.csv`.
+        deformer : Deformer, optional
+            As in [text][pymeshlab_fcd.PoseSequence.text].
 
-        Raises:
-            OSError: It cannot be written; what was there is still there.
+        Raises
+        ------
+        OSError
+            It cannot be written; what was there is still there.
         """
         _files.write(path, self.text(deformer).encode())
 
@@ -138,46 +168,84 @@ class PoseSequence:
     def weights_at(self, time: float) -> dict[str, float]:
         """How many percent there are of each pose at a time.
 
-        Args:
-            time: Seconds; before the first key frame, and after the last one, it is as at that.
+        Parameters
+        ----------
+        time : float
+            Seconds; before the first key frame, and after the last one, it is as at that.
         """
         return self._named(self._core.weights_at(_inputs.number("time", time)))
 
     def _named(self, weights: list[float]) -> dict[str, float]:
         return dict(zip(self.poses, weights))
 
-    def blend(self, deformer: Deformer, weights: Mapping[str, float], *, progress: Progress = None) -> Pose:
+    def blend(self, deformer: Deformer, weights: Mapping[str, float], *, check: bool = True, progress: Progress = None) -> Pose:
         """The poses at once, each by its weight, from rest.
 
-        Args:
-            deformer: What is posed.
-            weights: Of each pose, by its name, how many percent; those that are not in it have 0.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        weights : Mapping[str, float]
+            Of each pose, by its name, how many percent; those that are not in it have 0.
+        check : bool, default True
+            Also look for triangles that turned over, and warn of them.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            ValueError: There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
+        Raises
+        ------
+        ValueError
+            There is no such pose, one moves a handle that the Deformer does not have, or they are of another surface.
+
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or the shape did not come to rest.
         """
-        return self._posed(deformer, _core.Sequencer(deformer._core, self._core), _weights(weights, list(self.poses)), progress)
+        checked, share = _inputs.flag("check", check), _weights(weights, list(self.poses))
+        sequencer = _core.Sequencer(_expected(deformer)._prepared, self._core)
+        pose = self._posed(deformer, sequencer, share, progress)
+        warn(_told_of(pose, checked, "The pose"), 2)
+        return pose
 
-    def frames(self, deformer: Deformer, *, rate: float = 24.0) -> Iterator[tuple[float, Pose]]:
+    def frames(self, deformer: Deformer, *, rate: float = 24.0, check: bool = True) -> Iterator[tuple[float, Pose]]:
         """Each frame, one after the other, each from the one before: its time in seconds, and the pose.
 
-        Args:
-            deformer: What is posed.
-            rate: How many frames a second; the last one is at the last key frame, or after it.
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        rate : float, default 24.0
+            How many frames a second; the last one is at the last key frame, or after it.
+        check : bool, default True
+            Also look for triangles that turned over, and warn of them.
 
-        Raises:
-            ValueError: A pose moves a handle that the Deformer does not have, or they are of another surface.
+        Raises
+        ------
+        ValueError
+            A pose moves a handle that the Deformer does not have, or they are of another surface.
+
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or a frame did not come to rest: once for each, at the first such frame.
         """
-        sequencer = _core.Sequencer(deformer._core, self._core)
-        for time in self._core.times(_inputs.single("rate", rate)):
-            yield time, self._posed(deformer, sequencer, self._core.weights_at(time), None)
+        checked, times = _inputs.flag("check", check), self._core.times(_inputs.number("rate", rate))
+        return self._frames(deformer, _core.Sequencer(_expected(deformer)._prepared, self._core), times, checked)
+
+    def _frames(self, deformer: Deformer, sequencer: _core.Sequencer, times: list[float], check: bool) -> Iterator[tuple[float, Pose]]:
+        told: set[type[DeformationWarning]] = set()
+        for time in times:
+            pose = self._posed(deformer, sequencer, self._core.weights_at(time), None)
+            found = [each for each in _told_of(pose, check, f"The frame at {time:g} s") if each[0] not in told]
+            told |= {kind for kind, _ in found}
+            warn(found, 2)
+            yield time, pose
 
     @staticmethod
     def _posed(deformer: Deformer, sequencer: _core.Sequencer, weights: list[float], progress: Progress) -> Pose:
-        told = report(progress)
-        pose = Pose(deformer, sequencer.go(weights, told), np.empty_like(deformer.vertices))
-        pose._write(None, None)
+        pose = Pose(deformer, sequencer.go(weights, report(progress)))
+        pose._write(None, None, None)
         return pose
 
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
@@ -185,36 +253,45 @@ class PoseSequence:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
         that are there are replaced together, when all is written; otherwise each is as it was.
 
-        Args:
-            deformer: What is posed.
-            gltf: A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
-            pc2: A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
-            rate: How many frames a second.
-            shapes: What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
-            progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Parameters
+        ----------
+        deformer : Deformer
+            What is posed.
+        gltf : path, optional
+            A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
+        pc2 : path, optional
+            A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
+        rate : float, default 24.0
+            How many frames a second.
+        shapes : {'frames', 'poses'}, default 'frames'
+            What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-        Raises:
-            ValueError: Neither file is given, both are one file (also by a link, or by names that differ in case alone), a pose moves a
-                handle that the Deformer does not have, they are of another surface, or a file would be larger than its format holds.
-            OSError: A file cannot be written; those that were there are still there.
-            KeyboardInterrupt: Ctrl-C, at once; nothing is written then.
+        Raises
+        ------
+        ValueError
+            Neither file is given, both are one file (also by a link, or by names that differ in case alone), a pose moves a handle that
+            the Deformer does not have, they are of another surface, or a file would be larger than its format holds.
+        OSError
+            A file cannot be written; those that were there are still there.
+        KeyboardInterrupt
+            Ctrl-C, at once; nothing is written then.
 
-        Warns:
-            DeformationWarning: Triangles turned over, or a frame did not come to rest.
+        Warns
+        -----
+        DeformationWarning
+            Triangles turned over, or a frame did not come to rest.
         """
         kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
         if gltf is not None and pc2 is not None and _files.same_file(gltf, pc2):
             raise ValueError("gltf and pc2 are the same file; give different files, whose names differ by more than case")
         with _files.written([path for path in (gltf, pc2) if path is not None]) as files:
             writers = [_writer(file) for file in files]
-            info = AnimationInfo(**self._core.write(deformer._core, _inputs.single("rate", rate), None if gltf is None else writers[0], kind,
-                                                    None if pc2 is None else writers[-1], report(progress)))
-        if info.folded > 0:
-            warnings.warn(f"In a frame, {info.folded} {'triangle has' if info.folded == 1 else 'triangles have'} turned over: the surface is "
-                          "squeezed or twisted too much there. Move the handles less, or leave more free surface between them.",
-                          DeformationWarning, 2)
-        if not info.converged:
-            warnings.warn("A frame did not come to rest: raise max_iterations, or tolerance.", DeformationWarning, 2)
+            info = AnimationInfo(**self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate),
+                                                    None if gltf is None else writers[0], kind, None if pc2 is None else writers[-1],
+                                                    report(progress)))
+        warn(_words(info.folded, info.converged, "A frame"), 2)
         return info
 
     def __repr__(self) -> str:
@@ -227,6 +304,26 @@ def _writer(file: BinaryIO) -> Callable[[int, bytes], None]:
         file.write(data)
 
     return put
+
+
+def _expected(deformer: object) -> Deformer:
+    if not isinstance(deformer, Deformer):
+        raise TypeError(f"deformer must be a Deformer; it is a {type(deformer).__name__}")
+    return deformer
+
+
+def _told_of(pose: Pose, check: bool, what: str) -> list[Told]:
+    return _words(pose._check()["folded"] if check else 0, pose._told["converged"], what)
+
+
+def _words(folded: int, converged: bool, what: str) -> list[Told]:
+    found: list[Told] = []
+    if folded > 0:
+        found.append((FoldWarning, f"{what} has folds: {triangles_turned(folded)}, where the surface is squeezed or twisted too much. Move the "
+                                   "handles less, or leave more free surface between them."))
+    if not converged:
+        found.append((NotAtRestWarning, f"{what} did not come to rest: raise max_iterations, or tolerance."))
+    return found
 
 
 def _weights(given: Mapping[str, float], names: list[str]) -> list[float]:

@@ -2,19 +2,20 @@
 """Straightening, and bending along a line."""
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _core, _inputs
-from ._deformer import Deformer, _finite
+from . import _core, _inputs, _meshes
+from ._deformer import Deformer, Plan
 from ._inputs import Points
+from ._meshes import MeshLike
 from ._numbers import plain
-from ._pose import DeformationWarning, Pose
+from ._pose import Pose
 from ._progress import Progress, report, shared
+from ._warnings import FoldWarning, LineWarning, Told, triangles_turned, warn
 
 
 @dataclass(frozen=True)
@@ -43,18 +44,29 @@ class Straightened(Pose):
     """A surface that was straightened, or bent along a line, by [straighten][pymeshlab_fcd.straighten]: a
     [Pose][pymeshlab_fcd.Pose] with all that one has."""
 
-    line: LineInfo
-    """What became of the line."""
+    _line: LineInfo
+
+    @property
+    def line(self) -> LineInfo:
+        """What became of the line."""
+        return self._line
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "line": self._line}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._line = state["line"]
 
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
-    return np.zeros((1, 3)) if value is None else _finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
+    return np.zeros((1, 3)) if value is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
 
 
 def straighten(
-    vertices: ArrayLike | object,
-    faces: ArrayLike | None,
-    line: ArrayLike,
+    vertices: ArrayLike | MeshLike,
+    faces: ArrayLike | None = None,
+    line: ArrayLike | None = None,
     target: ArrayLike | None = None,
     *,
     degrees: float = 0.0,
@@ -74,81 +86,111 @@ def straighten(
 ) -> Straightened:
     """Straightens a mesh or a cloud along a line, or bends it: each cross-section goes as it is from its place on the line to that on
     a straight line, an arc, or another line, without a twist of its own. Where cross-sections meet and would fold the surface, it
-    follows as rigidly as possible instead.
+    follows as rigidly as possible instead. A mesh of another library has its faces: `straighten(mesh, line)`, or
+    `straighten(mesh, line, target)`.
 
-    Args:
-        vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-        faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        line: k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the
-            surface or on it.
-        target: k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is
-            longer. None: a straight line, or an arc, where the line is.
-        degrees: By how much the arc bends from end to end, less than 360; 0 is straight.
-        direction: Of the straight line, or of the middle of the arc; None: from end to end of the line.
-        towards: Where the ends of the arc bend to; None: where those of the line do.
-        length: How long the line gets; 0: as long as it is. Cross-sections keep their size.
-        middle: Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on
-            the surface.
-        untwist: Whether the cross-sections are turned about the line so that their longest axes lie alike.
-        smoothing: Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
-        normals: n x 3, at rest, which turn with the surface. None: those of its faces.
-        patches: How many patches to begin with, from 1.
-        seed: Chooses where the first patches are.
-        smoothness: Of what does not go with the line: 0.001 is loose, 0.1 is stiff.
-        weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
-        threads: How many to use; 0 is one a core.
-        progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    line : array_like, optional
+        k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the surface or
+        on it.
+    target : array_like, optional
+        k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is longer. None:
+        a straight line, or an arc, where the line is.
+    degrees : float, default 0.0
+        By how much the arc bends from end to end, less than 360; 0 is straight.
+    direction : array_like, optional
+        Of the straight line, or of the middle of the arc; None: from end to end of the line.
+    towards : array_like, optional
+        Where the ends of the arc bend to; None: where those of the line do.
+    length : float, default 0.0
+        How long the line gets; 0: as long as it is. Cross-sections keep their size.
+    middle : bool, default False
+        Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on the surface.
+    untwist : bool, default False
+        Whether the cross-sections are turned about the line so that their longest axes lie alike.
+    smoothing : float, default 0.0
+        Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface. None: those of its faces.
+    patches : int, default 1000
+        How many patches to begin with, from 1.
+    seed : int, default 1
+        Chooses where the first patches are.
+    smoothness : float, default 0.0058
+        Of what does not go with the line: 0.001 is loose, 0.1 is stiff.
+    weld_distance : float, default 1e-06
+        Fraction of the diagonal up to which vertices on open borders count as one.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
-    Returns:
-        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. Its
-        `map` carries other points along, its `deformation` can be saved, and `deformation(inverse=True)` leads back.
+    Returns
+    -------
+    Straightened
+        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. Its `map`
+        carries other points along, its `deformation` can be saved, and `deformation(inverse=True)` leads back.
 
-    Raises:
-        TypeError: Something is of another kind than what is asked for here.
-        ValueError: It has another shape or is out of range; the line has one point, no extent, two points in a row at one place, is
-            closed, turns back on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
-        KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range; the line has one point, no extent, two points in a row at one place, is closed, turns back
+        on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
 
-    Warns:
-        DeformationWarning: Parts of the surface do not go with the line, or triangles turned over.
+    Warns
+    -----
+    DeformationWarning
+        Parts of the surface do not go with the line, or triangles turned over.
     """
+    if _meshes.is_beside_mesh(vertices, faces):
+        if line is None:  # the target, if there is one, by its name
+            faces, line = None, faces
+        elif target is None:
+            faces, line, target = None, faces, line
     goal: dict[str, Any] = {
-        "line": _finite("line", _inputs.rows("line", line)),
-        "target": None if target is None else _finite("target", _inputs.rows("target", target)),
-        "degrees": _inputs.single("degrees", degrees),
+        "line": _inputs.finite("line", _inputs.rows("line", line)),
+        "target": None if target is None else _inputs.finite("target", _inputs.rows("target", target)),
+        "degrees": _inputs.number("degrees", degrees),
         "direction": _direction("direction", direction),
         "towards": _direction("towards", towards),
-        "length": _inputs.single("length", length),
-        "smoothing": _inputs.single("smoothing", 100 * _inputs.number("smoothing", smoothing)) / 100,  # the filter gets percent
-        "middle": bool(middle),
-        "untwist": bool(untwist),
+        "length": _inputs.number("length", length),
+        "smoothing": _inputs.number("smoothing", smoothing),
+        "middle": _inputs.flag("middle", middle),
+        "untwist": _inputs.flag("untwist", untwist),
     }
     param: dict[str, Any] = {
         "patches": _inputs.whole("patches", patches, 1), "target_radius": 0.0, "seed": _inputs.whole("seed", seed, 0), "by_vertices": False,
         "graph_weights": 0, "weights": 0, "influence": 4.0, "loose_parts": 0, "nodes": None, "max_iterations": 1000, "tolerance": 1e-5,
-        "smoothness": _inputs.single("smoothness", smoothness), "weld_distance": _inputs.single("weld_distance", weld_distance),
+        "smoothness": _inputs.number("smoothness", smoothness), "weld_distance": _inputs.number("weld_distance", weld_distance),
     }
     if target is not None and (degrees != 0 or direction is not None or towards is not None):
         raise ValueError("degrees, direction and towards are of an arc: give them, or a target, not both")
     told = shared(progress)
-    used = _inputs.whole("threads", threads, 0, 1024)
-    deformer = Deformer._made(vertices, faces, normals, lambda positions, corners, _: _core.prepare_free(positions, corners, param, used,
-                                                                                                         report(told, 0, 60)))
-    solved, found = _core.straighten(deformer._core, goal, report(told, 60, 80))
-    made = Straightened(deformer, solved, np.empty_like(deformer.vertices))
-    made.line = LineInfo(**found)
-    made._write(None, report(told, 80, 95))
-    texts = []
+    deformer = Deformer._made(vertices, faces, normals, False, _inputs.whole("threads", threads, 0, 1024), lambda _: Plan("free", param),
+                              report(told, 0, 60))
+    solved, measured = _core.straighten(deformer._prepared, goal, report(told, 60, 80))
+    made = Straightened(deformer, solved)
+    made._line = LineInfo(**measured)
+    made._write(None, None, report(told, 80, 95))
+    found: list[Told] = []
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""
-        texts.append(f"Beside the line from {places}{more} of its length, going with its cross-sections would fold the surface, or make it "
-                     "twice or half as long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
-                     "through the middle (middle=True), or raise smoothing.")
+        found.append((LineWarning, f"Beside the line from {places}{more} of its length, going with its cross-sections would fold the surface, "
+                                   "or make it twice or half as long: there it follows what is around as rigidly as possible. Where that is "
+                                   "not meant, lay the line through the middle (middle=True), or raise smoothing."))
     folded = made._check(report(told, 95, 100))["folded"]
     if folded > 0:
-        texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the surface is folded there. Lay the line "
-                     "through the middle, or raise smoothing.")
-    for text in texts:
-        warnings.warn(text, DeformationWarning, 2)
+        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Lay the line through the middle, or raise "
+                                   "smoothing."))
+    warn(found, 2)
     return made

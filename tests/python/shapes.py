@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small surfaces for the tests of the Python package."""
 import numpy as np
+import pytest
+
+import pymeshlab_fcd
 
 
 def bar(n=101, m=15):
@@ -11,6 +14,16 @@ def bar(n=101, m=15):
     faces = np.concatenate([np.stack([i, i + m, i + 1], 1), np.stack([i + 1, i + m, i + m + 1], 1)])
     tags = np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] > 9, 2, 1))
     return vertices, faces, tags, np.array([[0, 0, -1, 7], [0, 1, 0, 0], [1, 0, 0, -4], [0, 0, 0, 1.0]])
+
+
+def with_filters():
+    """pymeshlab, where it has the filters."""
+    pymeshlab = pytest.importorskip("pymeshlab")
+    try:
+        pymeshlab_fcd.enable_pymeshlab()
+    except RuntimeError as error:
+        pytest.skip(str(error))
+    return pymeshlab
 
 
 def same(a, b):

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Deformer and Pose: arrays in, arrays out, without MeshLab."""
 import concurrent.futures
+import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+import types
 import warnings
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import pytest
 from shapes import bar, same
 
 import pymeshlab_fcd
+import pymeshlab_fcd as fcd
 from pymeshlab_fcd import DeformationWarning, Deformer, Motion
 
 
@@ -62,14 +65,6 @@ def test_what_is_held_is_exact_and_the_rest_follows(bent):
     assert 0 < pose.info.discretisation_error < 0.01
     assert (deformer.info.fixed, deformer.info.handle, deformer.info.free) == (150, 150, 1215)
     assert same(pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}), pose.vertices)
-
-
-def test_arrays_are_referred_to_not_copied():
-    vertices, faces, tags, lift = bar()
-    vertices.setflags(write=False)
-    assert Deformer(vertices, faces, tags).vertices is vertices
-    corners = faces.astype(np.int32)
-    assert np.shares_memory(Deformer(vertices, corners, tags).faces, corners)
 
 
 @pytest.mark.parametrize("as_given", [
@@ -152,6 +147,36 @@ def test_poses_go_on_from_others(bent):
     assert on.info.iterations < pose.info.iterations + half.info.iterations
     assert np.abs(on.vertices - pose.vertices).max() < 1e-3
     assert np.abs(deformer.pose({2: lift}, steps=2).vertices - on.vertices).max() < 1e-3  # which is not at rest half-way
+    with pytest.warns(pymeshlab_fcd.NothingMovesWarning):
+        rest = deformer.pose()
+    assert same(deformer.pose({2: lift}, start=rest).vertices, pose.vertices)  # where all begin
+    assert same(deformer.pose({2: lift}, start=pose, percent=0).vertices, deformer.vertices)
+
+
+@pytest.mark.parametrize("landmarks", [False, True])
+@pytest.mark.parametrize("degrees", [(0, 360), (100, 360), (-150, 200), (360, 0), (300, 660)])
+def test_turns_are_followed_from_where_a_pose_starts(degrees, landmarks):
+    """Of a tube along z, which twists by them."""
+    around, rings = 24, 90
+    z, a = [grid.ravel() for grid in np.meshgrid(np.arange(rings) * 0.2, 2 * np.pi * np.arange(around) / around, indexing="ij")]
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    faces = np.concatenate([np.concatenate([np.stack([here, beside, here + around], 1), np.stack([beside, beside + around, here + around], 1)])
+                            + r * around for r in range(rings - 1)])
+    vertices = np.stack([np.cos(a), np.sin(a), z], 1)
+    deformer = Deformer(vertices, faces, np.where(z < 1, 0, np.where(z > 16.8, 2, 1)), points=[45 * around] if landmarks else None)
+    turn = [Motion.rotate([0, 0, 1], each).then(Motion.translate([0, 0, each / 1000])) for each in degrees]
+    middle = np.radians(degrees) / 2  # the landmark goes along
+    where = [{"landmarks": [[np.cos(middle[i]), np.sin(middle[i]), 9 + degrees[i] / 2000]]} if landmarks else {} for i in range(2)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pymeshlab_fcd.NothingMovesWarning)
+        begin = deformer.pose({2: turn[0]}, **where[0])
+    from_rest = deformer.pose({2: turn[1]}, **where[1])
+    for steps in (1, 12):
+        on = deformer.pose({2: turn[1]}, start=begin, steps=steps, **where[1])
+        assert on.info.converged and np.abs(on.vertices - from_rest.vertices).max() < 1e-3 * np.linalg.norm([2, 2, 17.8])  # as much as rest is left open
+    turned = np.unwrap(np.arctan2(*on.vertices[::around, 1::-1].T))
+    assert abs(np.degrees(turned[-1] - turned[0]) - degrees[1]) < 1
 
 
 def test_arrays_that_are_written_to(bent):
@@ -159,10 +184,10 @@ def test_arrays_that_are_written_to(bent):
     up = np.tile([0, 0, 1.0], (len(vertices), 1))
     deformer, out, normals = Deformer(vertices, faces, tags, normals=up), np.empty_like(vertices), np.empty_like(vertices)
     pose = deformer.pose({2: lift}, out=out, out_normals=normals)
-    assert pose.vertices is out and pose.normals is normals and same(out, bent[1].vertices)
+    assert np.shares_memory(pose.vertices, out) and np.shares_memory(pose.normals, normals) and same(out, bent[1].vertices)
     assert same(normals, deformer.pose({2: lift}).normals) and same(normals[tags == 0], up[tags == 0])
     assert same(bent[0].pose({2: lift}, out_normals=normals).normals, bent[1].normals) and same(normals, bent[1].normals)
-    for wrong in (vertices, out[::-1], out[:-1], out.astype(np.float32), out.tolist()):
+    for wrong in (out[::-1], out[:-1], out.astype(np.float32), out.tolist()):
         with pytest.raises((TypeError, ValueError), match="out must be"):
             deformer.pose({2: lift}, out=wrong)
 
@@ -242,10 +267,41 @@ def test_weights_of_landmarks_and_loose_parts():
     assert same(stays.vertices[len(vertices):], other)
 
 
+def test_weights_of_scipy(bent, monkeypatch):
+    weights = bent[0].weights()
+    monkeypatch.setitem(sys.modules, "scipy.sparse", types.SimpleNamespace(csr_array=lambda parts, shape: (*parts, shape)))
+    data, indices, indptr, shape = weights.to_scipy()
+    assert data is weights.data and indices is weights.indices and indptr is weights.indptr and shape == weights.shape
+    monkeypatch.setitem(sys.modules, "scipy.sparse", None)
+    with pytest.raises(ImportError):
+        weights.to_scipy()
+    monkeypatch.undo()
+    pytest.importorskip("scipy")
+    assert np.abs(weights.to_scipy().sum(axis=1) - 1).max() < 1e-6
+
+
+def test_names_of_before(bent):
+    vertices, faces, tags, lift = bar()
+    with pytest.warns(DeprecationWarning, match="the parameter weights is called distances now") as told:
+        old = Deformer(vertices, faces, tags, weights="euclidean").pose({2: lift}).vertices
+        assert same(pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, weights="euclidean"), old)
+        pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift}, weights="euclidean")
+    assert len(told) == 3 and {each.filename for each in told} == {__file__}
+    assert same(Deformer(vertices, faces, tags, distances="euclidean").pose({2: lift}).vertices, old) and not same(old, bent[1].vertices)
+
+
+def test_numbers_are_doubles():
+    vertices, faces, tags, lift = bar()
+    one, other = (Deformer(vertices, faces, tags, smoothness=0.0058 * (1 + step)).pose({2: lift}) for step in (0, 1e-10))
+    assert not same(one.vertices, other.vertices) and np.abs(one.vertices - other.vertices).max() < 1e-6
+    percent = [one.deformer.pose({2: lift}, percent=50 + step).vertices[tags == 2] for step in (0, 1e-9)]
+    assert 0 < np.abs(percent[0] - percent[1]).max() < 1e-8
+
+
 @pytest.mark.parametrize("graph_weights", ["uniform", "paper", "printed"])
 def test_other_ways_to_deform(bent, graph_weights):
     vertices, faces, tags, lift = bar()
-    deformer = Deformer(vertices, faces, tags, graph_weights=graph_weights, weights="euclidean")
+    deformer = Deformer(vertices, faces, tags, graph_weights=graph_weights, distances="euclidean")
     pose = deformer.pose({2: lift})
     assert 0 < np.abs(pose.vertices - bent[1].vertices).max() < 1
     data = deformer.weights()
@@ -259,27 +315,27 @@ def test_what_is_probably_not_meant_is_told():
     vertices, faces, tags, _ = bar()
     flat, onto = vertices * [1, 1, 0], np.eye(4)
     onto[0, 3] = -7.5
-    with pytest.warns(DeformationWarning, match=r"triangles? ha(s|ve) turned over"):
+    with pytest.warns(fcd.FoldWarning, match=r"triangles? ha(s|ve) turned over"):
         pose = Deformer(flat, faces, tags).pose({2: onto})
     assert pose.info.folded > 0
-    with pytest.warns(DeformationWarning, match="No handle moves"):
+    with pytest.warns(fcd.NothingMovesWarning, match="No handle moves"):
         Deformer(vertices, faces, tags).pose()
     up = np.eye(4)
     up[2, 3] = 1
-    with pytest.warns(DeformationWarning, match="moves rigidly"):
+    with pytest.warns(fcd.RigidWarning, match="moves rigidly"):
         assert np.abs(Deformer(vertices, faces, np.maximum(tags, 1)).pose({2: up}).vertices - vertices - [0, 0, 1]).max() < 1e-6
-    with pytest.warns(DeformationWarning, match="did not come to rest: raise max_iterations"):
+    with pytest.warns(fcd.NotAtRestWarning, match="did not come to rest: raise max_iterations"):
         Deformer(vertices, faces, tags, max_iterations=1).pose({2: up})
-    with pytest.warns(DeformationWarning, match="straight from one held region|moves rigidly"):
+    with pytest.warns(fcd.StretchWarning, match="straight from one held region"):
         Deformer(vertices, faces, np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] < 2, 2, 1))).pose({2: up})
-    with pytest.warns(DeformationWarning, match="at the same place as a fixed vertex"):
+    with pytest.warns(fcd.OverruledWarning, match="at the same place as a fixed vertex"):
         Deformer(np.concatenate([vertices, vertices[135:136]]), faces, np.append(tags, 2)).pose({2: up})
-    with pytest.warns(DeformationWarning, match="1 of the 2 nodes do not lie on the free surface"):
+    with pytest.warns(fcd.NodeWarning, match="1 of the 2 nodes do not lie on the free surface"):
         Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
     y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
-    with pytest.warns(DeformationWarning, match="see others along their own line alone"):
+    with pytest.warns(fcd.ScanLineWarning, match="see others along their own line alone"):
         Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
-    with pytest.warns(DeformationWarning, match="such a slit may open"):
+    with pytest.warns(fcd.SlitWarning, match="such a slit may open"):
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
         sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
         i = np.arange(441).reshape(21, 21)[:-1, :-1].ravel()
@@ -386,6 +442,77 @@ def test_the_lock_is_free_and_threads_share_a_deformer(bent):
     assert ran > 50 * seconds
 
 
+def test_only_what_computes_solves(bent, monkeypatch):
+    """The estimate of the error, which takes a second solution, is made where it is asked for."""
+    def solved(self, *, progress=None):
+        raise AssertionError
+
+    monkeypatch.setattr(pymeshlab_fcd.Pose, "discretisation_error", solved)
+    deformer, (_, _, _, lift) = bent[0], bar()
+    for check in (False, True):
+        pose = deformer.pose({2: lift}, check=check)
+        assert "converged" in repr(pose) and "folded=0" in repr(pose.info)
+    with pytest.raises(AssertionError):
+        pose.info.discretisation_error
+    assert "discretisation_error" not in pose._core.info()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux tells of a process's threads")
+def test_one_thread_is_one_thread():
+    """The threads of the process while it works are those of before."""
+    vertices, faces, tags, lift = bar(601, 101)
+    most, stop = [0], threading.Event()
+
+    def watch():
+        while not stop.is_set():
+            most[0] = max(most[0], len(os.listdir("/proc/self/task")))
+            time.sleep(0.0003)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    try:
+        deformer = Deformer(vertices, faces, tags, threads=1)
+        before = len(os.listdir("/proc/self/task"))
+        most[0] = 0
+        pose = deformer.pose({2: lift})
+        deformer.pose({2: lift}, start=pose)
+        assert len(pose.normals) == len(pose.stretch()) == len(pose.map(vertices)) and pose.discretisation_error() > 0
+        field = pose.deformation()
+        field(vertices, threads=1)
+        pymeshlab_fcd.Deformation(field.__reduce__()[1][0])
+        deformer.weights()
+        cloud = Deformer(vertices[::3], None, tags[::3], threads=1).pose({2: lift})
+        cloud.map(vertices)
+        assert most[0] == before
+    finally:
+        stop.set()
+        thread.join()
+
+
+def test_the_lock_is_free_where_something_is_computed():
+    vertices, faces, tags, lift = bar(1201, 301)
+    deformer = Deformer(vertices, faces, tags)
+    pose = deformer.pose({2: lift}, check=False)
+    ran, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            ran[0] += 1
+            time.sleep(0.0005)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        for compute in (pose.stretch, lambda: pose.normals, lambda: pose.map(vertices), lambda: deformer.pose({2: lift}), deformer.weights,
+                        pose.deformation):
+            before, begin = ran[0], time.perf_counter()
+            compute()
+            assert ran[0] - before > 50 * (time.perf_counter() - begin)
+    finally:
+        stop.set()
+        thread.join()
+
+
 def test_the_same_bits_for_any_number_of_threads(bent):
     vertices, faces, tags, lift = bar(201, 31)
     one, three = (Deformer(vertices, faces, tags, threads=threads).pose({2: lift}) for threads in (1, 3))
@@ -412,5 +539,5 @@ def test_a_pose_as_a_deformation(bent, tmp_path):
 def test_a_deformation_that_cannot_be_told_by_samples_says_so():
     vertices, faces, tags, lift = bar()
     two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
-    with pytest.warns(DeformationWarning, match="farther off than 0.01 percent"):
+    with pytest.warns(fcd.AccuracyWarning, match="farther off than"):
         pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})

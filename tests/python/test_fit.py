@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import same
+from shapes import same, with_filters
 
 import pymeshlab_fcd
 from pymeshlab_fcd import Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit
@@ -99,6 +99,7 @@ def test_landmarks_are_exact(fitter):
 def test_landmarks_that_contradict_each_other_are_warned_of(fitter):
     with pytest.warns(DeformationWarning) as caught:
         fitter.fit(TARGET, TARGET_FACES, landmarks=([600, 601], TRUTH[[600, 1600]]))
+    assert {each.category for each in caught} >= {pymeshlab_fcd.LandmarkWarning, pymeshlab_fcd.FoldWarning}
     texts = [str(each.message) for each in caught]
     assert any("contradict each other or the target" in text for text in texts)
     assert any("turned over: the fit folds the surface there" in text for text in texts) and all(each.filename == __file__ for each in caught)
@@ -139,10 +140,10 @@ def test_a_surface_that_lies_elsewhere(start, scale):
 
 def test_little_that_is_matched_is_warned_of(fitter):
     part, faces = tube(8, 27, end=0.4)
-    with pytest.warns(DeformationWarning, match="do not trust the rest"):
+    with pytest.warns(pymeshlab_fcd.MatchWarning, match="do not trust the rest"):
         laid = fit(VERTICES, FACES, bent(part), faces, largest_distance=0.01 * DIAGONAL, **QUICK)
     assert laid.info.matched < 0.3
-    with pytest.warns(DeformationWarning, match="did not come to rest: raise steps"):
+    with pytest.warns(pymeshlab_fcd.NotAtRestWarning, match="did not come to rest: raise steps"):
         fit(VERTICES, FACES, TARGET, TARGET_FACES, **{**QUICK, "steps": 2})
 
 
@@ -161,8 +162,14 @@ def test_meshes_of_other_libraries(laid):
     trimesh = pytest.importorskip("trimesh")
     mesh, target = (trimesh.Trimesh(*each, process=False) for each in ((VERTICES, FACES), (TARGET, TARGET_FACES)))
     assert same(np.asarray(fit(mesh, None, target, **QUICK).mesh().vertices), laid.vertices)
+    for call in (lambda: fit(mesh, target, **QUICK), lambda: fit(mesh, TARGET, TARGET_FACES, **QUICK), lambda: fit(mesh, TARGET, target_faces=TARGET_FACES, **QUICK),
+                 lambda: fit(VERTICES, FACES, target, **QUICK),
+                 lambda: fit(mesh, target_vertices=target, **QUICK), lambda: Fitter(mesh, **QUICK).fit(target)):
+        assert same(call().vertices, laid.vertices)
     with pytest.raises(TypeError, match="target_faces cannot be given beside a mesh"):
         fit(mesh, None, target, TARGET_FACES)
+    with pytest.raises(TypeError, match="faces cannot be given beside a mesh"):
+        fit(mesh, FACES, target)
 
 
 def test_landmarks_alone():
@@ -182,9 +189,7 @@ def test_landmarks_alone():
 
 @pytest.mark.parametrize("alone", [False, True])
 def test_the_same_bits_as_the_filter(tmp_path, alone):
-    pymeshlab = pytest.importorskip("pymeshlab")
-    if pymeshlab_fcd._meshlab.missing:
-        pytest.skip(pymeshlab_fcd._meshlab.missing)
+    pymeshlab = with_filters()
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(TARGET, TARGET_FACES))
     ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))

@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import shutil
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 import pymeshlab_fcd
 from pymeshlab_fcd import AnimationInfo, Deformer, DeformationWarning, KeyFrame, Motion, PoseSequence
-from shapes import bar, same
+from shapes import bar, same, with_filters
 
 TURN = Motion.rotate([0, 1, 0], -60).then(Motion.translate([-2, 0, 3]))
 TWIST = Motion.rotate([1, 0, 0], 220)
@@ -83,7 +84,7 @@ def test_frames_and_files_are_the_same(tmp_path):
     assert same(frames[0][1].vertices, next(made.frames(deformer))[1].vertices)
     told = []
     info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=8, progress=lambda percent, stage: told.append(percent))
-    assert info == AnimationInfo(9, 0.0, True, False, 0) and told == sorted(told) and told[-1] == 100
+    assert info == AnimationInfo(9, 0.0, True, False, 0, info.discretisation_error) and 0 < info.discretisation_error < 0.01 and told == sorted(told) and told[-1] == 100
     points = np.frombuffer((tmp_path / "a.pc2").read_bytes(), "<f4", offset=32).reshape(9, -1, 3)
     assert all((points[i] == pose.vertices.astype(np.float32)).all() for i, (_, pose) in enumerate(frames))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.pc2"]
@@ -271,14 +272,28 @@ def test_folds_are_warned_of(tmp_path):
     faces = np.concatenate([np.stack([i, i + 60, i + 1], 1), np.stack([i + 1, i + 60, i + 61], 1)])
     deformer = Deformer(np.stack([x, y, 0 * x], 1), faces, np.where(x < 0.1, 0, np.where(x > 0.9, 2, 1)))
     pushed = PoseSequence({"pushed": {2: Motion.translate([-0.72, 0, 0])}}, [KeyFrame(0, {"pushed": 100})])
-    with pytest.warns(DeformationWarning, match="turned over"):
+    with pytest.warns(pymeshlab_fcd.FoldWarning, match="turned over"):
         assert pushed.write(deformer, pc2=tmp_path / "a.pc2").folded > 0
+    with pytest.warns(pymeshlab_fcd.FoldWarning, match="The pose has folds: .* turned over"):
+        pushed.blend(deformer, {"pushed": 100})
+    twice = PoseSequence({"pushed": {2: Motion.translate([-0.72, 0, 0])}}, [KeyFrame(0, {"pushed": 100}), KeyFrame(1, {"pushed": 101})])
+    with pytest.warns(DeformationWarning) as told:
+        frames = list(twice.frames(deformer, rate=2))
+    assert len(frames) == 3 and [each.category for each in told] == [pymeshlab_fcd.FoldWarning] and "The frame at 0 s has folds" in str(told[0].message)
+    lazy = Deformer(deformer.vertices, faces, np.where(x < 0.1, 0, np.where(x > 0.9, 2, 1)), max_iterations=1)
+    up = PoseSequence({"up": {2: Motion.translate([0, 0, 0.3])}}, [KeyFrame(0, {"up": 100})])
+    for warns in (lambda: list(up.frames(lazy)), lambda: up.blend(lazy, {"up": 100}), lambda: up.write(lazy, pc2=tmp_path / "a.pc2")):
+        with pytest.warns(pymeshlab_fcd.NotAtRestWarning, match="did not come to rest") as told:
+            warns()
+        assert {each.filename for each in told} == {__file__}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        list(twice.frames(deformer, check=False))
+        pushed.blend(deformer, {"pushed": 100}, check=False)
 
 
 def test_the_filter_writes_the_same_bits(tmp_path):
-    pymeshlab = pytest.importorskip("pymeshlab")
-    if pymeshlab_fcd._meshlab.missing:
-        pytest.skip(pymeshlab_fcd._meshlab.missing)
+    pymeshlab = with_filters()
     made = sequence()
     made.save(tmp_path / "poses.csv")
     ms = pymeshlab.MeshSet()

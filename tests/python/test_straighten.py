@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 
+import pymeshlab_fcd
 from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Straightened, straighten
 from shapes import same
 
@@ -91,6 +92,11 @@ def test_meshes_of_other_libraries():
     mesh = trimesh.Trimesh(bent(vertices), faces, process=False)
     made = straighten(mesh, None, bent(AXIS))
     assert rms_apart(np.asarray(made.mesh().vertices), vertices) < 1e-3 * LENGTH
+    onto = straighten(bent(vertices), faces, bent(AXIS), AXIS)
+    for call, expected in ((lambda: straighten(mesh, bent(AXIS)), made), (lambda: straighten(mesh, line=bent(AXIS)), made),
+                           (lambda: straighten(mesh, bent(AXIS), AXIS), onto), (lambda: straighten(mesh, None, bent(AXIS), AXIS), onto),
+                           (lambda: straighten(mesh, bent(AXIS).tolist(), target=AXIS), onto)):
+        assert same(call().vertices, expected.vertices)
     with pytest.raises(TypeError, match="faces cannot be given beside a mesh"):
         straighten(mesh, faces, AXIS)
 
@@ -109,6 +115,7 @@ def test_folds_are_warned_of():
     texts = [str(each.message) for each in caught]
     assert any("would fold the surface" in text for text in texts) and any("turned over" in text for text in texts)
     assert made.line.released > 0 and 0 <= made.line.released_at[0][0] < made.line.released_at[0][1] <= LENGTH
+    assert {each.category for each in caught} == {pymeshlab_fcd.LineWarning, pymeshlab_fcd.FoldWarning}
     with pytest.warns(DeformationWarning, match="has no way back"):
         made.deformation(inverse=True)
     with warnings.catch_warnings():
@@ -134,7 +141,10 @@ def test_folds_are_warned_of():
     (AXIS[:, :2], {}, "line must be n x 3"),
     (AXIS * np.nan, {}, "line must be finite"),
     (AXIS, {"direction": [1, 2]}, "direction must be n x 3"),
+    (None, {}, "line is None"),
+    (AXIS, {"middle": 1}, "middle must be True or False; it is 1"),
+    (AXIS, {"untwist": "no"}, "untwist must be True or False; it is 'no'"),
 ])
 def test_what_cannot_be_taken(line, given, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((TypeError, ValueError), match=message):
         straighten(*tube(21, 8), line, **given)

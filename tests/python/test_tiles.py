@@ -229,7 +229,7 @@ def test_a_full_disk_or_a_kill_leaves_what_was_there(sink, tiles, tmp_path):
     assert "as a full disk" in done.stdout and target.read_bytes() == b"old" and [each.name for each in tmp_path.iterdir()] == ["tile.las"]
     killed = ("import os, signal, sys; sys.path.insert(0, sys.argv[1]); from warp_las import warp; import pymeshlab_fcd\n"
               "bend = pymeshlab_fcd.Deformation.load(sys.argv[2]); calls = []\n"
-              "def dies(xyz):\n    calls.append(1)\n    return bend(xyz) if len(calls) < 5 else os.kill(os.getpid(), signal.SIGKILL)\n"
+              "def dies(xyz, threads):\n    calls.append(1)\n    return bend(xyz) if len(calls) < 5 else os.kill(os.getpid(), signal.SIGKILL)\n"
               "warp(dies, sys.argv[3], sys.argv[4], 1000)")
     done = subprocess.run([sys.executable, "-c", killed, str(EXAMPLES), str(sink), str(tiles[0]), str(target)])
     assert done.returncode == -9 and target.read_bytes() == b"old"

@@ -26,14 +26,17 @@ def folder(tmp_path_factory):
     for example in EXAMPLES:
         (folder / example.name).write_bytes(example.read_bytes())
     (folder / "use.py").write_text("""
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
-from pymeshlab_fcd import AnimationInfo, Deformation, Deformer, Fitted, Fitter, KeyFrame, Motion, PoseSequence, deform, deformation, fit
+from pymeshlab_fcd import (AnimationInfo, Deformation, Deformer, Fitted, Fitter, FoldWarning, KeyFrame, Motion, PoseSequence, Straightened,
+                           __version__, deform, deformation, fit, straighten)
 
 v: NDArray[np.float64] = np.zeros((3, 3))
 deformer = Deformer(v, [[0, 1, 2]], [0, 1, 2], smoothness=0.01, graph_weights="border", progress=lambda percent, stage: None)
 pose = deformer.pose({2: np.eye(4)}, percent=50)
-again = deformer.pose({2: Motion.rotate([0, 0, 1], 90).then(Motion.scale(2))}, start=pose, out=pose.vertices)
+again = deformer.pose({2: Motion.rotate([0, 0, 1], 90).then(Motion.scale(2))}, start=pose, out=np.empty((3, 3)), check=False)
 a: NDArray[np.float64] = pose.map(v)
 b, c = pose.map(v, v)
 folded: int = pose.info.folded
@@ -46,6 +49,16 @@ e: float | None = d.largest_difference
 f: NDArray[np.float64] = deform(v, None, [0, 1, 2], {2: np.eye(4)}, patches=100)
 g: NDArray[np.int32] = deformer.patch_of
 h: Fitted = fit(v, [[0, 1, 2]], v, landmarks=([0, 1], v[:2]), tags=[0, 1, 2], transforms={2: np.eye(4)}, start="axes")
+class Mesh:
+    vertices, faces = v, [[0, 1, 2]]
+class Cloud:
+    points = v
+j: Fitted = fit(Mesh(), Cloud(), landmarks_only=False)
+k: Straightened = straighten(Mesh(), v, middle=True)
+l: NDArray[np.float64] = deform(Cloud(), tags=[0, 1, 2], transforms={2: np.eye(4)}, distances="euclidean")
+with warnings.catch_warnings():
+    warnings.simplefilter("error", FoldWarning)
+m: str = __version__
 i: float = Fitter(v, stiffness=10).fit(v, [[0, 1, 2]], landmarks=(v, v)).info.percentile_95
 """)
     return folder
@@ -56,9 +69,11 @@ def test_mypy(folder):
     done = run("mypy", "--strict", "-p", "pymeshlab_fcd", cwd=folder)
     assert done.returncode == 0, done.stdout
     (folder / "typo.py").write_text("import numpy as np, pymeshlab_fcd\npymeshlab_fcd.deform(np.eye(3), patches='600')\n"
-                                    "pymeshlab_fcd.deform(np.eye(3), initial_patches=600)\n")
+                                    "pymeshlab_fcd.deform(np.eye(3), initial_patches=600)\npymeshlab_fcd.Deformer(object())\n"
+                                    "pymeshlab_fcd.Deformer(np.eye(3)).vertices = np.eye(3)\n")
     done = run("mypy", "--strict", "typo.py", cwd=folder)
     (folder / "typo.py").unlink()
+    assert "HasVertices" in done.stdout and 'Property "vertices" defined in "Deformer" is read-only' in done.stdout
     assert 'expected "int"' in done.stdout and 'Unexpected keyword argument "initial_patches"' in done.stdout
     # Last: with another option, it reads numpy anew.
     done = run("mypy", "--strict", "--ignore-missing-imports", ".", cwd=folder)

@@ -209,14 +209,14 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
 }
 
 GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
-                           const std::map<Index, Eigen::Affine3d> &inFrame, const Frame &frame)
+                           const std::map<Index, Eigen::Affine3d> &inFrame, const Frame &frame, unsigned threads)
     : mapping(mapping), own(mapping.graph.Size()), nodeStrain(mapping.graph.Size()),
       term(mapping.candidates->nodes.item.size() * detail::terms), space(detail::SpaceOf(frame)) {
     for (const auto &[tag, each] : inFrame)
         motion[tag] = each.matrix().isIdentity(0) ? each : Eigen::Affine3d(frame.FromFrame(each));
     for (Index t : mapping.constraintBlend->heldTag)
         heldMotion.push_back(&motion.at(t));
-    ParallelFor(0, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
+    ParallelFor(threads, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
         for (Index j = Index(first); j < Index(last); ++j) {
             SetOwn(j, pose, frame);
             SetTerms(j, pose);

@@ -146,6 +146,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;
+    Deformer::Pose farthest; // of all, that with most of Eq. 2
     std::size_t done = 0;
     const bool posesFirst = bool(output.gltf) && output.shapes == SequenceOutput::EachPose;
     const std::size_t all = stops.size() + (posesFirst ? motions.size() : 0);
@@ -154,17 +155,18 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         ++done;
         const Deformer::Pose &pose = from.Go(weight, part.Slice(0, 0.5));
         position = surface.Positions();
-        Carrier(deformer, pose).Apply(position, nullptr, part.Slice(0.5, 0.8));
+        Carrier(deformer, pose, part.threads).Apply(position, nullptr, part.Slice(0.5, 0.8));
         report.converged = report.converged && pose.graph.converged;
         report.jumps = report.jumps || pose.way.jumps;
         report.unstable = report.unstable || pose.way.unstable;
-        report.discretisationError = std::max(report.discretisationError, deformer.DiscretisationError(pose, param));
+        if (farthest.graph.position.size() == 0 || pose.graph.energy > farthest.graph.energy)
+            farthest = pose;
         report.folded =
             std::max(report.folded, CheckPose(surface, handles, deformer, pose, position, part.Slice(0.8, 1)).flipped);
         return pose;
     };
 
-    const PackedSurface packed(surface);
+    const PackedSurface packed(surface, progress.threads);
     std::unique_ptr<PointCacheFile> cache;
     if (output.pointCache)
         cache = std::make_unique<PointCacheFile>(output.pointCache, packed, time.size(),
@@ -200,6 +202,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         morphs->Finish();
         report.difference = morphs->difference;
     }
+    report.discretisationError = deformer.DiscretisationError(farthest, param);
     progress(1, "Done");
     return report;
 }

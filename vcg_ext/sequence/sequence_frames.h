@@ -39,8 +39,10 @@ struct SequenceReport {
     double difference = 0;  ///< of shapes for each pose, mixed, from the frames: the largest of a vertex; world units
     bool converged = true;  ///< whether all came to rest
     bool jumps = false, unstable = false; ///< any, as PoseWay tells
-    double discretisationError = 0;       ///< the largest, as Deformer::DiscretisationError gives it
-    Index folded = 0;                     ///< triangles that turned over, in the frame that has most
+    /// As Deformer::DiscretisationError gives it, of the frame that is bent most (has most energy, Eq. 2): a solution
+    /// of its own, once, and not in each frame.
+    double discretisationError = 0;
+    Index folded = 0; ///< triangles that turned over, in the frame that has most
 };
 
 /// Solves the frames of a pose sequence, one from the other, and writes them, no more than one at a time in memory (but

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_POSE_STATE_H
+#define PYMESHLAB_FCD_POSE_STATE_H
+
+#include <vcg_ext/base/error.h>
+#include <vcg_ext/map/moving_surface.h>
+
+#include <cstring>
+#include <map>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+/// \file
+/// A pose as bytes, for pickles. Both ways go through the same list of fields (fieldsOf).
+
+/// The fields of what has some, in the order in which they are written.
+template <class Take>
+void fieldsOf(vcg::fcd::HeldMotions &given, const Take &take) {
+    take(given.motion, given.rotates, given.turn, given.pointMotion);
+}
+template <class Take>
+void fieldsOf(vcg::fcd::GraphPose &pose, const Take &take) {
+    take(pose.position, pose.linear, pose.energy, pose.nodeEnergy, pose.rests, pose.iterations, pose.converged,
+         pose.moves, pose.followed, pose.unstable);
+}
+template <class Take>
+void fieldsOf(vcg::fcd::SurfacePose &pose, const Take &take) {
+    take(pose.given, pose.solved, pose.graph, pose.nodeMotion, pose.motion, pose.iterations, pose.way.steps,
+         pose.way.jumps, pose.way.unstable);
+}
+
+/// Which values are their bytes: numbers, and matrices of fixed size.
+template <class T>
+struct IsPlain : std::is_arithmetic<T> {};
+template <class T, int rows, int columns>
+struct IsPlain<Eigen::Matrix<T, rows, columns>>
+    : std::bool_constant<rows != Eigen::Dynamic && columns != Eigen::Dynamic> {};
+template <class T>
+struct IsPlain<Eigen::Transform<T, 3, Eigen::Affine>> : std::true_type {};
+
+/// Writes values one after the other, in this machine's byte order.
+class StateWriter {
+  public:
+    std::string text = mark;
+
+    template <class... T>
+    void operator()(const T &...value) {
+        (put(value), ...);
+    }
+
+    static constexpr const char *mark = "fcd pose 1\n";
+
+  private:
+    void raw(const void *data, std::size_t size) { text.append(static_cast<const char *>(data), size); }
+
+    template <class T>
+    void put(const T &value) {
+        if constexpr (IsPlain<T>::value)
+            raw(&value, sizeof value);
+        else
+            fieldsOf(const_cast<T &>(value), [this](const auto &...field) { (*this)(field...); });
+    }
+    template <class T>
+    void put(const std::vector<T> &values) {
+        put(values.size());
+        for (const T &each : values)
+            put(each);
+    }
+    template <class Key, class T>
+    void put(const std::map<Key, T> &values) {
+        put(values.size());
+        for (const auto &[key, each] : values) {
+            put(key);
+            put(each);
+        }
+    }
+    void put(const Eigen::Matrix3Xd &columns) {
+        put(std::size_t(columns.cols()));
+        raw(columns.data(), sizeof(double) * std::size_t(columns.size()));
+    }
+};
+
+/// Reads what StateWriter has written. \throw BadInput what it has not
+class StateReader {
+  public:
+    explicit StateReader(std::string given) : text(std::move(given)), at(std::strlen(StateWriter::mark)) {
+        if (text.compare(0, at, StateWriter::mark) != 0)
+            Fail();
+    }
+
+    template <class... T>
+    void operator()(T &...value) {
+        (get(value), ...);
+    }
+
+    void ExpectEnd() const {
+        if (at != text.size())
+            Fail();
+    }
+
+  private:
+    [[noreturn]] static void Fail() {
+        throw vcg::fcd::BadInput("The pose was kept by another version of this package: pose the surface anew.");
+    }
+
+    void raw(void *data, std::size_t size) {
+        if (size > text.size() - at)
+            Fail();
+        std::memcpy(data, text.data() + at, size);
+        at += size;
+    }
+
+    /// How many follow, of at least a byte each.
+    std::size_t count() {
+        std::size_t n = 0;
+        raw(&n, sizeof n);
+        if (n > text.size() - at)
+            Fail();
+        return n;
+    }
+
+    template <class T>
+    void get(T &value) {
+        if constexpr (std::is_same_v<T, bool>) {
+            char byte = 0;
+            raw(&byte, 1);
+            value = byte != 0;
+        } else if constexpr (IsPlain<T>::value)
+            raw(static_cast<void *>(&value), sizeof value);
+        else
+            fieldsOf(value, [this](auto &...field) { (*this)(field...); });
+    }
+    template <class T>
+    void get(std::vector<T> &values) {
+        values.resize(count());
+        for (T &each : values)
+            get(each);
+    }
+    template <class Key, class T>
+    void get(std::map<Key, T> &values) {
+        for (std::size_t n = count(); n > 0; --n) {
+            Key key{};
+            get(key);
+            get(values[key]);
+        }
+    }
+    void get(Eigen::Matrix3Xd &columns) {
+        const std::size_t n = count();
+        columns.resize(3, Eigen::Index(n));
+        raw(columns.data(), sizeof(double) * 3 * n);
+    }
+
+    const std::string text;
+    std::size_t at;
+};
+
+#endif

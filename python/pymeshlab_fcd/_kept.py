@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays that are kept: our own, or the caller's, which are looked at before each use."""
+from __future__ import annotations
+
+import numpy as np
+
+from . import _core
+from ._inputs import Points
+
+
+class Kept:
+    """Rows of three doubles that are shown and cannot be written to. lent: why a caller's own array is no longer what it was; None where
+    nobody else has it."""
+
+    def __init__(self, array: Points, lent: str | None = None, threads: int = 0) -> None:
+        self._array, self._lent, self._threads = array, lent, threads
+        if lent is None:
+            array.flags.writeable = False  # of a view, nobody can take that back
+        else:
+            self._mark = self._mark_now()
+        self._view = self._show()
+
+    def _show(self) -> Points:
+        view = self._array.view()
+        view.flags.writeable = False
+        return view
+
+    def _mark_now(self) -> tuple[int, tuple[int, ...], int]:
+        array = self._array
+        address: int = array.__array_interface__["data"][0]
+        if array.shape[1:] != (3,) or array.dtype != np.float64 or not array.flags.c_contiguous:
+            return address, array.shape, 0
+        return address, array.shape, _core.checksum(array, self._threads)
+
+    def look(self) -> Points:
+        """The array, read-only. Raises ValueError where the caller has changed it."""
+        if self._lent is None:
+            return self._view
+        if self._mark_now() != self._mark:
+            raise ValueError(self._lent)
+        return self._view
+
+    def given_away(self) -> Points:
+        """Our own array, for the caller to write to; it is not kept any more."""
+        self._array.flags.writeable = True
+        return self._array

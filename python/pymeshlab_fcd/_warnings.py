@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is probably not meant, a class for each kind, so that one can be silenced, or made an error, alone."""
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+
+
+class DeformationWarning(UserWarning):
+    """Something in a deformation is probably not meant, or only approximate; the text says what to do. Each kind is a class of its own
+    below this one."""
+
+
+class NothingMovesWarning(DeformationWarning):
+    """No handle or landmark moves."""
+
+
+class NotAtRestWarning(DeformationWarning):
+    """The shape did not come to rest."""
+
+
+class FoldWarning(DeformationWarning):
+    """Triangles turned over, or the way back from a fold is not known."""
+
+
+class StretchWarning(DeformationWarning):
+    """Edges lead straight from one held region to another, and are stretched."""
+
+
+class RigidWarning(DeformationWarning):
+    """All that the free surface touches makes the same motion."""
+
+
+class OverruledWarning(DeformationWarning):
+    """Vertices at one place have different tags."""
+
+
+class SlitWarning(DeformationWarning):
+    """Open borders are close to each other, and are not joined."""
+
+
+class ScanLineWarning(DeformationWarning):
+    """Points of a cloud hang together along their lines alone."""
+
+
+class NodeWarning(DeformationWarning):
+    """Given nodes do not lie on the free surface."""
+
+
+class AccuracyWarning(DeformationWarning):
+    """A saved deformation is farther off than it is meant to be."""
+
+
+class MatchWarning(DeformationWarning):
+    """Little of a surface has a counterpart on the other one."""
+
+
+class LandmarkWarning(DeformationWarning):
+    """Landmarks contradict each other, or the target."""
+
+
+class LineWarning(DeformationWarning):
+    """Parts of a surface do not go with the line."""
+
+
+Told = tuple[type[DeformationWarning], str]
+
+
+def warn(found: Iterable[Told], level: int) -> None:
+    """Warns of each. level: as of warnings.warn, counted from here"""
+    for kind, text in found:
+        warnings.warn(text, kind, level + 1)
+
+
+def triangles_turned(folded: int) -> str:
+    return f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over"
