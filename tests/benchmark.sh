@@ -9,7 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bash tests/setup.sh >&2
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
 cmake -G Ninja -S . -B build/benchmark -DCMAKE_BUILD_TYPE=Release -DFCD_BUILD_TESTS=ON \
-    -DFCD_VCGLIB="$cache/meshlab-2025.07/src/vcglib" >build/benchmark.log
+    -DFCD_VCGLIB="$cache/vcglib" >build/benchmark.log
 ninja -C build/benchmark graph_benchmark make_benchmark >>build/benchmark.log
 meshes=()
 for size in 35000 450000 1400000 3600000 20000000; do

@@ -7,7 +7,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${1:-$root/build/package}
-vcglib=${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib
+vcglib=${XDG_CACHE_HOME:-$HOME/.cache}/fcd/vcglib
 common=(-G Ninja -DCMAKE_CXX_COMPILER=g++ -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "-DFCD_VCGLIB=$vcglib")
 rm -rf "$build/installed" "$build/found" "$build/along"
 

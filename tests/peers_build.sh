@@ -4,6 +4,6 @@
 build_peers() {
     FCD_PACKAGES="libcgal-dev ${FCD_PEERS:+libusb-1.0-0}" bash tests/setup.sh >&2 # the latter is Open3D's
     cmake -G Ninja -S . -B build/cmake/peers -DCMAKE_BUILD_TYPE=Release -DFCD_BUILD_TESTS=ON -DFCD_PEERS=ON \
-        -DFCD_VCGLIB="${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib" >build/peers.log
+        -DFCD_VCGLIB="${XDG_CACHE_HOME:-$HOME/.cache}/fcd/vcglib" >build/peers.log
     ninja -C build/cmake/peers "$@" >>build/peers.log
 }

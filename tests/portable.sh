@@ -22,7 +22,7 @@ build() {
     for source in tests.cpp "$root/tests/unit/sanitizers.cpp" "$root"/vcg_ext/unity/*.cpp "$root/vcg_ext/base/point_tree.cpp"; do
         objects+=("$(basename "$source" .cpp).o")
         "${compiler[@]}" -std=c++17 -O1 -ffp-contract=off -Wall -Wextra -Werror -I"$root" -isystem include/eigen3 \
-            -isystem "$gtest/include" -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/meshlab-2025.07/src/vcglib" -c "$source" -o "${objects[-1]}"
+            -isystem "$gtest/include" -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/vcglib" -c "$source" -o "${objects[-1]}"
     done
     for source in gtest-all gtest_main; do
         "${compiler[@]}" -std=c++17 -O1 -isystem "$gtest/include" -isystem "$gtest" -c "$gtest/src/$source.cc" -o "$source.o"
