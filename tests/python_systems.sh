@@ -2,7 +2,7 @@
 # The wheels where there is no compiler and no MeshLab: that of tests/python_package.sh in a fresh Debian 12; and those for all Pythons from
 # 3.12 on, which zig builds for glibc 2.28 in a Debian 13, in a fresh Debian 13 on x86-64, and in one for 64-bit ARM under QEMU. All that
 # the package computes (tests/bits.py) must have the same bits there, and its first bend must be done a minute after pip begins (not under
-# QEMU). As root, after tests/python_package.sh; installs what it lacks; takes a quarter of an hour.
+# QEMU). As root, after tests/python_package.sh and `tests/python_package.sh release`; installs what it lacks; takes a quarter of an hour.
 #
 #   bash tests/python_systems.sh
 set -euo pipefail
@@ -11,7 +11,7 @@ made=$root/build/python/dist
 work=$root/build/python_systems
 mkdir -p "$work"
 cd "$work"
-[ -e "$(echo "$made"/pymeshlab_fcd-*.tar.gz)" ] || { echo "error: there is no wheel and no source distribution in $made: run tests/python_package.sh"; exit 1; }
+[ -e "$(echo "$made"/pymeshlab_fcd-*.tar.gz)" ] || { echo "error: there is no wheel and no source distribution in $made: run tests/python_package.sh, then with 'release'"; exit 1; }
 FCD_PACKAGES="debootstrap qemu-user-static binfmt-support" bash "$root/tests/setup.sh" sources
 # So that Linux gives programs for ARM to QEMU; a container may have it from its host.
 [ -e /proc/sys/fs/binfmt_misc/status ] || mount -t binfmt_misc binfmt_misc /proc/sys/fs/binfmt_misc

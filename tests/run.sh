@@ -1,12 +1,24 @@
 #!/usr/bin/env bash
-# Sets the machine up, builds, and runs every test: as many suites at a time as there are cores, one of them what is left of
-# the set-up, beside them those that wait most of the time, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as skipped, as failed where CI=true.
+# Sets the machine up, builds, and runs tests: as many suites at a time as there are cores, beside them those that wait most of the
+# time, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as
+# skipped, as failed where CI=true.
 #
-#   bash tests/run.sh
+#   bash tests/run.sh        whether it works here: @FIRST@
+#   bash tests/run.sh all    and what protects a release: @ALL@
+#
+@TABLE@
 set -uo pipefail
 shopt -s nullglob
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root" || exit 1
+case ${1:-} in
+"") all= ;;
+all) all=all ;;
+*)
+    echo "tests/run.sh: '$1' is not 'all': bash tests/run.sh [all]" >&2
+    exit 2
+    ;;
+esac
 build=$root/build
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
 results=$build/results
@@ -62,6 +74,10 @@ nice_suite() {
     "$@"
 }
 
+# first COMMAND...: in both tiers. more COMMAND...: in the second.
+first() { "$@"; }
+more() { [ -z "$all" ] || "$@"; }
+
 # finish: waits for the suites, and sums up.
 finish() {
     local passed failed skipped
@@ -71,6 +87,7 @@ finish() {
     done
     echo "== the slowest tests (of $SECONDS s in all)"
     python3 tests/junit.py slowest "$results"/*.xml "$results"/*/*.xml
+    [ -n "$all" ] || echo "This was the first tier. Sanitizers, faults, fuzzing, the other hosts and checks of the sources: bash tests/run.sh all"
     read -r passed failed skipped < <(cat "$results"/*.count | awk '{ p += $1; f += $2; s += $3 } END { print p, f, s }')
     echo "$passed passed, $failed failed, $skipped skipped"
     [ "$failed" = 0 ]
@@ -86,10 +103,11 @@ count() {
     fi
 }
 
-# build_tests JOBS CMAKE-ARGUMENT...: tests that ctest runs, in build/NAME.
+# build_tests FOLDER TARGETS CMAKE-ARGUMENT...: tests that ctest runs, in build/FOLDER.
 build_tests() {
-    local directory=$build/$name jobs=$1 arguments
-    shift
+    local directory=$build/$1 targets arguments
+    read -ra targets <<<"$2"
+    shift 2
     arguments="$root $*"
     # CMake forgets its variables when the compiler changes.
     if [ "$(cat "$directory/arguments" 2>/dev/null)" != "$arguments" ]; then
@@ -98,7 +116,7 @@ build_tests() {
         echo "$arguments" >"$directory/arguments"
     fi
     if ! { cmake -G Ninja -S . -B "$directory" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER=clang++ "$@" &&
-        nice ninja -C "$directory" -j "$jobs"; } >"$results/$name.log" 2>&1; then
+        nice ninja -C "$directory" -j "${jobs:-1}" "${targets[@]}"; } >"$results/$name.log" 2>&1; then
         grep -m 5 -E 'error|Error' "$results/$name.log" || tail -n 5 "$results/$name.log"
         fail "building $name, see $results/$name.log"
         return 1
@@ -108,10 +126,10 @@ build_tests() {
 # What else is compiled by clang takes the method from there, and not that of the window, which is by GCC: two compilers lay out a
 # lambda differently, and the linker takes one of two functions that are called with it.
 method=$build/cmake/pymeshlab-2025.7
-# The tests once, and with them the method as it is in the plugin, and as sanitizers want it.
+# unit_build TARGETS: the tests once, with the method as it is in the plugin, and as sanitizers want it.
 unit_build() {
-    build_tests 2 -DFCD_BUILD_TESTS=ON -DFCD_SANITIZE=ON -DCMAKE_BUILD_TYPE=Release "-DFCD_METHOD=$method" \
-        "-DFCD_VCGLIB=$cache/meshlab-2025.07/src/vcglib"
+    jobs=2 build_tests unit "$1" -DFCD_BUILD_TESTS=ON -DFCD_SANITIZE=ON -DCMAKE_BUILD_TYPE=Release "-DFCD_METHOD=$method" \
+        "-DFCD_VCGLIB=$cache/vcglib"
 }
 # unit FOLDER TESTS: those that ctest runs there, by a regular expression, and each test of the programs among them.
 unit() {
@@ -127,7 +145,7 @@ unit_addresses() {
     tail -n 1 "$results/coverage.log"
 }
 fuzz() {
-    build_tests 1 -DFCD_FUZZ=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" "-DFCD_VCGLIB=$cache/meshlab-2025.07/src/vcglib" &&
+    build_tests fuzz all -DFCD_FUZZ=ON -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=-O1 -g1" "-DFCD_VCGLIB=$cache/vcglib" &&
         unit fuzz Fuzz
 }
 
@@ -156,10 +174,13 @@ pymeshlab() {
         host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${@:3}"
     fi
 }
-# The newest one, and what asks the method more than the host: the fits, and faults at each report and each step of memory.
+# The newest one, and what asks the method more than the host: the fits.
 newest() {
+    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py -k "not little_memory"
+}
+newest_faults() {
     faults pymeshlab-2025.7
-    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py
+    FCD_PLUGIN=$build/plugins/pymeshlab-2025.7/libfilter_fcd.so host "$build/venv/bin/python" tests/host_process.py -k little_memory
 }
 # sanitized_plugin HOST TARGET...: what is between MeshLab and the method, with sanitizers, in build/sanitized/HOST.
 sanitized_plugin() {
@@ -206,7 +227,7 @@ sanitized_window() {
 }
 # The Python package, from its wheel.
 python_package() {
-    bash tests/python_package.sh "$results/$name.xml" 2>&1 | tee "$results/$name.log"
+    bash tests/python_package.sh test "$results/$name.xml" 2>&1 | tee "$results/$name.log"
     count
 }
 # with_meshlabserver TEST...
@@ -221,8 +242,13 @@ with_meshlabserver() {
     fi
 }
 meshlabserver() {
+    # shellcheck disable=SC2046
+    with_meshlabserver tests/host_meshlabserver.py $([ -z "$all" ] || echo tests/host_readme.py) -k "not valgrind and not little_memory"
+}
+# Under valgrind, and with faults at each report and each step of memory.
+meshlabserver_faults() {
     [ ! -d "$build/cmake/meshlab-2020.09" ] || faults meshlab-2020.09
-    with_meshlabserver tests/host_meshlabserver.py tests/host_readme.py
+    with_meshlabserver tests/host_meshlabserver.py -k "valgrind or little_memory"
 }
 window() {
     export FCD_MESHLAB=$build/meshlab-2020.09/meshlab FCD_PLUGIN=$build/plugins/pymeshlab-2025.7/libfilter_fcd.so
@@ -277,58 +303,56 @@ tidy() {
 }
 
 hosts() {
-    if bash tests/setup.sh; then
+    if bash tests/setup.sh "${all:-tests}"; then
         add 0 0 0
     else
         fail "setup"
     fi
 }
 
-if ! bash tests/setup.sh window; then
+if ! FCD_WINDOW_COMPILER=${all:+g++} bash tests/setup.sh window; then
     fail "setup"
     finish
 fi
 
-wait_beside bend-2020.09 with_meshlabserver tests/host_edit.py
-wait_beside bend-state-2020.09 with_meshlabserver tests/host_edit_state.py
-wait_beside bend-hands-2020.09 with_meshlabserver tests/host_edit_hands.py
-wait_beside bend-lines-2020.09 with_meshlabserver tests/host_edit_lines.py
-wait_beside fit-2020.09 with_meshlabserver tests/host_edit_fit.py
-# What takes longest begins first.
-start hosts hosts
-hosts=$!
-wait "$hosts"
-start unit unit_build
+# The suites, each once, in the order in which they begin: what takes longest begins first.
+first wait_beside tools-2020.09 with_meshlabserver tests/host_edit*.py -n 5 --maxschedchunk=1
+first start hosts hosts
+wait $!
+first wait_beside window-2020.09 window
+first start unit-build unit_build "${all:-fcd_unit_tests}"
 unit=$!
-wait_beside window-2020.09 window
-start sanitized-plugins sanitized_plugins
+first start pymeshlab-2025.7 newest
+first start python-package python_package
+python=$!
+first start meshlab-2020.09 meshlabserver
+more start sanitized-plugins sanitized_plugins
 plugins=$!
 wait "$unit"
-start unit-addresses unit_addresses
-start unit-threads unit unit _tests_threads
-start unit-release unit unit '^fcd_(unit|fault)_tests$|^make_benchmark'
-start fuzz fuzz
-
-(cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
-
-start python-package python_package
-start pymeshlab-2025.7 newest
-start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python" -k "not little_memory"
-start meshlab-2020.09 meshlabserver
-wait "$plugins"
-wait_beside sanitized-window sanitized_window
-start sanitized-host sanitized_host
-start package check package bash tests/package.sh
-start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
+more start unit-addresses unit_addresses
+more start unit-threads unit unit _tests_threads
+first start unit unit unit "^fcd_unit_tests\$${all:+|^fcd_fault_tests\$|^make_benchmark}"
+first start rooms check rooms python3 tests/rooms.py
+more start fuzz fuzz
+more start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python" -k "not little_memory"
+more start pymeshlab-faults newest_faults
+more start meshlab-faults meshlabserver_faults
+[ -z "$all" ] || wait "$plugins"
+more wait_beside sanitized-window sanitized_window
+more start sanitized-host sanitized_host
+more start package check package bash tests/package.sh
+wait "$python"
+more start python-release check python-release bash tests/python_package.sh release
+more start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
 for folder in layer_fcd filter_fcd edit_fcd; do printf '#include "%s"\n' "$folder"/*.cpp >"$results/$folder.cpp"; done # as they are compiled
-start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
+[ -z "$all" ] || (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
+more start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp "$results"/{layer,filter,edit}_fcd.cpp
-start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
-start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
-start clang-tidy-edit tidy edit_fcd meshlab-2025.07
-start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
-start rooms check rooms python3 tests/rooms.py
+more start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7
+more start clang-tidy-filter tidy filter_fcd pymeshlab-2025.7
+more start clang-tidy-edit tidy edit_fcd meshlab-2025.07
+more start manual check manual "$build/venv-tools/bin/mkdocs" build --strict --quiet
 wait
-start messages check messages python3 tests/messages.py "$FCD_MESSAGES"
+more start messages check messages python3 tests/messages.py "$FCD_MESSAGES" # after all that it hears
 
 finish
