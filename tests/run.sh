@@ -6,7 +6,7 @@
 #   bash tests/run.sh        whether it works here: @FIRST@
 #   bash tests/run.sh all    and what protects a release: @ALL@
 #
-@TABLE@
+# TABLE
 set -uo pipefail
 shopt -s nullglob
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
