@@ -128,16 +128,18 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
     const double *from = points.data(), *direction = normals ? normals->data() : nullptr;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
-        const vcg::fcd::NearestPlace &places = prepared->places();
-        forInSpaceOrder(
-            from, n, prepared->box, progress, "Mapping points", [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
-                const Eigen::Vector3d p = rowOf(from, i);
-                Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
-                const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
-                rowOf(moved, i) = isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p, hint), p, linear)) : p;
-                if (direction)
-                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
-            });
+        const vcg::fcd::NearestPlace &places = prepared->places(progress.Slice(0, 0.3));
+        forInSpaceOrder(from, n, prepared->box, progress.Slice(0.3, 1), "Mapping points",
+                        [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
+                            const Eigen::Vector3d p = rowOf(from, i);
+                            Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
+                            const bool isPlace =
+                                p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
+                            rowOf(moved, i) =
+                                isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p, hint), p, linear)) : p;
+                            if (direction)
+                                rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
+                        });
     });
     return nb::make_tuple(positions, others);
 }

@@ -231,15 +231,15 @@ nb::object Prepared::normalsOf(const Rows &positions, const std::optional<Writte
     return normals;
 }
 
-const vcg::fcd::NearestPlace &Prepared::places() const {
-    std::call_once(placesMade, [this] {
+const vcg::fcd::NearestPlace &Prepared::places(const Progress &progress) const {
+    std::call_once(placesMade, [&] {
         rest = view.Copy(threads);
         std::vector<std::array<Index, 3>> triangle(view.faces);
         for (std::size_t f = 0; f < view.faces; ++f)
             for (std::size_t k = 0; k < 3; ++k)
                 triangle[f][k] = Index(view.corner[3 * f + k]);
-        found =
-            std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle), std::vector<char>(view.vertexSlots, 1));
+        found = std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle),
+                                                         std::vector<char>(view.vertexSlots, 1), progress);
     });
     return *found;
 }

@@ -42,7 +42,7 @@ class Prepared {
     nb::object normalsOf(const Rows &positions, const std::optional<Written> &out) const;
 
     /// To find what is nearest to points; made when it is asked for first.
-    const vcg::fcd::NearestPlace &places() const;
+    const vcg::fcd::NearestPlace &places(const vcg::fcd::Progress &progress) const;
 
     const Rows vertices;
     const std::optional<Corners> faces;
