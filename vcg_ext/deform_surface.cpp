@@ -185,7 +185,7 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
 
     const Stopwatch watch;
     const Deformer::Pose &pose = result.pose;
-    const Carrier carrier(deformer, pose);
+    const Carrier carrier(deformer, pose, progress.threads);
     carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0, 0.66));
     result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.66, 0.83));
     if (param.measure) {

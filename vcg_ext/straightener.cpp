@@ -78,7 +78,7 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
                        const std::vector<double> &place, const std::vector<bool> &constrained,
                        const Deformer::Pose &pose, const Progress &progress, StraightenReport &report) {
     progress(0, "Following the line");
-    const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion);
+    const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion, {}, progress.threads);
     double squares = 0;
     std::size_t count = 0;
     for (const detail::LineSample &each :

@@ -5,9 +5,9 @@
 namespace vcg {
 namespace fcd {
 
-Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose)
-    : moving(surface), pose(pose), mapped(moving.mapping->At(pose.graph, pose.motion, moving.surface.frame)),
-      looseMotion(LooseMotions()), placeMotion(PlaceMotions()), moves(pose.Moves()) {}
+Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads)
+    : moving(surface), pose(pose), mapped(moving.mapping->At(pose.graph, pose.motion, moving.surface.frame, threads)),
+      looseMotion(LooseMotions()), placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {}
 
 Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
     const Index node = moving.surface.nodeOf[slot];
@@ -105,14 +105,14 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
 }
 
 /// Where a place of the surface leads is affine in what lies beside it: four points tell it.
-std::vector<Eigen::Affine3d> Carrier::PlaceMotions() const {
+std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
     const std::vector<std::size_t> &place = moving.following.place;
     std::vector<Eigen::Affine3d> result(place.size(), Eigen::Affine3d::Identity());
     if (!pose.Moves())
         return result;
     Eigen::Matrix3Xd corner(3, 4); // the place, and as far from it as the frame is wide
     corner << Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity();
-    ParallelFor(0, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
+    ParallelFor(threads, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
         GraphMapping::Posed::Scratch scratch;
         detail::Vertices &at = scratch.vertices;
         for (std::size_t i = first; i < last; ++i) {

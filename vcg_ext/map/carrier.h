@@ -16,7 +16,8 @@ namespace fcd {
 /// Where a pose takes the vertices of a surface, and points beside them. Refers to surface and pose.
 class Carrier {
   public:
-    Carrier(const MovingSurface &surface, const SurfacePose &pose);
+    /// \param threads that prepare it, 0 = one a core
+    Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads = 0);
 
     /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
     /// \param linear how the surface turns and stretches there, mesh units
@@ -128,7 +129,7 @@ class Carrier {
     std::vector<Eigen::Matrix4d> LooseMotions() const;
 
     /// How each of LooseFollowing::place moves what lies beside it, mesh units.
-    std::vector<Eigen::Affine3d> PlaceMotions() const;
+    std::vector<Eigen::Affine3d> PlaceMotions(unsigned threads) const;
 
     /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
     Eigen::Vector3d Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const;

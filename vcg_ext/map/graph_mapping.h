@@ -94,7 +94,7 @@ class GraphMapping {
         friend class GraphMapping;
 
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
-              const Frame &frame);
+              const Frame &frame, unsigned threads);
         void MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const;
         void SumStrain(Scratch &scratch) const;
         void RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const;
@@ -114,10 +114,11 @@ class GraphMapping {
     };
 
     /// \param motion of each held tag, 0 included, in the frame
-    /// \param frame of the surface; by default all is in the frame
+    /// \param frame of the surface; by default all is in the frame \param threads 0 = one a core
     /// The mapping must outlive the result.
-    Posed At(const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion, const Frame &frame = {}) const {
-        return Posed(*this, pose, motion, frame);
+    Posed At(const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion, const Frame &frame = {},
+             unsigned threads = 0) const {
+        return Posed(*this, pose, motion, frame, threads);
     }
 
   private:

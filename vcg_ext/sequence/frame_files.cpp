@@ -8,7 +8,7 @@
 namespace vcg {
 namespace fcd {
 
-PackedSurface::PackedSurface(const SurfaceView &surface) {
+PackedSurface::PackedSurface(const SurfaceView &surface, unsigned threads) : threads(threads) {
     std::vector<std::uint32_t> number(surface.vertexSlots, SurfaceView::none);
     for (std::size_t i = 0; i < surface.vertexSlots; ++i)
         if (!surface.IsDeleted(i)) {
@@ -28,7 +28,7 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
     std::vector<float> numbers(3 * std::min(block, surface.slot.size()));
     for (std::size_t first = 0; first < surface.slot.size(); first += block) {
         const std::size_t last = std::min(first + block, surface.slot.size());
-        ParallelFor(0, last - first, 1 << 12, [&](std::size_t begin, std::size_t end) {
+        ParallelFor(surface.threads, last - first, 1 << 12, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 Eigen::Map<Eigen::Vector3f>(numbers.data() + 3 * i) = row(surface.slot[first + i]);
         });

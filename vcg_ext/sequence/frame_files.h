@@ -16,10 +16,11 @@ using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size
 
 /// What files know of a surface: its vertices and triangles, without what is deleted.
 struct PackedSurface {
-    explicit PackedSurface(const SurfaceView &surface);
+    explicit PackedSurface(const SurfaceView &surface, unsigned threads = 0);
 
     std::vector<std::uint32_t> slot;   ///< of each vertex
     std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 a triangle
+    unsigned threads;                  ///< that write it, 0 = one a core
 };
 
 /// A point cache, `.pc2`: where the vertices of a mesh are, in single precision, frame by frame. As written by

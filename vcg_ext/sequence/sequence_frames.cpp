@@ -154,7 +154,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         ++done;
         const Deformer::Pose &pose = from.Go(weight, part.Slice(0, 0.5));
         position = surface.Positions();
-        Carrier(deformer, pose).Apply(position, nullptr, part.Slice(0.5, 0.8));
+        Carrier(deformer, pose, part.threads).Apply(position, nullptr, part.Slice(0.5, 0.8));
         report.converged = report.converged && pose.graph.converged;
         report.jumps = report.jumps || pose.way.jumps;
         report.unstable = report.unstable || pose.way.unstable;
@@ -164,7 +164,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         return pose;
     };
 
-    const PackedSurface packed(surface);
+    const PackedSurface packed(surface, progress.threads);
     std::unique_ptr<PointCacheFile> cache;
     if (output.pointCache)
         cache = std::make_unique<PointCacheFile>(output.pointCache, packed, time.size(),
