@@ -37,7 +37,7 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, vcg::f
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
     Eigen::Matrix3Xd rest = positionsBefore(*param.source, deformation), deformed = rest;
     std::vector<Eigen::Matrix3f> linear;
-    vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose)
+    vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose, progress.threads)
         .Apply(deformed, &linear, progress.Slice(0, 0.1));
     toWorld(matrix, rest, deformed, linear);
     if (param.inverse) {

@@ -20,10 +20,12 @@ class Field {
     static std::unique_ptr<Field> read(const nb::bytes &content, const std::string &name, unsigned threads) {
         const std::string text(content.c_str(), content.size());
         const nb::gil_scoped_release release;
-        return std::make_unique<Field>(vcg::fcd::ReadDeformationText(text, name), threads);
+        vcg::fcd::Progress progress;
+        progress.threads = threads;
+        return std::make_unique<Field>(vcg::fcd::ReadDeformationText(text, name), progress);
     }
-    Field(vcg::fcd::FieldSamples samples, unsigned threads)
-        : field(std::move(samples), threads),
+    Field(vcg::fcd::FieldSamples samples, const vcg::fcd::Progress &progress)
+        : field(std::move(samples), progress),
           box(field.samples.position.rowwise().minCoeff(), field.samples.position.rowwise().maxCoeff()) {}
 
     nb::bytes content() const {

@@ -185,16 +185,18 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     const nb::object others = normals ? newArray({n, 3}, turned) : nb::none();
     const double *from = points.data(), *direction = normals ? normals->data() : nullptr;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
-        const vcg::fcd::NearestPlace &places = prepared->places();
-        forInSpaceOrder(
-            from, n, prepared->box, progress, "Mapping points", [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
-                const Eigen::Vector3d p = rowOf(from, i);
-                Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
-                const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
-                rowOf(moved, i) = isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p, hint), p, linear)) : p;
-                if (direction)
-                    rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
-            });
+        const vcg::fcd::NearestPlace &places = prepared->places(progress.Slice(0, 0.3));
+        forInSpaceOrder(from, n, prepared->box, progress.Slice(0.3, 1), "Mapping points",
+                        [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
+                            const Eigen::Vector3d p = rowOf(from, i);
+                            Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
+                            const bool isPlace =
+                                p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
+                            rowOf(moved, i) =
+                                isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p, hint), p, linear)) : p;
+                            if (direction)
+                                rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
+                        });
     });
     return nb::make_tuple(positions, others);
 }
@@ -213,7 +215,7 @@ std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb
             folded = vcg::fcd::Invert(linear);
         }
         sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
-        made = std::make_unique<Field>(std::move(sampled.samples), prepared->threads);
+        made = std::make_unique<Field>(std::move(sampled.samples), progress.Slice(1, 1));
     });
     return {std::move(made), int(sampled.off + sampled.stirred), int(folded)};
 }

@@ -238,8 +238,8 @@ void Prepared::normalsOf(const Rows &positions, const Written &out) const {
                   [&](const Progress &progress) { vcg::fcd::FaceNormals(view, position, normal, progress.threads); });
 }
 
-const vcg::fcd::NearestPlace &Prepared::places() const {
-    std::call_once(placesMade, [this] {
+const vcg::fcd::NearestPlace &Prepared::places(const Progress &progress) const {
+    std::call_once(placesMade, [&] {
         rest = view.Copy(threads);
         if (!rest.allFinite())
             throw vcg::fcd::BadInput("A coordinate of the vertices is no longer finite.");
@@ -248,7 +248,7 @@ const vcg::fcd::NearestPlace &Prepared::places() const {
             for (std::size_t k = 0; k < 3; ++k)
                 triangle[f][k] = Index(view.corner[3 * f + k]);
         found = std::make_unique<vcg::fcd::NearestPlace>(rest, std::move(triangle),
-                                                         std::vector<char>(view.vertexSlots, 1), threads);
+                                                         std::vector<char>(view.vertexSlots, 1), progress);
     });
     return *found;
 }

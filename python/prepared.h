@@ -44,7 +44,7 @@ class Prepared {
 
     /// To find what is nearest to points; made when it is asked for first. \throw BadInput a coordinate that is no
     /// longer finite
-    const vcg::fcd::NearestPlace &places() const;
+    const vcg::fcd::NearestPlace &places(const vcg::fcd::Progress &progress) const;
 
     const Rows vertices;
     const std::optional<Corners> faces;

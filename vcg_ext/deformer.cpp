@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace vcg {
@@ -117,7 +119,7 @@ Deformer::Pose Deformer::Solve(HeldMotions motions, const SolverParam &solver, c
     for (const auto &each : pose.given.motion)
         pose.motion[each.first] = surface.frame.ToFrame(each.second);
     NodeConstraints given = ConstraintsOf(pose);
-    const std::shared_ptr<const System> system = SystemOf(given);
+    const std::shared_ptr<const System> system = SystemOf(given, progress.Slice(0, 0));
     pose.solved = system->parts.Solve(given, StepsOf(solver), progress, last ? &last->solved : nullptr,
                                       last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
     pose.iterations = pose.solved.iterations;
@@ -202,13 +204,19 @@ int Deformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin) cons
     return int(std::min(std::max(steps, 1.0), 1000.0));
 }
 
-Deformer::System::System(const Deformer &deformer, const NodeConstraints &given)
-    : compliant(given.compliant), parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth) {}
+Deformer::System::System(const Deformer &deformer, const NodeConstraints &given, const Progress &progress)
+    : compliant(given.compliant),
+      parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth, progress) {}
 
-std::shared_ptr<const Deformer::System> Deformer::SystemOf(const NodeConstraints &given) const {
-    const std::lock_guard<std::mutex> guard(lock);
+std::shared_ptr<const Deformer::System> Deformer::SystemOf(const NodeConstraints &given,
+                                                           const Progress &progress) const {
+    std::unique_lock<std::mutex> guard(lock, std::defer_lock);
+    while (!guard.try_lock()) { // another thread is about to make it
+        progress(0, "Deforming the graph");
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
     if (!latest || latest->compliant != given.compliant)
-        latest = std::make_shared<const System>(*this, given);
+        latest = std::make_shared<const System>(*this, given, progress);
     return latest;
 }
 

@@ -94,7 +94,7 @@ class Deformer : public MovingSurface {
     /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, as a
     /// fraction of the diagonal of the box of the nodes; NaN where it cannot be told. \param solver as the pose was
     /// solved with
-    double DiscretisationError(const Pose &pose, const SolverParam &solver) const;
+    double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
     /// holds the free surface turns by more than 60 degrees against another.
@@ -122,7 +122,7 @@ class Deformer : public MovingSurface {
     struct System {
         std::vector<bool> compliant;
         PartsDeformer parts;
-        System(const Deformer &deformer, const NodeConstraints &given);
+        System(const Deformer &deformer, const NodeConstraints &given, const Progress &progress);
     };
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
@@ -139,7 +139,7 @@ class Deformer : public MovingSurface {
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     /// \p solver, without what goes beyond the paper where that is not asked for.
     SolverParam StepsOf(SolverParam solver) const;
-    std::shared_ptr<const System> SystemOf(const NodeConstraints &given) const;
+    std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const Progress &progress) const;
 
     std::vector<std::size_t> point;
     std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace vcg {
 namespace fcd {
@@ -16,16 +17,18 @@ namespace {
 // So many times the patches: the error falls eightfold, with their number to the power of 3 / 4 (DiscretisationError).
 // That is what an estimate which is low by three, as it may be where the surface is thin or torn, leaves room for.
 constexpr int finer = 16;
+// Its systems take some hundred numbers a node, and a pose of so many takes minutes.
+constexpr Index mostNodes = 200000;
 
 } // namespace
 
-double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver) const {
+double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress) const {
     NodeConstraints given = ConstraintsOf(pose);
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
     steps.follow = true;
     const double error = vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights,
-                                                       StepsOf(steps), param.shape);
+                                                       StepsOf(steps), param.shape, progress);
     if (!(error > 0)) // also without any nodes
         return error;
     const Eigen::Matrix3Xf &rest = graph.graph.position;
@@ -47,6 +50,11 @@ void Deformer::MakeGraph(const PositionsRef &rest, const Progress &progress) {
     small = detail::FindSmallParts(surface.graph, held.tag, D, param.shape);
     detail::OpenSmallParts(surface.graph, held.tag, small, patches, progress.Slice(0.9, 0.9));
     AddHeldPatches(surface.graph, held.tag, patches, progress.Slice(0.9, 0.9));
+    if (patches.Size() > mostNodes)
+        throw BadInput("The deformation graph would have " + std::to_string(patches.Size()) + " nodes; " +
+                       std::to_string(mostNodes) +
+                       " are the most. Raise the target radius or take fewer patches, and " +
+                       "hold regions rather than many single vertices.");
     graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
                                  progress.Slice(0.9, 1), param.shape);
     holding.clear();
@@ -87,12 +95,12 @@ double Deformer::TurnError(const Progress &progress) const {
     solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
     solver.maxIterations = 100;
     solver.follow = true;
-    ParallelFor(progress, "Estimating the error", 3, 1, [&](std::size_t first, std::size_t last) {
-        for (std::size_t axis = first; axis < last; ++axis)
-            try {
-                error[axis] = DiscretisationError(Solve(Probe(int(axis)), solver), solver);
-            } catch (const Unsolvable &) { // for whoever poses it
-            }
+    ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
+        try {
+            const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));
+            error[axis] = DiscretisationError(probe, solver, each.Slice(0.5, 1));
+        } catch (const Unsolvable &) { // for whoever poses it
+        }
     });
     double most = 0;
     for (double e : error)

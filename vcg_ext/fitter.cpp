@@ -150,6 +150,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     samples.normal = sampleNormal;
     const std::size_t matched = samples.Size();
     std::vector<Eigen::Vector3d> place; // of each landmark
+    std::vector<char> hasLandmark(std::size_t(surface.graph.Size()), 0);
     for (const Landmark &each : landmark) {
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
             throw BadInput("Landmark " + std::to_string(place.size() + 1) + " is no vertex, or belongs nowhere.");
@@ -157,8 +158,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         place.push_back(frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || deformer->held.tag[std::size_t(node)] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
-        if (std::find(samples.surfaceNode.begin() + std::ptrdiff_t(matched), samples.surfaceNode.end(), node) !=
-            samples.surfaceNode.end())
+        if (std::exchange(hasLandmark[std::size_t(node)], char(1)))
             throw BadInput("Landmark " + std::to_string(place.size()) +
                            " is at the place of another one. Leave one of the two out.");
         samples.Add(*deformer, pose, node);
@@ -259,7 +259,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     std::vector<Eigen::Vector3d> goal = place;
     for (std::size_t l = 0; l < place.size(); ++l)
         goal[l] = Within(tolerance, place[l], drawn.At(matched + l, graph));
-    report.pull = MoveOnto(drawn, matched, goal, isFree, graph) * frame.scale;
+    report.pull = MoveOnto(drawn, matched, goal, isFree, graph, progress.Slice(0.95, 1)) * frame.scale;
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;

@@ -78,7 +78,7 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
                        const std::vector<double> &place, const std::vector<bool> &constrained,
                        const Deformer::Pose &pose, const Progress &progress, StraightenReport &report) {
     progress(0, "Following the line");
-    const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion);
+    const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion, {}, progress.threads);
     double squares = 0;
     std::size_t count = 0;
     for (const detail::LineSample &each :
@@ -190,7 +190,8 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
         for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
             if (const Index j = deformer.patches.patchOf[std::size_t(u)]; j >= 0)
                 area[std::size_t(j)] += double(deformer.surface.nodeArea[std::size_t(u)]);
-        solved = PartsDeformer(graph, area, given, param.shape.heldDepth).Solve(given, param, progress.Slice(0.1, 0.8));
+        solved = PartsDeformer(graph, area, given, param.shape.heldDepth, progress.Slice(0.1, 0.1))
+                     .Solve(given, param, progress.Slice(0.1, 0.8));
         pose.iterations = solved.iterations;
     } else {
         solved = pose.solved;

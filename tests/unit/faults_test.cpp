@@ -2,6 +2,7 @@
 //
 // Memory that runs out at any allocation, and threads that do not start: in a program with faults.cpp.
 #include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/surface/nearest_place.h>
 #include "faults.h"
 #include "test_support.h"
 
@@ -139,5 +140,25 @@ TEST(NoThreads, TheResultIsTheSame) {
         threadsLeft = never;
         EXPECT_TRUE(SameBits(fewer.position, expected));
         EXPECT_EQ(ran, 100);
+    }
+}
+
+TEST(NoThreads, ATreeOfTrianglesStartsNoMoreThanAreAskedFor) {
+    const Shape sheet = Grid(400, 400); // of which even its fourth parts are shared out
+    Eigen::Matrix3Xd position(3, sheet.Size());
+    std::vector<std::array<Index, 3>> triangle;
+    for (int i = 0; i < sheet.Size(); ++i)
+        position.col(i) = sheet.position[std::size_t(i)];
+    for (const auto &f : sheet.face)
+        triangle.push_back({f[0], f[1], f[2]});
+    for (const unsigned threads : {1u, 2u, 4u, 16u}) {
+        const long many = 1000000;
+        threadsLeft = many;
+        const NearestPlace nearest(position, triangle, {}, Threads(threads));
+        const long started = many - threadsLeft;
+        threadsLeft = never;
+        // For the boxes, for two halves, and for four parts, of which each has a fourth of them.
+        EXPECT_LE(started, 3 * long(threads - 1) + long(threads)) << threads;
+        EXPECT_EQ(started > 0, threads > 1) << threads;
     }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_system.h>
 #include <vcg_ext/fit/fit_target.h>
@@ -514,4 +515,40 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     EXPECT_NEAR(curve / -slope, 1, 0.3);
     EXPECT_LT(moved(1), 0.7 * moved(0));
     EXPECT_LT(system.Step(pose, pull, stiff).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
+}
+
+TEST(FitLandmarks, ManyMoveTheNodesAsFewDo) {
+    // Against the pseudo-inverse, for more places than nodes and for fewer.
+    const Index nodes = 1500;
+    for (const std::size_t places : {std::size_t(2000), std::size_t(800)}) {
+        std::mt19937 random(7);
+        FitSamples samples;
+        GraphPose pose;
+        pose.position = Matrix3Xd::Random(3, nodes);
+        pose.linear.assign(std::size_t(nodes), Eigen::Matrix3d::Identity());
+        Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(Eigen::Index(places), nodes);
+        std::vector<Vector3d> place;
+        Eigen::MatrixXd off(Eigen::Index(places), 3);
+        for (std::size_t s = 0; s < places; ++s) {
+            samples.surfaceNode.push_back(Index(s));
+            const Index first = Index(s * std::size_t(nodes - 8) / places);
+            for (Index k = 0; k < 8; ++k)
+                weight(Eigen::Index(s), first + k) =
+                    k == 0 ? 0.6 : 0.4 / 7 * (1 + 0.5 * std::sin(double(random() % 7)));
+            for (Index k = 0; k < 8; ++k)
+                samples.term.push_back({first + k, weight(Eigen::Index(s), first + k), Vector3d::Zero()});
+            samples.begin.push_back(std::uint32_t(samples.term.size()));
+            samples.fixed.push_back(Vector3d::Zero());
+            off.row(Eigen::Index(s)) = 0.1 * RandomVector(random).transpose();
+        }
+        for (std::size_t s = 0; s < places; ++s)
+            place.push_back(samples.At(s, pose) + off.row(Eigen::Index(s)).transpose());
+        const Matrix3Xd expected = pose.position + weight.completeOrthogonalDecomposition().solve(off).transpose();
+        CallbackLog log(3);
+        GraphPose again = pose;
+        const std::vector<char> isFree(std::size_t(nodes), 1);
+        EXPECT_THROW(MoveOnto(samples, 0, place, isFree, again, log.Progress()), Cancelled);
+        MoveOnto(samples, 0, place, isFree, pose);
+        EXPECT_LE((pose.position - expected).colwise().norm().maxCoeff(), 1e-6) << places;
+    }
 }

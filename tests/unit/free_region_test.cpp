@@ -136,6 +136,36 @@ TEST(FreeRegion, OfACloudHasTheNearestPlacesHoweverManyPointsAreThere) {
         }
 }
 
+TEST(FreeRegion, OfACloudIsTheSameWithAPointFarAway) {
+    const int n = sanitized ? 60 : 200;
+    const Shape cloud = Points(Jittered(Grid(n, n), 0.3));
+    std::vector<int> tag = TagsOf(cloud, [&](const Eigen::Vector3d &p) { return p[0] < 0.3 * n ? 0 : 1; });
+    const auto seconds = [&](const Shape &shape, Region &region) {
+        const Stopwatch watch;
+        region = FreeRegion(Read(MeshD(shape)), tag, {});
+        return watch.Seconds();
+    };
+    Region alone, with;
+    const double expected = seconds(cloud, alone);
+    for (const int ofStray : {0, 1})
+        for (const double far : {1e3, 1e6, 1e9}) {
+            Shape more = cloud;
+            tag.resize(std::size_t(cloud.Size()));
+            for (int k = 0; k < 3; ++k) {
+                more.position.push_back(far * n * (Eigen::Vector3d::Unit(k) + Eigen::Vector3d(0.1, 0.2, 0.3)));
+                tag.push_back(ofStray);
+            }
+            EXPECT_LE(seconds(more, with), 20 * expected + 0.05) << far;
+            std::size_t missed = 0, beyond = 0;
+            for (std::size_t i = 0; i < std::size_t(cloud.Size()); ++i) {
+                missed += alone.flag[i] == Region::part && with.flag[i] != Region::part;
+                beyond += alone.flag[i] != Region::part && with.flag[i] == Region::part;
+            }
+            EXPECT_EQ(missed, 0u) << far;
+            EXPECT_LE(beyond, ofStray == 1 ? 300u : 0u) << far; // what the far ones look at
+        }
+}
+
 TEST(CandidatesBeside, AreThoseInACellOfAPart) {
     const float hair = 1e-5f;
     for (unsigned seed = 0; seed < 8; ++seed) {

@@ -584,3 +584,43 @@ TEST(GraphDeformer, CanBeCancelled) {
         EXPECT_THROW(deformer.Solve(rig.NodeMotion(BendTube), Iterations(100), log.Progress()), Cancelled);
     }
 }
+
+/// Nodes of which each is joined with some others, wherever these are.
+static DeformationGraph JoinedAtRandom(Index k, int edges) {
+    DeformationGraph g;
+    g.graph.adjacency = RandomGraph(k, edges, 1);
+    std::mt19937 random(2);
+    g.graph.position.resize(3, k);
+    for (Index i = 0; i < k; ++i)
+        g.graph.position.col(i) = RandomVector(random).cast<float>();
+    const Csr &adjacency = g.graph.adjacency;
+    g.edge.resize(3, Eigen::Index(adjacency.item.size()));
+    for (Index i = 0; i < k; ++i)
+        for (std::uint32_t e = adjacency.begin[std::size_t(i)]; e < adjacency.begin[std::size_t(i) + 1]; ++e)
+            g.edge.col(e) = g.graph.position.col(i) - g.graph.position.col(adjacency.item[e]);
+    g.weight.assign(adjacency.item.size(), 1);
+    g.radius.assign(std::size_t(k), 0.1f);
+    g.held.assign(std::size_t(k), false);
+    return g;
+}
+
+TEST(GraphDeformer, SaysWhereEverythingIsJoinedWithEverything) {
+    const Index k = 20000;
+    const DeformationGraph graph = JoinedAtRandom(k, 5 * k);
+    std::vector<bool> constrained(std::size_t(k), false);
+    constrained[0] = true;
+    const std::string message = MessageOf<Unsolvable>([&] { GraphDeformer(graph, constrained, 1); });
+    EXPECT_EQ(message,
+              "The deformation graph of 20000 nodes takes minutes to solve: its surface joins everything with "
+              "everything, as faces between vertices at random do. Leave such faces out, or take fewer patches.");
+}
+
+TEST(GraphDeformer, CanBeCancelledWhileItIsFactorised) {
+    const Index k = sanitized ? 3000 : 6000;
+    const DeformationGraph graph = JoinedAtRandom(k, 5 * k);
+    std::vector<bool> constrained(std::size_t(k), false);
+    constrained[0] = true;
+    CallbackLog log(2);
+    EXPECT_THROW(GraphDeformer(graph, constrained, 1, {}, {}, 0.75, log.Progress()), Cancelled);
+    EXPECT_EQ(log.percent.size(), 3u);
+}

@@ -465,3 +465,40 @@ TEST(GraphMapping, InfluencesAreTheWeightsOfTheBlend) {
         EXPECT_EQ(runInto > 0, !printed);
     }
 }
+
+TEST(GraphMapping, FewOfManyRegionsNearbyHaveAnInfluence) {
+    // Every ninth node is a handle for itself.
+    const int n = sanitized ? 40 : 90;
+    const Rig rig(Jittered(Grid(n, n, 8.0 / (n - 1)), 0.02), 1, [&](const Vector3d &p) {
+        const int i = int(std::lround(p[0] * (n - 1) / 8)), j = int(std::lround(p[1] * (n - 1) / 8));
+        return i % 3 == 1 && j % 3 == 1 ? 2 + i * n + j : 1;
+    });
+    GraphPose pose = PoseOf(rig, Affine3d::Identity());
+    const GraphMapping mapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
+                               rig.param.targetRadius);
+    GraphMapping::Influences influences;
+    std::size_t most = 0, nearest = 0, free = 0;
+    for (Index u = 0; u < rig.surface.graph.Size(); ++u) {
+        if (rig.tag[u] != 1)
+            continue;
+        mapping.InfluencesAt(u, influences);
+        most = std::max(most, influences.held.size());
+        ++free;
+        const auto largest = std::max_element(influences.held.begin(), influences.held.end(),
+                                              [](const auto &a, const auto &b) { return a.second < b.second; });
+        if (largest == influences.held.end())
+            continue;
+        double least = 1e9;
+        Index tag = 1;
+        for (Index v = 0; v < rig.surface.graph.Size(); ++v)
+            if (const double d = (rig.surface.graph.position.col(v) - rig.surface.graph.position.col(u)).norm();
+                rig.tag[v] != 1 && d < least) {
+                least = d;
+                tag = rig.tag[v];
+            }
+        nearest += largest->first == tag;
+    }
+    EXPECT_LE(most, 8u);
+    EXPECT_GE(most, 6u);
+    EXPECT_GT(nearest, 9 * free / 10);
+}

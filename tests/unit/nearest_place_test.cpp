@@ -209,6 +209,102 @@ TEST(NearestPlace, FindsTheOnlyVertexAndTheOnlyTriangle) {
     EXPECT_LE((PointAt(onFace, position) - Vector3d(0.25, 0.25, 0)).norm(), 1e-15);
 }
 
+/// A wavy sheet, and triangles of its size that are so far from it, in diagonals.
+static std::vector<std::array<Index, 3>> SheetWithStrays(int n, const std::vector<Vector3d> &strays,
+                                                         Eigen::Matrix3Xd &position) {
+    const Shape sheet = Jittered(Grid(n, n, 1.0 / n), 0.2 / n);
+    position.resize(3, sheet.Size() + 3 * Index(strays.size()));
+    std::vector<std::array<Index, 3>> triangle;
+    for (int i = 0; i < sheet.Size(); ++i)
+        position.col(i) = sheet.position[std::size_t(i)] + Vector3d(0, 0, 0.1 * std::sin(9 * sheet.position[i][0]));
+    for (const auto &f : sheet.face)
+        triangle.push_back({f[0], f[1], f[2]});
+    for (std::size_t s = 0; s < strays.size(); ++s) {
+        const Index first = sheet.Size() + 3 * Index(s);
+        for (Index k = 0; k < 3; ++k)
+            position.col(first + k) = strays[s] + Vector3d::Unit(k) / n;
+        triangle.insert(triangle.begin() + std::ptrdiff_t(s * triangle.size() / strays.size()),
+                        {first, first + 1, first + 2});
+    }
+    return triangle;
+}
+
+TEST(NearestPlace, AFewTrianglesFarAwayChangeNoBitAndTakeHardlyAnyTime) {
+    const int n = sanitized ? 60 : 150;
+    Eigen::Matrix3Xd alone;
+    const NearestPlace without(alone, SheetWithStrays(n, {}, alone), {});
+    std::mt19937 random(3);
+    std::vector<std::vector<Vector3d>> cases;
+    for (const double far : {1e3, 1e6, 1e9, 1e15})
+        cases.push_back({Vector3d(far, 0, 0)});
+    cases.push_back({{1e6, 0, 0}, {0, -1e3, 0}, {1e9, 1e9, 0}, {0, 0, 1e12}});
+    cases.emplace_back();
+    for (int i = 0; i < 200; ++i)
+        cases.back().push_back(std::pow(10.0, 3 + i % 7) * RandomVector(random));
+    std::vector<Vector3d> asked;
+    for (int i = 0; i < 2000; ++i)
+        asked.push_back(alone.col(Eigen::Index(random() % std::size_t(alone.cols()))) + 0.02 * RandomVector(random));
+    const auto seconds = [&](const NearestPlace &nearest) {
+        double least = 1e9;
+        for (int again = 0; again < 3; ++again) {
+            const Stopwatch watch;
+            for (const Vector3d &p : asked)
+                nearest(p);
+            least = std::min(least, watch.Seconds());
+        }
+        return least;
+    };
+    const double expected = seconds(without);
+    for (const std::vector<Vector3d> &strays : cases) {
+        Eigen::Matrix3Xd position;
+        const auto triangle = SheetWithStrays(n, strays, position);
+        const NearestPlace nearest(position, triangle, {}, Threads(3));
+        for (const Vector3d &p : asked) {
+            const SurfacePlace place = nearest(p), same = without(p);
+            ASSERT_EQ(place.count, same.count);
+            for (int k = 0; k < place.count; ++k) {
+                ASSERT_EQ(place.slot[k], same.slot[k]);
+                ASSERT_EQ(place.weight[k], same.weight[k]);
+            }
+        }
+        for (std::size_t s = 0; s < strays.size(); s += 7) // and they are found themselves
+            EXPECT_GE(nearest(strays[s]).slot[0], alone.cols());
+        EXPECT_LE(seconds(nearest), 20 * expected + 1e-3) << strays[0].norm();
+    }
+}
+
+TEST(NearestPlace, OfPartsThatAreFarApartIsFoundInEach) {
+    Eigen::Matrix3Xd one;
+    const auto triangle = SheetWithStrays(sanitized ? 40 : 80, {}, one);
+    const Index n = Index(one.cols()), parts = 3;
+    Eigen::Matrix3Xd position(3, parts * n);
+    std::vector<std::array<Index, 3>> all;
+    for (Index part = 0; part < parts; ++part) { // of 1, 1e-4 and 1e-8 of the first one's size
+        position.middleCols(part * n, n) = one * std::pow(1e-4, part);
+        position.middleCols(part * n, n).row(0).array() += 1e7 * part;
+        for (const auto &t : triangle)
+            all.push_back({t[0] + part * n, t[1] + part * n, t[2] + part * n});
+    }
+    const NearestPlace nearest(position, all, {});
+    for (Index i = 0; i < position.cols(); i += 11)
+        EXPECT_LE((PointAt(nearest(position.col(i)), position) - position.col(i)).norm(),
+                  1e-9 * position.col(i).norm());
+}
+
+TEST(NearestPlace, CanBeCancelledWhileItIsPrepared) {
+    Eigen::Matrix3Xd position;
+    const auto triangle = SheetWithStrays(100, {}, position);
+    for (unsigned threads : {1u, 3u}) {
+        CallbackLog all;
+        const NearestPlace nearest(position, triangle, {}, all.Progress(threads));
+        ASSERT_GT(all.percent.size(), 3u);
+        for (std::size_t i = 0; i < (threads == 1 ? all.percent.size() : 3); ++i) {
+            CallbackLog log(i);
+            EXPECT_THROW(NearestPlace(position, triangle, {}, log.Progress(threads)), Cancelled) << i;
+        }
+    }
+}
+
 /// Two walls that look at each other, of triangles with edges of up to root 2.
 struct Walls {
     Shape shape;

@@ -392,23 +392,63 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
               std::string::npos);
 }
 
-TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
-    const Shape shape = Points(Quad());
-    MeshD mesh(shape);
-    const Arrays arrays = Read(mesh);
-    const PackedSurface packed{SurfaceView(arrays)};
+/// An animation of so many frames, of a shape each.
+static MorphAnimation FramesOf(int frames) {
     MorphAnimation animation;
-    for (int i = 0; i < 40000; ++i) { // whose weights alone are 6.4 GB
+    for (int i = 0; i < frames; ++i) {
         animation.time.push_back(i);
         animation.target.push_back("frame");
     }
+    return animation;
+}
+
+TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
+    MeshD mesh(Points(Grid(100, 101)));
+    const Arrays arrays = Read(mesh);
+    const PackedSurface packed{SurfaceView(arrays)};
     const Matrix3Xd position = SurfaceView(arrays).Copy();
     Bytes file;
-    EXPECT_NE(MessageOf<BadInput>([&] {
-                  GltfFile(file.Write(), "many", packed, position, position, animation);
-              }).find("A .glb file holds 4 GB, and this one would take "),
-              std::string::npos);
+    const auto message = [&](int frames) {
+        return MessageOf<BadInput>(
+            [&] { GltfFile(file.Write(), "many", packed, position, position, FramesOf(frames)); });
+    };
+    EXPECT_NE(message(40000).find("A .glb file holds 4 GB, and this one would take "), std::string::npos);
+    EXPECT_EQ(message(65537),
+              "A .glb file holds 65536 frames with a shape each, and this one would have 65537. Write fewer "
+              "frames, a shape for each pose instead of each frame, or a .pc2 file.");
     EXPECT_TRUE(file.content.empty());
+}
+
+TEST(GltfFile, OfManyFramesHoldsOnlyTheWeightsThatAreNotZero) {
+    MeshD mesh(Points(Quad()));
+    const Arrays arrays = Read(mesh);
+    const PackedSurface packed{SurfaceView(arrays)};
+    Matrix3Xd position = SurfaceView(arrays).Copy();
+    for (const int frames : {1024, 1025, 3000}) {
+        Bytes file;
+        GltfFile gltf(file.Write(), "many", packed, position, position, FramesOf(frames));
+        for (int i = 0; i < frames; ++i)
+            gltf.Add(position, position);
+        gltf.Finish();
+        EXPECT_EQ(file.At<std::uint32_t>(8), file.content.size());
+        const std::size_t json = file.At<std::uint32_t>(12), buffer = 20 + json + 8, n = std::size_t(frames);
+        const std::size_t shapes = 4 * 12 * (n + 1);
+        const bool isSparse = frames > 1024;
+        const std::string sparse = "{\"sparse\":{\"count\":" + std::to_string(n) +
+                                   ",\"indices\":{\"bufferView\":" + std::to_string(3 + n) +
+                                   ",\"componentType\":5125},\"values\":{\"bufferView\":1}},\"componentType\":5126,"
+                                   "\"count\":" +
+                                   std::to_string(n * n) + ",\"type\":\"SCALAR\"}";
+        EXPECT_EQ(file.content.find(sparse) != std::string::npos, isSparse);
+        ASSERT_EQ(file.content.size(), buffer + 4 * n + (isSparse ? 8 * n : 4 * n * n) + shapes);
+        for (std::size_t i = 0; i < n; i += 7)
+            if (isSparse) {
+                ASSERT_EQ(file.At<float>(buffer + 4 * n + 4 * i), 1.f);
+                ASSERT_EQ(file.At<std::uint32_t>(file.content.size() - 4 * n + 4 * i), i * n + i);
+            } else {
+                ASSERT_EQ(file.At<float>(buffer + 4 * n + 4 * (i * n + i)), 1.f);
+            }
+    }
 }
 
 TEST(FaceNormals, AreThoseOfTheFacesThatAreThere) {

@@ -89,3 +89,45 @@ TEST(ProgressParallelFor, CanBeCancelled) {
                  Cancelled);
     EXPECT_EQ(calls, 3);
 }
+
+TEST(ParallelTasks, ReportOneThreadAndAllOfThemCanBeCancelled) {
+    for (unsigned threads : {1u, 2u, 4u})
+        for (const bool nested : {false, true}) {
+            CallbackLog log(30);
+            std::atomic<int> begun{0};
+            const auto task = [&](std::size_t, const Progress &progress) {
+                ++begun;
+                for (;;) { // until it is cancelled
+                    progress(0.5, "stage");
+                    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                }
+            };
+            const auto run = [&](const Progress &progress) { ParallelTasks(progress, "stage", 4, task); };
+            EXPECT_THROW(nested ? ParallelTasks(log.Progress(threads), "stage", 2,
+                                                [&](std::size_t, const Progress &inner) { run(inner); })
+                                : run(log.Progress(threads)),
+                         Cancelled);
+            EXPECT_GE(begun, 1);
+            EXPECT_EQ(log.percent.size(), 31u);
+            for (const std::thread::id &id : log.thread)
+                EXPECT_EQ(id, std::this_thread::get_id());
+        }
+}
+
+TEST(ParallelTasks, CanBeCancelledWhileThisThreadHasNothingLeftToDo) {
+    const std::thread::id caller = std::this_thread::get_id();
+    CallbackLog log(2);
+    std::atomic<bool> otherBegan{false};
+    EXPECT_THROW(ParallelTasks(log.Progress(2), "stage", 2,
+                               [&](std::size_t, const Progress &progress) {
+                                   if (std::this_thread::get_id() == caller) {
+                                       while (!otherBegan)
+                                           std::this_thread::yield();
+                                       return;
+                                   }
+                                   for (otherBegan = true;; std::this_thread::yield())
+                                       progress(0.5, "stage");
+                               }),
+                 Cancelled);
+    EXPECT_EQ(log.percent.size(), 3u);
+}

@@ -432,3 +432,14 @@ TEST(WorstCases, EachTriangleForItselfAHairFromTheOthers) {
         EXPECT_LE(std::sqrt(square / double(3 * shape.face.size())), 0.003 * 6.6) << hair;
     }
 }
+
+TEST(WorstCases, MoreNodesThanCanBeSolved) {
+    if (sanitized)
+        GTEST_SKIP() << "takes minutes";
+    DeformationParam param;
+    param.graph.targetRadius = 1e-9; // a patch a vertex
+    ExpectError(CaseOf(Grid(460, 460), [](const Eigen::Vector3d &p) { return p[0] < 5     ? 0
+                                                                             : p[0] > 455 ? 2
+                                                                                          : 1; }),
+                "nodes; 200000 are the most", param);
+}

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
+#include <random>
 #include <vector>
 
 namespace vcg {
@@ -58,8 +59,10 @@ template <class At>
 Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t count, const At &at) {
     const std::size_t wanted = std::min<std::size_t>(count, 256);
     std::vector<double> sample[3];
+    std::mt19937 random; // one of each stretch: a fixed stride may run along a row or a column of a raster
     for (std::size_t i = 0; i < wanted; ++i) {
-        const Eigen::Vector3d p = at(count * i / wanted);
+        const std::size_t first = count * i / wanted, next = count * (i + 1) / wanted;
+        const Eigen::Vector3d p = at(first + random() % (next - first));
         for (int d = 0; d < 3; ++d)
             sample[d].push_back(p[d]);
     }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cassert>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -14,34 +15,62 @@
 namespace vcg {
 namespace fcd {
 
+unsigned ThreadsFor(unsigned threads) { return threads ? threads : std::max(1u, std::thread::hardware_concurrency()); }
+
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
-                 const std::function<void(std::size_t, std::size_t)> &body) {
+                 const std::function<void(std::size_t, std::size_t)> &body, const std::function<void()> &whileWaiting) {
     assert(grain > 0);
     const std::size_t ranges = (n + grain - 1) / grain;
-    const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
+    const std::size_t count = std::min<std::size_t>(ThreadsFor(threads), ranges);
+    if (count <= 1) {
+        for (std::size_t i = 0; i < ranges; ++i)
+            body(i * grain, std::min(n, (i + 1) * grain));
+        return;
+    }
     std::atomic<std::size_t> next{0};
     std::exception_ptr failure;
-    std::mutex failureLock;
-    auto work = [&] {
+    std::mutex lock; // of failure and of finished
+    std::condition_variable isFinished;
+    std::size_t finished = 0; // helpers
+    auto attempt = [&](const auto &what) {
         try {
-            for (std::size_t i; (i = next++) < ranges;)
-                body(i * grain, std::min(n, (i + 1) * grain));
+            what();
+            return true;
         } catch (...) {
             next = ranges;
-            std::lock_guard<std::mutex> guard(failureLock);
+            std::lock_guard<std::mutex> guard(lock);
             if (!failure)
                 failure = std::current_exception();
+            return false;
         }
     };
+    auto work = [&] {
+        attempt([&] {
+            for (std::size_t i; (i = next++) < ranges;)
+                body(i * grain, std::min(n, (i + 1) * grain));
+        });
+    };
     std::vector<std::thread> helpers;
-    const std::size_t count = std::min(wanted, ranges);
     helpers.reserve(count);
     try {
         for (std::size_t t = 1; t < count; ++t)
-            helpers.emplace_back(work);
+            helpers.emplace_back([&] {
+                work();
+                std::lock_guard<std::mutex> guard(lock);
+                ++finished;
+                isFinished.notify_one();
+            });
     } catch (const std::exception &) { // no thread to be had, or no memory for one
     }
     work();
+    for (bool waits = bool(whileWaiting); waits;) {
+        {
+            std::unique_lock<std::mutex> guard(lock);
+            waits =
+                !isFinished.wait_for(guard, std::chrono::milliseconds(50), [&] { return finished == helpers.size(); });
+        }
+        waits = waits && attempt(whileWaiting);
+    }
     for (std::thread &t : helpers)
         t.join();
     if (failure)

@@ -13,9 +13,14 @@ namespace fcd {
 /// Calls body(first, last) for consecutive ranges of at most \p grain items that cover [0, n). Which thread gets which
 /// range is left open, the ranges are not: a body that writes only what belongs to its range gives the same bits for
 /// any number of threads. \p threads 0 = one a core. A thread that cannot be started is done without. The first
-/// exception is rethrown here.
+/// exception is rethrown here. \param whileWaiting if given: called some times a second once this thread has nothing
+/// left to do but to wait for others; what it throws is the loop's exception
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
-                 const std::function<void(std::size_t, std::size_t)> &body);
+                 const std::function<void(std::size_t, std::size_t)> &body,
+                 const std::function<void()> &whileWaiting = {});
+
+/// How many threads \p threads stands for, where 0 = one a core.
+unsigned ThreadsFor(unsigned threads);
 
 /// What may be computed but not yet added by ParallelForAdding, ranges: so few that their results stay in a cache.
 constexpr std::size_t rangesAhead = 32;

@@ -6,6 +6,7 @@
 #include <vcg_ext/base/parallel.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -31,21 +32,43 @@ class Progress {
 
     /// The part of this slice between the fractions \p from and \p to (0 ... 1).
     Progress Slice(double from, double to) const {
-        Progress slice(callback, lo + from * (hi - lo), lo + to * (hi - lo));
-        slice.threads = threads;
+        Progress slice = *this;
+        slice.lo = lo + from * (hi - lo);
+        slice.hi = lo + to * (hi - lo);
         return slice;
+    }
+
+    /// One for tasks in several threads: in this one it reports, in others it only looks whether it has been cancelled.
+    /// \param isCancelled that of all of them; where these are tasks of a task, the outer ones' is looked at
+    Progress Shared(std::atomic<bool> &isCancelled) const {
+        Progress shared = *this;
+        if (!shared.isCancelled) {
+            shared.isCancelled = &isCancelled;
+            shared.reporter = std::this_thread::get_id();
+        }
+        return shared;
     }
 
     /// Reports that \p fraction (0 ... 1) of this slice is done. \throw Cancelled when the callback returns false.
     void operator()(double fraction, const char *stage) const {
+        if (isCancelled && std::this_thread::get_id() != reporter) {
+            if (*isCancelled)
+                throw Cancelled();
+            return;
+        }
         const double percent = lo + std::min(1.0, std::max(0.0, fraction)) * (hi - lo);
-        if (callback && !callback(int(percent), stage))
+        if (callback && !callback(int(percent), stage)) {
+            if (isCancelled)
+                *isCancelled = true;
             throw Cancelled();
+        }
     }
 
   private:
     ProgressCallback *callback = nullptr;
     double lo = 0, hi = 100;
+    std::atomic<bool> *isCancelled = nullptr; ///< of tasks in several threads
+    std::thread::id reporter;                 ///< the one of them that calls back
 };
 
 /// ParallelFor that reports progress as it goes, from the calling thread, which takes its turn. \throw Cancelled
@@ -57,6 +80,20 @@ inline void ParallelFor(const Progress &progress, const char *stage, std::size_t
             progress(double(first) / double(n), stage);
         body(first, last);
     });
+}
+
+/// body(i, progress) for each of \p tasks that take long: all of them can be cancelled by the progress they are given,
+/// a slice each, also while this thread has nothing left to do. \throw Cancelled
+inline void ParallelTasks(const Progress &progress, const char *stage, std::size_t tasks,
+                          const std::function<void(std::size_t, const Progress &)> &body) {
+    std::atomic<bool> isCancelled{false};
+    const Progress shared = progress.Shared(isCancelled);
+    ParallelFor(
+        progress.threads, tasks, 1,
+        [&](std::size_t i, std::size_t) {
+            body(i, shared.Slice(double(i) / double(tasks), double(i + 1) / double(tasks)));
+        },
+        [&] { shared(1, stage); });
 }
 
 /// Wall-clock time since it was made.

@@ -6,9 +6,9 @@
 namespace vcg {
 namespace fcd {
 
-DeformationField::DeformationField(FieldSamples given, unsigned threads)
+DeformationField::DeformationField(FieldSamples given, const Progress &progress)
     : samples(std::move(given)),
-      places(samples.position, samples.triangle, std::vector<char>(std::size_t(samples.Size()), 1), threads) {}
+      places(samples.position, samples.triangle, std::vector<char>(std::size_t(samples.Size()), 1), progress) {}
 
 Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Matrix3f *linear,
                                              NearestPlace::Hint *hint) const {

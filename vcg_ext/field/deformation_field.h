@@ -33,8 +33,8 @@ struct FieldSamples {
 /// A point is carried for itself: any number of threads may ask, in any order, for the same bits.
 class DeformationField {
   public:
-    /// \param threads that prepare it, 0 = one a core \pre at least one sample, no number beyond 1e100
-    explicit DeformationField(FieldSamples given, unsigned threads = 0);
+    /// \pre at least one sample, no number beyond 1e100 \throw Cancelled
+    explicit DeformationField(FieldSamples given, const Progress &progress = {});
 
     /// The displacement of \p p; 0 for a point that is not finite, or beyond 1e100. \param linear if given: how space
     /// turns and stretches there \param hint if given: of a point near it, and then of this one; it changes no bit

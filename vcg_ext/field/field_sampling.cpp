@@ -273,7 +273,7 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     for (bool done = false, nearby = false; !done; ++result.rounds) {
         const double to = from + 0.2 * (1 - from);
         const Progress round = progress.Slice(from, to);
-        const DeformationField field(sampler.Sample(round.Slice(0, 0.4)), progress.threads);
+        const DeformationField field(sampler.Sample(round.Slice(0, 0.3)), round.Slice(0.3, 0.4));
         const bool more = sampler.Refine(field, nearby, result, round.Slice(0.4, 1));
         done = !more && !nearby; // when all have been compared
         // Few that are left are seen to with what comes to light elsewhere.

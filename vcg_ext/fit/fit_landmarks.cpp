@@ -2,13 +2,45 @@
 #include <vcg_ext/fit/fit_landmarks.h>
 
 #include <Eigen/QR>
+#include <Eigen/SparseCore>
 #include <algorithm>
 
 namespace vcg {
 namespace fcd {
 
+namespace {
+
+/// Numbers of a matrix that is decomposed as a dense one, for which that takes a second at most.
+constexpr std::size_t mostDense = 1 << 20;
+
+/// What the decomposition gives, by conjugate gradients on the normal equations (CGLS), which from 0 lead to the least
+/// of all solutions. Columns of \p off are for themselves.
+Eigen::MatrixXd LeastMoves(const Eigen::SparseMatrix<double> &weight, const Eigen::MatrixXd &off,
+                           const Progress &progress) {
+    Eigen::MatrixXd move = Eigen::MatrixXd::Zero(weight.cols(), off.cols()), left = off,
+                    way = weight.transpose() * left;
+    Eigen::RowVectorXd square = way.colwise().squaredNorm();
+    const Eigen::RowVectorXd enough = 1e-24 * square; // a relative 1e-12 of the gradient: rounding
+    const auto over = [](double a, double b) { return b > 0 ? a / b : 0; };
+    const int most = 300; // weights of blends take 50 to 100
+    for (int step = 0; step < most && (square.array() > enough.array()).any(); ++step) {
+        progress(0, "Fitting");
+        const Eigen::MatrixXd there = weight * way;
+        const Eigen::RowVectorXd length = square.binaryExpr(there.colwise().squaredNorm(), over);
+        move += way * length.asDiagonal();
+        left -= there * length.asDiagonal();
+        const Eigen::MatrixXd gradient = weight.transpose() * left;
+        const Eigen::RowVectorXd next = gradient.colwise().squaredNorm();
+        way = gradient + way * Eigen::RowVectorXd(next.binaryExpr(square, over)).asDiagonal();
+        square = next;
+    }
+    return move;
+}
+
+} // namespace
+
 double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
-                const std::vector<char> &isFree, GraphPose &pose) {
+                const std::vector<char> &isFree, GraphPose &pose, const Progress &progress) {
     if (place.empty())
         return 0;
     std::vector<Index> column(isFree.size(), -1), node; // of the nodes that some of the samples follow
@@ -19,18 +51,23 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
         }
     if (node.empty())
         return 0;
-    Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(Eigen::Index(place.size()), Eigen::Index(node.size()));
+    std::vector<Eigen::Triplet<double>> items;
     for (std::size_t l = 0; l < place.size(); ++l)
         for (std::uint32_t t = samples.begin[first + l]; t < samples.begin[first + l + 1]; ++t)
             if (const Index c = column[std::size_t(samples.term[t].node)]; c >= 0)
-                weight(Eigen::Index(l), c) += samples.term[t].weight;
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(weight);
+                items.emplace_back(Eigen::Index(l), c, samples.term[t].weight);
+    Eigen::SparseMatrix<double> weight(Eigen::Index(place.size()), Eigen::Index(node.size()));
+    weight.setFromTriplets(items.begin(), items.end());
+    const bool isDense = place.size() * node.size() <= mostDense;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    if (isDense)
+        solver.compute(Eigen::MatrixXd(weight));
     double largest = 0;
     for (int again = 0; again < 2; ++again) { // the second time it takes away what rounding left
         Eigen::MatrixXd off(Eigen::Index(place.size()), 3);
         for (std::size_t l = 0; l < place.size(); ++l)
             off.row(Eigen::Index(l)) = (place[l] - samples.At(first + l, pose)).transpose();
-        const Eigen::MatrixXd move = solver.solve(off);
+        const Eigen::MatrixXd move = isDense ? Eigen::MatrixXd(solver.solve(off)) : LeastMoves(weight, off, progress);
         for (std::size_t c = 0; c < node.size(); ++c)
             pose.position.col(node[c]) += move.row(Eigen::Index(c)).transpose();
         largest = std::max(largest, move.rowwise().norm().maxCoeff());

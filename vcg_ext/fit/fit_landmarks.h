@@ -15,9 +15,9 @@ namespace fcd {
 /// where they belong. The surface follows as smoothly as it follows the nodes.
 /// \param first the number of the first of these samples; they are those from there on
 /// \param place of each of them, frame units \param isFree flags of the graph's nodes
-/// \return the largest move of a node, frame units
+/// \return the largest move of a node, frame units \throw Cancelled
 double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
-                const std::vector<char> &isFree, GraphPose &pose);
+                const std::vector<char> &isFree, GraphPose &pose, const Progress &progress = {});
 
 } // namespace fcd
 } // namespace vcg

@@ -26,7 +26,7 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
         triangle = ReadTriangles(target, toFrame, progress);
     if (isRead)
         isRead();
-    place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.threads);
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.Slice(0.7, 1));
     if (!isCloud)
         LookAround(); // only now: while a tree is built, it takes the most
 }

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace vcg {
@@ -21,6 +22,10 @@ namespace fcd {
 /// them.
 class ConstraintBlend {
   public:
+    /// Regions that a node runs over into: the nearest ones. Where more are near, as where each vertex is a handle for
+    /// itself, their shares fall to 0 at the first one that is left out, so that they change continuously.
+    static constexpr std::size_t most = 8;
+
     /// A held region near a free node.
     struct Held {
         Index index;          ///< in heldTag
@@ -38,8 +43,8 @@ class ConstraintBlend {
         FindWaysAway(fade, progress.Slice(0.9, 1));
     }
 
-    std::vector<Index> heldTag;       ///< the tags of the held regions that have a free neighbour, ascending
-    std::vector<std::uint32_t> begin; ///< n + 1 offsets into held, of the nodes of the surface
+    std::vector<Index> heldTag;     ///< the tags of the held regions that have a free neighbour, ascending
+    std::vector<std::size_t> begin; ///< n + 1 offsets into held, of the nodes of the surface
     std::vector<Held> held;
 
   private:
@@ -47,8 +52,8 @@ class ConstraintBlend {
         Index tag, node;
     };
     struct Found {
-        Index node;
-        Held held;
+        Index node, held;
+        float distance;
     };
 
     /// From 1 at x = 0, where it is level, to 0 at x = 1 with two continuous derivatives. It leaves 1 soon: what it
@@ -82,53 +87,78 @@ class ConstraintBlend {
             }
         first.push_back(border.size());
         const std::size_t tags = heldTag.size();
-        std::vector<std::vector<Found>> found(tags);
-        // Each range has room for distances of its own: a number for each node, in so many ranges at most.
-        const std::size_t ranges = 16;
-        ParallelFor(progress.Slice(0.1, 1), stage, tags, tags / ranges + 1, [&](std::size_t from, std::size_t to) {
-            HeldSpread spread(*this, fade);
-            for (std::size_t t = from; t < to; ++t)
-                found[t] = spread.From(&border[first[t]], &border[first[t]] + (first[t + 1] - first[t]), Index(t));
-        });
+        // Each range has room for distances of its own, by node and region. Few regions are shared out, many are found
+        // at once, as only the nearest ones of all are kept.
+        const std::size_t ranges = 16, grain = tags <= 4 * ranges ? tags / ranges + 1 : tags;
+        std::vector<std::vector<Found>> found(tags / grain + 1);
+        ParallelTasks(progress.Slice(0.1, 0.9), stage, (tags + grain - 1) / grain,
+                      [&](std::size_t range, const Progress &spreading) {
+                          const std::size_t from = range * grain, to = std::min(tags, from + grain);
+                          HeldSpread spread(*this, fade, std::min(to - from, most + 1));
+                          for (std::size_t t = from; t < to; ++t)
+                              for (std::size_t b = first[t]; b < first[t + 1]; ++b)
+                                  spread.Begin(border[b].node, Index(t));
+                          found[range] = spread.Go(spreading);
+                      });
         ListByNode(found);
     }
 
-    /// Finds the free nodes near held regions, one region after the other: the distance to the nearest border node of
-    /// the region, handed on from neighbour to neighbour.
+    /// Finds the free nodes near held regions: the distance to the nearest border node of each region, handed on from
+    /// neighbour to neighbour.
     class HeldSpread {
       public:
-        HeldSpread(const ConstraintBlend &blend, double fade)
-            : surface(blend.surface), blend(blend), fade(fade),
-              best(std::size_t(surface.Size()), std::numeric_limits<float>::infinity()), queue(classes) {}
+        /// \param room regions that are kept of each node, the nearest ones
+        HeldSpread(const ConstraintBlend &blend, double fade, std::size_t room)
+            : surface(blend.surface), blend(blend), fade(fade), room(room),
+              best(std::size_t(surface.Size()) * room, {std::numeric_limits<float>::infinity(), -1}), queue(classes) {}
 
-        std::vector<Found> From(const Border *border, const Border *end, Index held) {
-            for (; border != end; ++border)
-                Spread(border->node, border->node, 0);
+        /// From a border node of a region, before Go.
+        void Begin(Index node, Index held) { Spread(node, node, held, 0); }
+
+        /// \return of each node the regions in their order
+        std::vector<Found> Go(const Progress &progress) {
             for (std::size_t c = 0; c < classes; ++c) {
-                for (std::size_t i = 0; i < queue[c].size(); ++i)
-                    if (const Offered o = queue[c][i]; o.distance <= best[o.node])
-                        Spread(o.node, o.source, c);
+                for (std::size_t i = 0; i < queue[c].size(); ++i) {
+                    if (i % 4096 == 0)
+                        progress(double(c) / double(classes), stage);
+                    const Offered o = queue[c][i];
+                    const Kept *kept = KeptOf(o.node);
+                    while (kept < KeptOf(o.node + 1) && kept->held != o.held)
+                        ++kept;
+                    if (kept < KeptOf(o.node + 1) && o.distance <= kept->distance)
+                        Spread(o.node, o.source, o.held, c);
+                }
                 queue[c].clear();
             }
             std::vector<Found> found;
             found.reserve(touched.size());
             for (Index v : touched) {
-                const float distance = std::max(1e-4f, best[v]);
-                const double s = Falloff(distance);
-                found.push_back({v, {held, distance, float(s / (1 - s)), Eigen::Vector3f::Zero()}});
-                best[v] = std::numeric_limits<float>::infinity();
+                Kept *const kept = KeptOf(v), *end = kept;
+                while (end < KeptOf(v + 1) && end->held >= 0)
+                    ++end;
+                std::sort(kept, end, [](const Kept &a, const Kept &b) { return a.held < b.held; });
+                for (const Kept *each = kept; each < end; ++each)
+                    found.push_back({v, each->held, each->distance});
             }
-            touched.clear();
             return found;
         }
 
       private:
+        struct Kept {
+            float distance; // over the width at the border node
+            Index held;     // -1: none yet; those behind are none, too
+            bool operator<(const Kept &o) const {
+                return distance != o.distance ? distance < o.distance : held < o.held;
+            }
+        };
         struct Offered {
-            float distance; // over the width at the source
-            Index node, source;
+            float distance;
+            Index node, source, held;
         };
         static constexpr std::size_t classes =
             256; // of distance; a node may be visited again when a nearer source turns up
+
+        Kept *KeptOf(Index u) { return best.data() + std::size_t(u) * room; }
 
         float WidthAt(Index u) const {
             const Patches &all = blend.patches;
@@ -137,44 +167,75 @@ class ConstraintBlend {
                                    : float(fade);
         }
 
-        void Spread(Index from, Index source, std::size_t current) {
+        void Spread(Index from, Index source, Index held, std::size_t current) {
             const float w = WidthAt(source);
             for (Index v : surface.adjacency[from]) {
                 if (blend.tag[v] != 1)
                     continue;
                 const float d = (surface.position.col(v) - surface.position.col(source)).norm() / w;
-                if (d < best[v] && d < 1) {
-                    if (std::isinf(best[v]))
-                        touched.push_back(v);
-                    best[v] = d;
-                    queue[std::max(current, std::size_t(classes * d))].push_back({d, v, source});
-                }
+                if (d < 1 && Keep(v, {d, held}))
+                    queue[std::max(current, std::size_t(classes * d))].push_back({d, v, source, held});
             }
+        }
+
+        /// \return whether the region is nearer now, and one of those that are kept
+        bool Keep(Index v, const Kept &offered) {
+            Kept *const kept = KeptOf(v), *const end = KeptOf(v + 1), *to = kept;
+            if (kept->held < 0)
+                touched.push_back(v);
+            while (to < end && to->held >= 0 && to->held != offered.held)
+                ++to;
+            if (to == end)
+                to = std::max_element(kept, end);
+            if (to->held >= 0 && !(to->held == offered.held ? offered.distance < to->distance : offered < *to))
+                return false;
+            *to = offered;
+            return true;
         }
 
         const Graph &surface;
         const ConstraintBlend &blend;
         const double fade;
-        std::vector<float> best;
+        const std::size_t room;
+        std::vector<Kept> best;
         std::vector<std::vector<Offered>> queue;
         std::vector<Index> touched;
     };
 
     void ListByNode(const std::vector<std::vector<Found>> &found) {
-        begin.assign(std::size_t(surface.Size()) + 1, 0);
-        std::size_t count = 0;
-        for (const std::vector<Found> &ofTag : found)
-            for (const Found &f : ofTag) {
-                ++begin[f.node + 1];
-                ++count;
+        std::vector<std::size_t> all(std::size_t(surface.Size()) + 1, 0);
+        for (const std::vector<Found> &some : found)
+            for (const Found &f : some)
+                ++all[std::size_t(f.node) + 1];
+        std::partial_sum(all.begin(), all.end(), all.begin());
+        std::vector<Found> ofNode(all.back());
+        std::vector<std::size_t> end(all.begin(), all.end() - 1);
+        for (const std::vector<Found> &some : found)
+            for (const Found &f : some)
+                ofNode[end[std::size_t(f.node)]++] = f;
+        begin.assign(1, 0);
+        begin.reserve(all.size());
+        held.reserve(std::min(all.back(), std::size_t(surface.Size()) * most));
+        std::vector<float> distance;
+        for (std::size_t u = 0; u + 1 < all.size(); ++u) {
+            float limit = 1; // there, shares are 0
+            if (all[u + 1] - all[u] > most) {
+                distance.clear();
+                for (std::size_t i = all[u]; i < all[u + 1]; ++i)
+                    distance.push_back(ofNode[i].distance);
+                std::nth_element(distance.begin(), distance.begin() + most, distance.end());
+                limit = distance[most];
             }
-        for (Index u = 0; u < surface.Size(); ++u)
-            begin[u + 1] += begin[u];
-        held.resize(count);
-        std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
-        for (const std::vector<Found> &ofTag : found)
-            for (const Found &f : ofTag)
-                held[end[f.node]++] = f.held;
+            for (std::size_t i = all[u]; i < all[u + 1]; ++i) {
+                if (!(ofNode[i].distance < limit))
+                    continue;
+                const float away = std::max(1e-4f, ofNode[i].distance),
+                            along = std::max(1e-4f, ofNode[i].distance / limit);
+                const double s = Falloff(along);
+                held.push_back({ofNode[i].held, away, float(s / (1 - s)), Eigen::Vector3f::Zero()});
+            }
+            begin.push_back(held.size());
+        }
     }
 
     /// The way from the border for each entry of held: straight into the free surface, as the held patches nearby see
@@ -199,24 +260,32 @@ class ConstraintBlend {
         const float reach = float(2 * fade);
         std::vector<std::vector<Index>> nearby(
             k); // of each free patch: the nodes of held patches that its vertices may see
+        const auto isBefore = [&](Index a, Index b) {
+            return patches.tag[a] != patches.tag[b] ? patches.tag[a] < patches.tag[b] : a < b;
+        };
         std::vector<Index> inside;
         for (Index j = 0; j < k; ++j) {
+            progress(0, stage);
             if (graph.IsHeld(j))
                 continue;
             tree->Within(graph.graph.position.col(j), reach + graph.radius[j], inside);
             for (Index i : inside)
                 nearby[j].push_back(border[std::size_t(i)]);
-            std::sort(nearby[j].begin(), nearby[j].end());
+            std::sort(nearby[j].begin(), nearby[j].end(), isBefore);
         }
         ParallelFor(progress, stage, surface.Size(), 1 << 12, [&](std::size_t first, std::size_t last) {
             for (std::size_t u = first; u < last; ++u)
-                for (std::uint32_t h = begin[u]; h < begin[u + 1]; ++h) {
+                for (std::size_t h = begin[u]; h < begin[u + 1]; ++h) {
                     const Eigen::Vector3f x = surface.position.col(Eigen::Index(u));
                     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-                    for (Index r : nearby[patches.patchOf[u]]) {
-                        const float t = 1 - (graph.graph.position.col(r) - x).squaredNorm() / (reach * reach);
-                        if (t > 0 && patches.tag[r] == heldTag[held[h].index])
-                            sum += t * t * inward.col(r);
+                    const std::vector<Index> &near = nearby[patches.patchOf[u]];
+                    const Index its = heldTag[held[h].index];
+                    auto r = std::lower_bound(near.begin(), near.end(), its,
+                                              [&](Index other, Index tag) { return patches.tag[other] < tag; });
+                    for (; r != near.end() && patches.tag[*r] == its; ++r) {
+                        const float t = 1 - (graph.graph.position.col(*r) - x).squaredNorm() / (reach * reach);
+                        if (t > 0)
+                            sum += t * t * inward.col(*r);
                     }
                     const float length = sum.norm();
                     if (length > 0)

@@ -69,7 +69,7 @@ void GraphMapping::InfluencesAt(Index node, Influences &influences) const {
     double sum = 0, total = 1;
     for (const auto &each : influences.nodes)
         sum += double(each.second);
-    for (std::uint32_t h = constraintBlend->begin[node]; h < constraintBlend->begin[node + 1]; ++h) {
+    for (std::size_t h = constraintBlend->begin[node]; h < constraintBlend->begin[node + 1]; ++h) {
         influences.held.emplace_back(constraintBlend->heldTag[constraintBlend->held[h].index],
                                      constraintBlend->held[h].share);
         total += double(constraintBlend->held[h].share);
@@ -191,11 +191,11 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
     const Eigen::Vector3d rest = vertices.Rest(lane);
     const Eigen::Map<const Eigen::Matrix3d> fromFrame(space.fromFrame);
     double total = 1;
-    for (std::uint32_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h)
+    for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h)
         total += mapping.constraintBlend->held[h].share;
     Eigen::Vector3d moved = vertices.Moved(lane) / total;
     Eigen::Matrix3d map = vertices.Linear(lane).cast<double>() / total;
-    for (std::uint32_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
+    for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
         // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
         const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
         const Eigen::Affine3d &its = *heldMotion[held.index];

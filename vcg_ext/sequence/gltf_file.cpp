@@ -15,6 +15,10 @@ namespace fcd {
 namespace {
 
 constexpr std::size_t headBytes = 20; // of the file and of the chunk with the JSON
+// Frames with a shape each whose weights, 0 but for one a frame, are all written, as every reader reads them: 4 MB.
+constexpr std::size_t mostDense = 1024;
+// Of more, only those that are not 0 (sparse accessors), at numbers of 32 bits.
+constexpr std::size_t mostFrames = 65536;
 
 std::string Quoted(const std::string &text) {
     std::string quoted = "\"";
@@ -44,7 +48,8 @@ std::string List(std::size_t count, const Item &item) {
 GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
                    const Eigen::Matrix3Xd &normal, MorphAnimation animation)
     : write(std::move(write)), name(std::move(name)), surface(surface), rest(position), restNormal(normal),
-      animation(std::move(animation)), isCloud(surface.corner.empty()) {
+      animation(std::move(animation)), isCloud(surface.corner.empty()),
+      isSparse(this->animation.weight.empty() && this->animation.time.size() > mostDense) {
     Eigen::AlignedBox3d box;
     for (std::uint32_t slot : surface.slot)
         box.extend(position.col(slot));
@@ -53,7 +58,11 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
                       times = this->animation.time.size(), numbers = times * targets;
     const int vertices = 34962, indices = 34963, unsignedInt = 5125, real = 5126;
     AddPart(times, real, "SCALAR", 4 * times, 0, 1);
-    AddPart(numbers, real, "SCALAR", 4 * numbers, 0, 0);
+    if (isSparse && times > mostFrames)
+        throw BadInput("A .glb file holds " + std::to_string(mostFrames) + " frames with a shape each, and this one " +
+                       "would have " + std::to_string(times) +
+                       ". Write fewer frames, a shape for each pose instead of each frame, or a .pc2 file.");
+    AddPart(numbers, real, "SCALAR", 4 * (isSparse ? times : numbers), 0, 0);
     if (!isCloud)
         AddPart(surface.corner.size(), unsignedInt, "SCALAR", 4 * surface.corner.size(), indices, 0);
     for (std::size_t target = 0; target <= targets; ++target) { // the first is the shape at rest
@@ -61,6 +70,8 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
         if (!isCloud)
             AddPart(n, real, "VEC3", 12 * n, vertices, 0);
     }
+    if (isSparse)
+        AddPart(times, unsignedInt, "SCALAR", 4 * times, 0, 0); // where the weights are that are not 0
     jsonBytes = (Json(true).size() + 3) / 4 * 4;
     if (headBytes + jsonBytes + 8 + bufferBytes > std::numeric_limits<std::uint32_t>::max())
         throw BadInput("A .glb file holds 4 GB, and this one would take " + std::to_string(bufferBytes / 1000000 + 1) +
@@ -70,7 +81,9 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
     for (const std::vector<double> &each : this->animation.weight)
         for (double weight : each)
             weights.push_back(float(weight));
-    if (weights.empty()) {
+    if (isSparse) {
+        weights.assign(times, 1);
+    } else if (weights.empty()) {
         weights.assign(numbers, 0);
         for (std::size_t i = 0; i < times; ++i)
             weights[i * targets + i] = 1;
@@ -80,11 +93,17 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
                    [](double time) { return float(time); });
     parts[0].low[0] = seconds.front();
     parts[0].high[0] = seconds.back();
-    const auto writeNext = [&](const auto &values) {
-        const Part &part = parts[next++];
+    const auto writePart = [&](const Part &part, const auto &values) {
         assert(part.bytes == 4 * values.size());
         this->write(headBytes + jsonBytes + 8 + part.at, reinterpret_cast<const char *>(values.data()), part.bytes);
     };
+    const auto writeNext = [&](const auto &values) { writePart(parts[next++], values); };
+    if (isSparse) {
+        std::vector<std::uint32_t> at(times);
+        for (std::size_t i = 0; i < times; ++i)
+            at[i] = std::uint32_t(i * targets + i);
+        writePart(parts.back(), at);
+    }
     writeNext(seconds);
     writeNext(weights);
     if (!isCloud)
@@ -129,7 +148,7 @@ void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot
 }
 
 void GltfFile::Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal) {
-    assert(next < parts.size());
+    assert(next + isSparse < parts.size());
     const auto change = [](const Eigen::Matrix3Xd &after, const Eigen::Matrix3Xd &before, std::size_t slot) {
         return Eigen::Vector3f((after.col(Eigen::Index(slot)) - before.col(Eigen::Index(slot))).cast<float>());
     };
@@ -166,10 +185,15 @@ std::string GltfFile::Json(bool longest) const {
             return longest ? std::string("-1.2345678901e-38") : detail::ToText(values[Eigen::Index(i)]);
         });
     };
-    json += List(parts.size(), [&](std::size_t i) {
+    const std::size_t accessors = parts.size() - isSparse;
+    json += List(accessors, [&](std::size_t i) {
         const Part &part = parts[i];
-        return "{\"bufferView\":" + number(i) + ",\"componentType\":" + std::to_string(part.component) +
-               ",\"count\":" + number(part.count) + ",\"type\":\"" + part.type + "\"" +
+        const std::string sparse = "{\"sparse\":{\"count\":" + number(animation.time.size()) +
+                                   ",\"indices\":{\"bufferView\":" + number(accessors) +
+                                   ",\"componentType\":5125},\"values\":{\"bufferView\":1}}";
+        return (isSparse && i == 1 ? sparse : "{\"bufferView\":" + number(i)) +
+               ",\"componentType\":" + std::to_string(part.component) + ",\"count\":" + number(part.count) +
+               ",\"type\":\"" + part.type + "\"" +
                (part.numbers > 0 ? ",\"min\":" + extreme(part, part.low) + ",\"max\":" + extreme(part, part.high)
                                  : "") +
                "}";
@@ -184,7 +208,7 @@ std::string GltfFile::Json(bool longest) const {
 }
 
 void GltfFile::Finish() {
-    assert(next == parts.size());
+    assert(next + isSparse == parts.size());
     std::string json = Json(false);
     json.resize(jsonBytes, ' ');
     std::uint32_t head[] = {0x46546C67u, // "glTF"

@@ -24,7 +24,8 @@ struct MorphAnimation {
 class GltfFile {
   public:
     /// \param position, normal 3 x vertex slots, at rest; the normals are not read for a cloud
-    /// \throw BadInput a file of 4 GB or more, which the format cannot hold
+    /// \throw BadInput a file of 4 GB or more, or of more than 65536 frames with a shape each, which the format
+    /// cannot hold
     GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
              const Eigen::Matrix3Xd &normal, MorphAnimation animation);
 
@@ -56,6 +57,7 @@ class GltfFile {
     const Eigen::Matrix3Xd &rest, &restNormal;
     const MorphAnimation animation;
     const bool isCloud;
+    const bool isSparse; ///< only weights that are not 0 are written, and the last part tells where they are
     Eigen::Vector3d origin;
     std::vector<Part> parts;
     std::size_t next = 0;      ///< part to write

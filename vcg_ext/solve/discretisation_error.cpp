@@ -72,7 +72,7 @@ class CoarseMapping {
 
 double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
                            const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
-                           const ShapeConstants &shape) {
+                           const ShapeConstants &shape, const Progress &progress) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     if (!pose.moves)
         return 0;
@@ -104,8 +104,8 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     }
     GraphPose found;
     try {
-        found = PartsDeformer(coarse.graph, areas, ofGroups, shape.heldDepth)
-                    .Solve(ofGroups, solver, {}, &begin, ofGroups.motion);
+        found = PartsDeformer(coarse.graph, areas, ofGroups, shape.heldDepth, progress.Slice(0, 0))
+                    .Solve(ofGroups, solver, progress, &begin, ofGroups.motion);
     } catch (const Unsolvable &) {
         return unknown;
     }

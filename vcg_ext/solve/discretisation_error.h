@@ -21,7 +21,7 @@ namespace fcd {
 /// nothing moves, NaN where it cannot be told
 double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
                            const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
-                           const ShapeConstants &shape = {});
+                           const ShapeConstants &shape = {}, const Progress &progress = {});
 
 } // namespace fcd
 } // namespace vcg

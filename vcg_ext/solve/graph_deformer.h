@@ -42,12 +42,12 @@ class GraphDeformer {
     /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
     ///        frame units^2, infinite for a region that goes on
     /// \param heldDepth as in ShapeConstants
-    /// \throw BadInput when the system cannot be factorised
+    /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                   const std::vector<bool> &compliant = {}, const std::vector<double> &heldArea = {},
-                  double heldDepth = ShapeConstants().heldDepth)
+                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {})
         : graph(graph), area(area), unknown(graph.graph.adjacency, constrained, compliant),
-          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown) {
+          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown, progress) {
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
         Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));

@@ -3,11 +3,12 @@
 #define VCG_FCD_GRAPH_HESSIAN_H
 
 #include <vcg_ext/base/rotation_vector.h>
+#include <vcg_ext/base/sparse_factor.h>
 #include <vcg_ext/solve/graph_energy.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <vector>
 
@@ -34,8 +35,9 @@ class GraphHessian {
         }
     }
 
-    /// \return whether it could be factorised
-    bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::Given &given) {
+    /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
+    bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::Given &given,
+                   const Progress &progress = {}) {
         gradient = Eigen::VectorXd::Zero(size);
         std::vector<Eigen::Triplet<double>> entries;
         const auto add = [&](Index row, Index column, const Eigen::Matrix3d &block) {
@@ -92,10 +94,10 @@ class GraphHessian {
         hessian.resize(size, size);
         hessian.setFromTriplets(entries.begin(), entries.end());
         if (!isAnalysed)
-            factor.analyzePattern(hessian);
+            isWorthwhile = factor.Analyse(hessian, SparseFactor::Worthwhile(size));
         isAnalysed = true;
-        factor.factorize(hessian);
-        return factor.info() == Eigen::Success && factor.vectorD().allFinite();
+        return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph") &&
+               factor.vectorD().allFinite();
     }
 
     /// How many directions there are in which the energy falls off to both sides.
@@ -147,8 +149,8 @@ class GraphHessian {
     Index size = 0;
     Eigen::VectorXd gradient;
     Eigen::SparseMatrix<double> hessian; // its lower triangle
-    bool isAnalysed = false;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+    bool isAnalysed = false, isWorthwhile = false;
+    SparseFactor factor;
 };
 
 } // namespace detail

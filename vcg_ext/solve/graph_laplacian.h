@@ -2,13 +2,15 @@
 #ifndef VCG_FCD_GRAPH_LAPLACIAN_H
 #define VCG_FCD_GRAPH_LAPLACIAN_H
 
+#include <vcg_ext/base/sparse_factor.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace vcg {
@@ -19,8 +21,8 @@ namespace detail {
 /// factorised at construction, and solved as often as wanted. Constrained nodes are eliminated rows and columns.
 class GraphLaplacian {
   public:
-    /// \throw BadInput when the system cannot be factorised
-    GraphLaplacian(const DeformationGraph &graph, const GraphUnknowns &unknown) {
+    /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
+    GraphLaplacian(const DeformationGraph &graph, const GraphUnknowns &unknown, const Progress &progress = {}) {
         const Index k = graph.Size(), n = Index(unknown.position.size());
         if (n == 0)
             return;
@@ -54,21 +56,32 @@ class GraphLaplacian {
                 square.emplace_back(unknown.numberOf[t.row()], t.col(), t.value());
         Eigen::SparseMatrix<double> laplacian(n, n);
         laplacian.setFromTriplets(square.begin(), square.end());
-        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> harmonic(laplacian);
-        // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, the Laplacian is
-        // good enough.
+        SparseFactor harmonic;
+        if (!harmonic.Analyse(laplacian, SparseFactor::most))
+            throw Unsolvable("The deformation graph of " + std::to_string(k) +
+                             " nodes takes minutes to solve: its surface joins everything with everything, as faces " +
+                             "between vertices at random do. Leave such faces out, or take fewer patches.");
+        // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, or each is
+        // joined with others at random, the Laplacian is good enough.
         double joined = 0;
         for (Index i = 0; i < k; ++i)
             joined += double(adjacency[i].size()) * double(adjacency[i].size());
-        if (joined < 4e6 + 400.0 * k) {
+        SparseFactor::Matrix both;
+        bool joins = joined < 4e6 + 400.0 * k;
+        if (joins) {
             biharmonicRows = columns.transpose();
-        } else {
+            both = biharmonicRows * columns;
+            joins = biharmonic.Analyse(both, SparseFactor::Worthwhile(n));
+        }
+        if (!joins) {
             biharmonicRows.resize(n, k);
             for (Index u = 0; u < n; ++u)
                 biharmonicRows.insert(u, unknown.position[u]) = 1;
+            both = biharmonicRows * columns;
+            biharmonic.Analyse(both, SparseFactor::most);
         }
-        biharmonic.compute(Eigen::SparseMatrix<double>(biharmonicRows * columns));
-        if (harmonic.info() != Eigen::Success || biharmonic.info() != Eigen::Success)
+        if (!harmonic.Factorise(laplacian, progress.Slice(0, 0.5), stage) ||
+            !biharmonic.Factorise(both, progress.Slice(0.5, 1), stage))
             throw Unsolvable("The deformation graph's system cannot be factorised.");
         factor = harmonic.matrixL().nestedExpression();
         inverseDiagonal = harmonic.vectorD().cwiseInverse();
@@ -125,11 +138,13 @@ class GraphLaplacian {
     }
 
   private:
+    static constexpr const char *stage = "Deforming the graph";
+
     Eigen::SparseMatrix<double> factor; // L of the Laplacian below its unit diagonal
     Eigen::VectorXd inverseDiagonal;    // 1 / D of it
     std::vector<Index> order;           // of each unknown position in it
     Eigen::SparseMatrix<double> constrainedColumns, biharmonicRows;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> biharmonic;
+    SparseFactor biharmonic;
 };
 
 } // namespace detail

@@ -30,8 +30,7 @@ class GraphNewton {
     bool FindStationary(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
         const int most = 40; // where the shape is about to give way; otherwise four to ten do
         for (int n = 0; n < most && pose.iterations < mostIterations; ++n, ++pose.iterations) {
-            progress(double(n) / most, "Deforming the graph");
-            if (!Look(state))
+            if (!Look(state, progress.Slice(double(n) / most, double(n + 1) / most)))
                 return false;
             const double moved = std::max(hessian.LargestMove(step), hessian.LargestTurn(step) * edgeLength);
             hessian.Move(state, Limited());
@@ -48,8 +47,8 @@ class GraphNewton {
     /// steps in \p pose, to \p mostIterations. \return whether \p state is at rest
     bool Descend(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
         for (; pose.iterations < mostIterations; ++pose.iterations) {
-            progress(1 - Exponential(-4.0 * pose.iterations / mostIterations), "Deforming the graph");
-            if (!Look(state))
+            const double done = 1 - Exponential(-4.0 * pose.iterations / mostIterations);
+            if (!Look(state, progress.Slice(done, done)))
                 return false;
             Eigen::VectorXd way = Limited();
             if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
@@ -74,8 +73,9 @@ class GraphNewton {
 
   private:
     /// \return whether there is a step from \p state
-    bool Look(const State &state) {
-        if (!hessian.Factorise(energy, state, given))
+    bool Look(const State &state, const Progress &progress) {
+        progress(0, "Deforming the graph");
+        if (!hessian.Factorise(energy, state, given, progress))
             return false;
         step = hessian.Newton();
         return step.allFinite();

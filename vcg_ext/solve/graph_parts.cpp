@@ -78,7 +78,7 @@ struct PartsDeformer::Part {
 };
 
 PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area,
-                             const NodeConstraints &given, double heldDepth)
+                             const NodeConstraints &given, double heldDepth, const Progress &progress)
     : rest(graph.graph.position.cast<double>()) {
     for (Index i = 0; i < graph.Size(); ++i)
         isHeld.push_back(graph.IsHeld(i));
@@ -95,7 +95,8 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
         }
         part->graph = PartOf(graph, nodes);
         part->nodes = std::move(nodes);
-        part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth);
+        part->deformer =
+            std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth, progress);
         parts.push_back(std::move(part));
     }
 }

@@ -27,9 +27,9 @@ class PartsDeformer {
   public:
     /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
     /// \param given motions are not read
-    /// \throw Unsolvable when a system cannot be factorised
+    /// \throw Unsolvable when a system cannot be factorised, or takes too long \throw Cancelled
     PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
-                  double heldDepth = ShapeConstants().heldDepth);
+                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {});
     ~PartsDeformer();
     PartsDeformer(const PartsDeformer &) = delete;
     PartsDeformer &operator=(const PartsDeformer &) = delete;

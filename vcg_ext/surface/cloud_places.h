@@ -10,76 +10,51 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace vcg {
 namespace fcd {
 namespace detail {
 
-/// Boxes in an order in which they are near, by boxes of some of them.
-class BoxGroups {
+/// Tells whether one of boxes is near another one: a tree of boxes around them, in an order in which those that follow
+/// each other lie together.
+template <class BoxOf>
+class BoxTree {
   public:
-    explicit BoxGroups(const std::vector<Eigen::AlignedBox3d> &box) : box(box) {
-        for (std::size_t i = 0; i < box.size(); ++i) {
-            if (i % some == 0)
-                group.emplace_back();
-            group.back().extend(box[i]);
+    /// \param boxOf boxOf(i): one of \p count boxes; empty ones are near to none
+    BoxTree(std::size_t count, const BoxOf &boxOf) : count(count), boxOf(boxOf) {
+        for (std::size_t size = count; levels.empty() || size > 1; size = levels.back().size()) {
+            std::vector<Eigen::AlignedBox3d> around((size + each - 1) / each);
+            for (std::size_t i = 0; i < size; ++i)
+                around[i / each].extend(levels.empty() ? boxOf(i) : levels.back()[i]);
+            levels.push_back(std::move(around));
         }
-    }
-    /// Whether one touches \p other.
-    bool Touch(const Eigen::AlignedBox3d &other) const {
-        for (std::size_t g = 0; g < group.size(); ++g)
-            if (group[g].intersects(other))
-                for (std::size_t i = g * some; i < std::min(box.size(), (g + 1) * some); ++i)
-                    if (box[i].intersects(other))
-                        return true;
-        return false;
-    }
-
-  private:
-    static constexpr std::size_t some = 64;
-    const std::vector<Eigen::AlignedBox3d> &box;
-    std::vector<Eigen::AlignedBox3d> group;
-};
-
-/// Those of places in Morton order that are asked for, by boxes of some, and of some of these.
-class AskedPlaces {
-  public:
-    /// \param isAsked isAsked(place)
-    template <class IsAsked>
-    AskedPlaces(const Eigen::Matrix3Xd &point, const IsAsked &isAsked) {
-        for (std::size_t place = 0; place < std::size_t(point.cols()); ++place)
-            if (isAsked(place)) {
-                if (asked.size() % some == 0)
-                    small.emplace_back();
-                if (asked.size() % (some * some) == 0)
-                    large.emplace_back();
-                asked.emplace_back(point.col(Eigen::Index(place)));
-                small.back().extend(asked.back());
-                large.back().extend(asked.back());
-            }
     }
     /// Whether one is no farther from \p box than \p distance.
     bool IsNear(const Eigen::AlignedBox3d &box, double distance) const {
-        const double reach = distance * distance;
-        for (std::size_t l = 0; l < large.size(); ++l) {
-            if (box.squaredExteriorDistance(large[l]) > reach)
-                continue;
-            for (std::size_t b = l * some; b < std::min(small.size(), (l + 1) * some); ++b) {
-                if (box.squaredExteriorDistance(small[b]) > reach)
-                    continue;
-                for (std::size_t i = b * some; i < std::min(asked.size(), (b + 1) * some); ++i)
-                    if (box.squaredExteriorDistance(asked[i]) <= reach)
-                        return true;
-            }
-        }
-        return false;
+        return count > 0 && IsNear(box, distance * distance, levels.size(), 0);
     }
 
   private:
-    static constexpr std::size_t some = 64;
-    std::vector<Eigen::Vector3d> asked;
-    std::vector<Eigen::AlignedBox3d> small, large;
+    static constexpr std::size_t each = 8;
+
+    bool IsNear(const Eigen::AlignedBox3d &box, double square, std::size_t level, std::size_t at) const {
+        const Eigen::AlignedBox3d here = level == 0 ? boxOf(at) : levels[level - 1][at];
+        if (here.isEmpty() || box.squaredExteriorDistance(here) > square)
+            return false;
+        if (level == 0)
+            return true;
+        const std::size_t below = level == 1 ? count : levels[level - 2].size();
+        for (std::size_t i = at * each; i < std::min(below, (at + 1) * each); ++i)
+            if (IsNear(box, square, level - 1, i))
+                return true;
+        return false;
+    }
+
+    const std::size_t count;
+    const BoxOf boxOf;
+    std::vector<std::vector<Eigen::AlignedBox3d>> levels; ///< around so many boxes each, then of so many of these, ...
 };
 
 /// Places in Morton order, run by run, each of two parts, as the order jumps here and there.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/morton.h>
 #include <vcg_ext/base/point_blocks.h>
@@ -8,6 +9,7 @@
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
 #include <vcg_ext/surface/surface_graph.h>
+#include <vcg_ext/surface/vertex_chunks.h>
 
 #include <algorithm>
 #include <array>
@@ -56,7 +58,7 @@ class RegionFinder {
     void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
         struct Chunk {
             Eigen::AlignedBox3d box, ofFree;
-            std::size_t begin = 0; // in the order
+            std::size_t live = 0;
         };
         std::vector<Chunk> chunks((slots + grain - 1) / grain);
         ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
@@ -67,26 +69,33 @@ class RegionFinder {
                     here.box.extend(p);
                     if (Is(i, free))
                         here.ofFree.extend(p);
-                    ++here.begin;
+                    ++here.live;
                 }
             chunks[first / grain] = here;
         });
         Eigen::AlignedBox3d box, ofFree;
-        std::size_t n = 0;
-        for (Chunk &chunk : chunks) {
+        std::vector<std::size_t> begin{0}; // of each chunk's points in the order
+        for (const Chunk &chunk : chunks) {
             box.extend(chunk.box);
             ofFree.extend(chunk.ofFree);
-            n += std::exchange(chunk.begin, n);
+            begin.push_back(begin.back() + chunk.live);
         }
+        const std::size_t n = begin.back();
         if (n < 2 || ofFree.isEmpty())
             return;
+        // Strays are left to the cells at the ends: else all others would be in a few.
+        const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
+        box = detail::WithoutStrays(
+            box, n, [&](std::size_t k) { return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, begin, isLive))); });
+        if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
+            ofFree = near;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
         const double cell = std::max(8 * defaultWeldDistance * ofFree.diagonal().norm(), 1e-300);
         // In Morton order, so that queries that follow each other visit the same memory.
         const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
         std::unique_ptr<std::uint64_t[]> order = LargeArray<std::uint64_t>(n);
         ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
-            std::size_t k = chunks[first / grain].begin;
+            std::size_t k = begin[first / grain];
             for (std::size_t i = first; i < last; ++i)
                 if (Is(i, live)) {
                     const Eigen::Vector3d p = (metric * mesh.At(i) - (box.min() * 0.5 + box.max() * 0.5));
@@ -129,10 +138,10 @@ class RegionFinder {
         });
         order.reset();
         begins.back().push_back(std::uint32_t(n));
-        const std::vector<std::uint32_t> begin = Together(begins); // of each one's slots
-        const std::size_t places = begin.size() - 1;
+        const std::vector<std::uint32_t> start = Together(begins); // of each one's slots
+        const std::size_t places = start.size() - 1;
         const auto reachPlace = [&](std::size_t place) {
-            for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
+            for (std::size_t k = start[place]; k < start[place + 1]; ++k)
                 Reach(slotOf[k]);
         };
         if (places < 2) {
@@ -144,9 +153,9 @@ class RegionFinder {
         const std::unique_ptr<char[]> has = LargeArray<char>(places);
         ParallelFor(progress.threads, places, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t place = first; place < last; ++place) {
-                point.col(Eigen::Index(place)) = metric * mesh.At(slotOf[begin[place]]);
+                point.col(Eigen::Index(place)) = metric * mesh.At(slotOf[start[place]]);
                 char of = 0;
-                for (std::size_t k = begin[place]; k < begin[place + 1]; ++k)
+                for (std::size_t k = start[place]; k < start[place + 1]; ++k)
                     of = char(of | (Is(slotOf[k], free) ? hasFree : hasHeld));
                 has[place] = of;
             }
@@ -220,49 +229,62 @@ class RegionFinder {
     template <class ReachPlace>
     static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
                             const Progress &progress) {
-        const detail::AskedPlaces held(point, [&](std::size_t place) { return bool(has[place] & hasHeld); });
+        const auto boxOfHeld = [&](std::size_t place) {
+            const Eigen::Vector3d p = point.col(Eigen::Index(place));
+            return has[place] & hasHeld ? Eigen::AlignedBox3d(p) : Eigen::AlignedBox3d();
+        };
+        const detail::BoxTree held(std::size_t(point.cols()), boxOfHeld);
         const detail::PlaceRuns runs(point, progress.threads);
         std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
-        ParallelFor(progress.threads, runs.box.size(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t r = first; r < last; ++r) {
-                bool hasAny[2] = {false, false};
-                for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
-                    if (has[place] & hasFree) {
-                        hasAny[runs.PartOf(place) % 2] = true;
-                        reachPlace(place);
-                    }
-                for (std::size_t p : {2 * r, 2 * r + 1})
-                    if (hasAny[p % 2])
-                        if (const double reach = runs.Reach(p); held.IsNear(runs.part[p], reach))
-                            around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
-            }
-        });
-        const detail::BoxGroups searched(around);
-        std::vector<std::size_t> there; // places
-        for (std::size_t r = 0; r < runs.box.size(); ++r)
-            if (searched.Touch(runs.box[r]))
-                for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
-                    there.push_back(place);
+        const std::size_t grain = 256;
+        const Progress looking = progress.Slice(0, 0.3);
+        ParallelFor(
+            looking, detail::findingNeighbours, runs.box.size(), grain, [&](std::size_t first, std::size_t last) {
+                for (std::size_t r = first; r < last; ++r) {
+                    bool hasAny[2] = {false, false};
+                    for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
+                        if (has[place] & hasFree) {
+                            hasAny[runs.PartOf(place) % 2] = true;
+                            reachPlace(place);
+                        }
+                    for (std::size_t p : {2 * r, 2 * r + 1})
+                        if (hasAny[p % 2])
+                            if (const double reach = runs.Reach(p); held.IsNear(runs.part[p], reach))
+                                around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
+                }
+            });
+        const detail::BoxTree searched(around.size(), [&](std::size_t p) { return around[p]; });
+        std::vector<std::vector<std::size_t>> touched((runs.box.size() + grain - 1) / grain);
+        const Progress touching = progress.Slice(0.3, 0.4);
+        ParallelFor(touching, detail::findingNeighbours, runs.box.size(), grain,
+                    [&](std::size_t first, std::size_t last) {
+                        for (std::size_t r = first; r < last; ++r)
+                            if (searched.IsNear(runs.box[r], 0))
+                                for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
+                                    touched[first / grain].push_back(place);
+                    });
+        const std::vector<std::size_t> there = Together(touched); // places
         if (there.empty())
             return;
         Eigen::Matrix3Xd position(3, there.size());
         for (std::size_t k = 0; k < there.size(); ++k)
             position.col(Eigen::Index(k)) = point.col(Eigen::Index(there[k]));
         const PointBlocks<double> blocks(position, progress.threads);
-        ParallelFor(progress, detail::findingNeighbours, blocks.Blocks(), 64, [&](std::size_t first, std::size_t last) {
-            detail::CloudNeighbourhood<double> neighbourhood(blocks);
-            for (std::size_t at = blocks.Begin(first); at < blocks.Begin(last); ++at) {
-                const std::size_t place = there[std::size_t(blocks.Number(at))];
-                if (!(has[place] & hasFree) || around[runs.PartOf(place)].isEmpty())
-                    continue;
-                neighbourhood.Look(at);
-                for (Index other : neighbourhood.around)
-                    reachPlace(there[std::size_t(other)]);
-            }
-        });
+        ParallelFor(progress.Slice(0.4, 1), detail::findingNeighbours, blocks.Blocks(), 64,
+                    [&](std::size_t first, std::size_t last) {
+                        detail::CloudNeighbourhood<double> neighbourhood(blocks);
+                        for (std::size_t at = blocks.Begin(first); at < blocks.Begin(last); ++at) {
+                            const std::size_t place = there[std::size_t(blocks.Number(at))];
+                            if (!(has[place] & hasFree) || around[runs.PartOf(place)].isEmpty())
+                                continue;
+                            neighbourhood.Look(at);
+                            for (Index other : neighbourhood.around)
+                                reachPlace(there[std::size_t(other)]);
+                        }
+                    });
     }
 
-    static constexpr std::size_t grain = 1 << 16;
+    static constexpr std::size_t grain = detail::VertexChunks::grain;
     static_assert(grain % Region::boxed == 0, "one thread a box");
     // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
     // that few tags have to be looked up, its tag.

@@ -167,26 +167,35 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
     const Places places(position, slotTag, frame, [&](std::size_t i) { return loose.partOf[i] < 0; });
     if (places.IsEmpty())
         return following;
+    struct Near {
+        std::size_t slot, place;
+        double distance;
+    };
+    std::vector<Near> near; // of the vertices of the parts
+    for (std::size_t i = 0; i < slotTag.size(); ++i)
+        if (loose.partOf[i] >= 0)
+            near.push_back({i, LooseFollowing::none, 0});
+    const char *stage = "Finding what loose parts follow";
+    ParallelFor(progress.Slice(0, 0.6), stage, near.size(), 1 << 10, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n)
+            near[n].place = places.Nearest(position.col(Eigen::Index(near[n].slot)), near[n].distance);
+    });
     std::vector<double> distance(loose.parts, std::numeric_limits<double>::infinity());
     std::vector<Eigen::AlignedBox3d> box(loose.parts);
-    for (std::size_t i = 0; i < slotTag.size(); ++i) {
-        const Index part = loose.partOf[i];
-        if (part < 0)
-            continue;
-        double d = 0;
-        const std::size_t nearest = places.Nearest(position.col(Eigen::Index(i)), d);
-        if (d < distance[part]) {
-            distance[part] = d;
-            following.leader[part] = nearest;
+    for (const Near &each : near) {
+        const Index part = loose.partOf[each.slot];
+        if (each.distance < distance[part]) {
+            distance[part] = each.distance;
+            following.leader[part] = each.place;
         }
-        box[part].extend(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
+        box[part].extend(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(each.slot)))));
     }
     for (std::size_t i = 0; i < slotTag.size(); ++i)
         if (loose.partOf[i] >= 0 && box[loose.partOf[i]].diagonal().norm() > large) {
             following.vertex.emplace_back();
             following.vertex.back().slot = i;
         }
-    ParallelFor(progress, "Finding what loose parts follow", following.vertex.size(), 1 << 10,
+    ParallelFor(progress.Slice(0.6, 1), stage, following.vertex.size(), 1 << 10,
                 [&](std::size_t first, std::size_t last) {
                     for (std::size_t v = first; v < last; ++v) {
                         LooseFollowing::Vertex &vertex = following.vertex[v];

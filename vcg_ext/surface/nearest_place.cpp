@@ -16,10 +16,10 @@ namespace fcd {
 class NearestPlace::Search {
   public:
     Search(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-           const std::vector<char> &isVertex, unsigned threads) {
+           const std::vector<char> &isVertex, const Progress &progress) {
         assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
         if (!triangle.empty()) {
-            triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), threads);
+            triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), progress);
             return;
         }
         for (std::size_t i = 0; i < isVertex.size(); ++i)
@@ -28,7 +28,7 @@ class NearestPlace::Search {
         Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
         for (std::size_t i = 0; i < vertex.size(); ++i)
             point.col(Eigen::Index(i)) = position.col(vertex[i]);
-        vertices = std::make_unique<PointBlocks<double>>(point, threads);
+        vertices = std::make_unique<PointBlocks<double>>(point, progress.threads);
     }
 
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
@@ -128,8 +128,8 @@ class NearestPlace::Search {
 };
 
 NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-                           const std::vector<char> &isVertex, unsigned threads)
-    : search(std::make_unique<Search>(position, std::move(triangle), isVertex, threads)) {}
+                           const std::vector<char> &isVertex, const Progress &progress)
+    : search(std::make_unique<Search>(position, std::move(triangle), isVertex, progress)) {}
 
 NearestPlace::~NearestPlace() = default;
 

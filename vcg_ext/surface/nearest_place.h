@@ -3,6 +3,7 @@
 #define VCG_FCD_NEAREST_PLACE_H
 
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/progress.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -26,10 +27,10 @@ struct SurfacePlace {
 class NearestPlace {
   public:
     /// \param position 3 x slots, which must outlive this \param triangle slots of the corners \param isVertex flags of
-    /// slots, of those that count where there are no triangles \param threads that prepare it, 0 = one a core
+    /// slots, of those that count where there are no triangles \throw Cancelled
     /// \pre a triangle, or a vertex that counts
     NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-                 const std::vector<char> &isVertex, unsigned threads = 0);
+                 const std::vector<char> &isVertex, const Progress &progress = {});
     ~NearestPlace();
     NearestPlace(const NearestPlace &) = delete;
     NearestPlace &operator=(const NearestPlace &) = delete;

@@ -26,6 +26,15 @@ struct VertexChunks {
     std::size_t Live() const { return begin.back(); }
 };
 
+/// The slot of the \p k th vertex. \param begin as of VertexChunks \param isPart isPart(slot): it is a vertex
+template <class IsPart>
+std::size_t SlotOf(std::size_t k, const std::vector<std::size_t> &begin, const IsPart &isPart) {
+    const std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
+    for (std::size_t i = c * VertexChunks::grain, at = begin[c];; ++i)
+        if (isPart(i) && at++ == k)
+            return i;
+}
+
 /// \param isPart isPart(slot): it is read \param frame gives the metric
 /// \throw BadInput a coordinate that is not finite \throw Cancelled
 template <class IsPart>
@@ -64,12 +73,8 @@ VertexChunks FindVertices(const SurfaceView &mesh, const IsPart &isPart, const F
 /// Sets origin and scale of the frame of what is read, at least one vertex. \param isPart as of FindVertices
 template <class IsPart>
 void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart &isPart, Frame &frame) {
-    const std::vector<std::size_t> &begin = chunks.begin;
     const Eigen::AlignedBox3d box = WithoutStrays(chunks.box, chunks.Live(), [&](std::size_t k) {
-        std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
-        for (std::size_t i = c * VertexChunks::grain, at = begin[c];; ++i)
-            if (isPart(i) && at++ == k)
-                return frame.ToWorld(mesh.At(i));
+        return frame.ToWorld(mesh.At(SlotOf(k, chunks.begin, isPart)));
     });
     const Eigen::Vector3d extent = box.max() * 0.5 - box.min() * 0.5; // half of it: no overflow
     const double halfDiagonal = extent.stableNorm();
