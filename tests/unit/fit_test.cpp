@@ -411,6 +411,62 @@ TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
     EXPECT_LT(most / std::hypot(10, 6), 1.5e-3);
 }
 
+// As exporters of thin shells write them, and as tools leave them that turn some faces over: a face counts once, and
+// all look to one side.
+TEST(Fit, FacesCountOnceAndAllLookToOneSide) {
+    const auto turned = [](Shape shape, const auto &isTurned) {
+        for (std::size_t f = 0; f < shape.face.size(); ++f)
+            if (isTurned(f))
+                std::swap(shape.face[f][1], shape.face[f][2]);
+        return shape;
+    };
+    const auto twice = [](Shape shape, const Shape &other) {
+        shape.face.insert(shape.face.end(), other.face.begin(), other.face.end());
+        return shape;
+    };
+    const auto all = [](std::size_t) { return true; };
+    const auto some = [](std::size_t f) { return f % 3 == 0 || f % 7 == 1; };
+    const auto half = [](std::size_t f) { return f < 2000; };
+    FitParam param = Small();
+    param.fitSteps = 20;
+    const Fitted plain = Fit(source, target, param);
+    EXPECT_GT(plain.report.matched, 0.9);
+    for (const Shape &other : {twice(target, target), twice(target, turned(target, all)), turned(target, some),
+                               turned(target, half), turned(twice(target, target), some)}) {
+        const Fitted fitted = Fit(source, other, param);
+        EXPECT_LT((fitted.position - plain.position).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_EQ(fitted.report.matched, plain.report.matched);
+    }
+    for (const Shape &other : {twice(source, turned(source, all)), turned(source, some), turned(source, half)})
+        EXPECT_LT((Fit(other, target, param).position - plain.position).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(Fit, PlacesOfATargetStandForItsArea) {
+    Shape box; // 2 x 1 x 1, of 12 triangles
+    for (int i = 0; i < 8; ++i)
+        box.position.emplace_back(2 * (i & 1), i >> 1 & 1, i >> 2);
+    for (const auto &[a, b, c, d] :
+         {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+        box.face.push_back({a, b, c});
+        box.face.push_back({a, c, d});
+    }
+    const MeshD mesh(box);
+    const Arrays arrays = Read(mesh);
+    const FitTarget boxTarget(arrays.View(), {}, Eigen::Affine3d::Identity());
+    const std::vector<FitTarget::Match> places = boxTarget.Places(1000);
+    EXPECT_NEAR(double(places.size()), 1000, 1);
+    int top = 0, cells[2][2] = {};
+    for (const FitTarget::Match &each : places)
+        if (each.point[2] > 1 - 1e-9 && each.point[0] > 1e-9 && each.point[0] < 2 - 1e-9) {
+            ++top;
+            ++cells[each.point[0] > 1][each.point[1] > 0.5];
+        }
+    EXPECT_NEAR(top, 200, 10); // a fifth of the area
+    for (const auto &row : cells)
+        for (int count : row)
+            EXPECT_NEAR(count, 50, 12);
+}
+
 TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     const MeshD mesh(Grid(5, 5));
     const Arrays arrays = Read(mesh);
