@@ -48,6 +48,12 @@ class FitInfo(PoseInfo):
     """Places of the target drew what is nearest, too: as asked, or as it fits better."""
     inside_out: bool
     """Its normals point to the other side than those of the target, which were taken turned over."""
+    contradicted: tuple[int, ...]
+    """Numbers of the landmarks that the others contradict, from 0; with a `landmark_tolerance`, they were left out."""
+    target_not_finite: int
+    """Vertices of the target with a coordinate that is not a finite number, which were left out, with the faces at them."""
+    from_afar: bool
+    """Surface and target did not overlap, and the surface was moved onto the target's middle first."""
 
 
 class Fitted(Pose):
@@ -60,26 +66,24 @@ class Fitted(Pose):
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
         info, told = self._core.info(), dict(self._report)
-        del told["diagonal"], told["beyond"], told["alone"]
+        del told["diagonal"], told["beyond"], told["alone"], told["remarks"], told["is_misplaced"]
         return FitInfo(nodes=info["nodes"], iterations=info["iterations"], converged=info["converged"], energy=math.nan,
                        discretisation_error=math.nan, folded=self._check()["folded"], strained=self._check()["strained"],
                        largest_stretch=float(self.stretch().max(initial=1)), seconds=info["seconds_solve"] + info["seconds_map"], **told)
 
     def _words(self, folded: int) -> list[str]:
         """What is not to be trusted, in words."""
-        told, texts = self._report, []
+        told = self._report
+        texts: list[str] = list(told["remarks"])
         if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
             texts.append(f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay the surfaces "
                          "onto each other first, give landmarks, or raise largest_distance or largest_angle.")
         if folded > 0:
             texts.append(f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over: the fit folds the surface there. Give "
                          "landmarks, or raise stiffness.")
-        off = told["beyond"] > 1e-6 * told["diagonal"]
-        if off or told["landmark_pull"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
-            texts.append("The landmarks contradict each other or the target, by "
-                         f"{max(told['landmark_pull'], told['beyond']):g}. Look for pairs that are mixed up"
-                         f"{'; where they are closer than patches, raise patches' if off else ''}.")
-        if not self._core.info()["converged"]:
+        if told["landmark_pull"] > 0.01 * told["diagonal"] and not told["contradicted"]:  # 1 %: no hand misses so much
+            texts.append(f"The landmarks contradict each other or the target, by {told['landmark_pull']:g}. Look for pairs that are mixed up.")
+        if not self._core.info()["converged"] and not told["is_misplaced"]:
             texts.append("The fit did not come to rest: raise steps.")
         return texts
 
@@ -96,7 +100,8 @@ class Fitter:
         normals: n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
         start: Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar`
             (with a scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the
-            one that fits best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
+            one that fits best. `as_they_lie`, the only one where something is fixed or a handle: not at all, or where nothing of the
+            two overlaps and there are no landmarks, onto the target's middle (`FitInfo.from_afar`).
         stiffness: How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
         largest_distance: What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
         largest_angle: A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
@@ -104,7 +109,8 @@ class Fitter:
         both_ways: Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is
             reached. Not where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and
             taken if nothing of it is left then and more of the surface has a counterpart.
-        landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
+        landmark_tolerance: So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact, as far as the
+            graph is fine enough. Above 0, pairs that the others contradict are left out (`FitInfo.contradicted`).
         patches: How many patches to begin with, from 1.
         smoothness: How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
         seed: Chooses where the first patches are.
@@ -180,7 +186,7 @@ class Fitter:
         """Lays the surface onto another one, from rest.
 
         Args:
-            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
+            target_vertices: k x 3, or a mesh as of `vertices`. It is not changed. Vertices that are not finite are left out. With `landmarks_only`, it is not looked at: None.
             target_faces: m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
             landmarks: A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken;
                 and the points of the target where they belong. These are exact, or within `landmark_tolerance`.
@@ -192,13 +198,13 @@ class Fitter:
 
         Raises:
             TypeError: Something is of another kind than what is asked for here.
-            ValueError: It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there,
-                landmarks are not free or at one place, or the start does not go with them or with the tags.
+            ValueError: It has another shape or is out of range, the target is empty, a point or a line, nothing of the surface has a
+                counterpart there, landmarks are not free or at one place, or the start does not go with them or with the tags.
             KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
 
         Warns:
-            DeformationWarning: What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other,
-                the fit did not come to rest.
+            DeformationWarning: What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other
+                or are too dense for the graph, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
 
@@ -225,7 +231,10 @@ class Fitter:
         positions, corners = (np.zeros((0, 3)), None) if target is None else _surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
-        return {"vertices": _finite("target_vertices", positions), "faces": corners,
+        if normals is not None:  # those of points that are not finite do not count
+            normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
+            normals = np.where(np.isfinite(positions).all(1)[:, None], normals, 0.0)
+        return {"vertices": positions, "faces": corners,
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
