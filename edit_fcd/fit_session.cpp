@@ -179,6 +179,7 @@ bool FitSession::isPrepared() const { return landmarks().empty() || (followFitte
 std::shared_ptr<const LayerFit> FitSession::beginPreparing() {
     FitMeshParam param = paramFor(layer, true);
     param.target = nullptr;
+    param.fit.judgesLandmarks = false; // it is to follow them at once
     return std::make_shared<const LayerFit>(document, layer, param, Remark(), vcg::fcd::Progress(),
                                             rest.positions().data(), rest.normals().data());
 }

@@ -219,6 +219,8 @@ void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::
         say("Only a small part of the layer has a counterpart on the target: place pairs first, or raise the largest "
             "distance.",
             true);
+    for (const std::string &remark : fitted->report.Remarks())
+        say(remark, true);
     if (std::getenv("FCD_TRACE"))
         std::fprintf(stderr, "FCD trace: pulled: %d vertices, rms %g, matched %g\n", model->cm.vn, fitted->report.rms,
                      fitted->report.matched);

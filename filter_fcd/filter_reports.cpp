@@ -173,11 +173,14 @@ std::string describe(const FittedLayers &made) {
              << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
     if (report.bothWays)
         line << " Parts of the target drew what is nearest to them, too.";
+    if (report.notFinite > 0)
+        line << " " << report.notFinite << " vertices of the target are not finite and were left out.";
     if (report.insideOut)
         line << " Its normals point to the other side than those of the target, which were taken turned over.";
     if (made.landmarks > 0)
-        line << " None of the " << made.landmarks << " landmarks is off by more than " << report.landmarks
-             << "; at last the surface gave way by " << report.pull << " for them.";
+        line << " None of the " << made.landmarks - (report.leftOut ? report.contradicted.size() : 0)
+             << " landmarks is off by more than " << report.landmarks << "; at last the surface gave way by "
+             << report.pull << " for them.";
     line << " " << made.seconds << " s.";
     return line.str();
 }
@@ -194,6 +197,9 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
                    {"landmark_pull", report.pull},
+                   {"landmarks_contradicted", int(report.contradicted.size())},
+                   {"target_not_finite", int(report.notFinite)},
+                   {"from_afar", report.fromAfar},
                    {"both_ways", report.bothWays},
                    {"inside_out", report.insideOut},
                    {"nodes", int(made.result.rest.position.cols())},
@@ -205,7 +211,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
 
 std::vector<std::string> warningsOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = report.Remarks();
     if (report.matched < 0.3 && !made.landmarksOnly) { // then most of the shape is a guess
         std::ostringstream line;
         line << "Only " << 100 * report.matched
@@ -217,15 +223,13 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.push_back(std::to_string(made.result.check.flipped) +
                            (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
                            " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
-    if (report.pull > 0.01 * made.diagonal || report.beyond > 1e-6 * made.diagonal) { // 1 %: no hand misses so much
+    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: no hand misses so much
         std::ostringstream line;
-        line << "The landmarks contradict each other or the target, by " << std::max(report.pull, report.beyond)
-             << ". Look for pairs that are mixed up";
-        if (report.beyond > 1e-6 * made.diagonal)
-            line << "; where they are closer than patches, raise initial_patches";
-        warnings.push_back(line.str() + ".");
+        line << "The landmarks contradict each other or the target, by " << report.pull
+             << ". Look for pairs that are mixed up.";
+        warnings.push_back(line.str());
     }
-    if (!report.converged)
+    if (!report.converged && !report.IsMisplaced())
         warnings.emplace_back("The fit did not come to rest: raise fit_steps.");
     return warnings;
 }

@@ -46,7 +46,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     addParameter<RichFloat>(
         list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Tolerance of the landmarks",
         "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
-        "<b>Raise it</b> to the error of the points where they were measured or picked by hand.");
+        "<b>Raise it</b> to the error of the points where they were measured or picked by hand. Pairs that the others "
+        "contradict, such as two that are mixed up, are left out then; the log names them in any case.");
     addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
                            "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
                            "counts: to see where they alone take it, or to morph it by them.");
@@ -59,7 +60,9 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "Start",
         "Where the layers do not lie on each other yet: moves all of the current one first, by the <b>landmarks</b> "
         "(three that are not on a line at least), or so that middle and <b>principal axes</b> fall together, of the 24 "
-        "ways the one that fits best. Needs a layer without fixed vertices and handles.");
+        "ways the one that fits best. Needs a layer without fixed vertices and handles. Where nothing of the two "
+        "overlaps, "
+        "and there are no landmarks, <b>As they lie</b> moves the layer onto the target's middle, too, and says so.");
     addParameter<RichFloat>(
         list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
         "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "

@@ -4,7 +4,9 @@
 #include <vcg_ext/handles/motion_text.h>
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
 
 #include <limits>
 
@@ -114,6 +116,15 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["landmark_pull"] = found.pull;
     all["both_ways"] = found.bothWays;
     all["inside_out"] = found.insideOut;
+    nb::list contradicted;
+    for (std::size_t each : found.contradicted)
+        contradicted.append(each);
+    all["contradicted"] = nb::tuple(contradicted);
+    all["target_not_finite"] = found.notFinite;
+    all["from_afar"] = found.fromAfar;
+    all["landmark_remarks"] = found.LandmarkRemarks();
+    all["target_remarks"] = found.TargetRemarks();
+    all["is_misplaced"] = found.IsMisplaced();
     all["steps"] = found.steps;
     all["beyond"] = found.beyond;
     all["diagonal"] = prepared->deformer->surface.frame.scale;

@@ -18,7 +18,7 @@ FIT_DEFAULTS = {
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
     "median": float, "percentile_95": float, "matched": float, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
-    "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
+    "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
 PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
@@ -98,6 +98,31 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     ms, _ = pair()
     result, log = fit_logged(ms, capfd, fit_steps=2)
     assert not result["converged"] and "did not come to rest: raise fit_steps" in log
+
+
+def test_what_is_wrong_with_landmarks_and_target_is_logged(capfd, tmp_path):
+    ms, truth = pair()
+    chosen = np.arange(300, 7200, 500)
+    places = truth[chosen]
+    places[[2, 9]] = places[[9, 2]]
+    file = point_file(tmp_path / "swapped.csv", "index", chosen, None, places)
+    result, log = fit_logged(ms, capfd, landmarks_file=file, landmark_tolerance=0.02)
+    assert result["landmarks_contradicted"] == 2 and "Pairs 2 and 9 of the landmarks, counted from 0" in log and "were left out" in log
+    assert "None of the 12 landmarks is off" in log and rms(ms.current_mesh().vertex_matrix(), truth) < 0.5
+    points, faces = tube(97, 53, shift=0.5)
+    ms, truth = pair(target=(points, None))
+    holed = bent(points)
+    holed[::3] = np.nan
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=holed), "holed")
+    ms.set_current_mesh(1)
+    result, log = fit_logged(ms, capfd, target_layer=2)
+    assert result["target_not_finite"] == len(holed[::3]) and "are not finite and were left out" in log
+    ms, truth = pair()
+    ms.add_mesh(mesh_of(bent(points) + [900, 0, 0], faces), "far")
+    ms.set_current_mesh(1)
+    result, log = fit_logged(ms, capfd, target_layer=2)
+    assert result["from_afar"] and "did not overlap" in log and "raise fit_steps" not in log
+    assert rms(ms.current_mesh().vertex_matrix(), truth + [900, 0, 0]) < 0.5
 
 
 @pytest.mark.parametrize("degrees", [60.0, 110.0])

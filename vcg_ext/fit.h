@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 /// \file
@@ -21,6 +22,8 @@ namespace fcd {
 
 class FitMatches;
 class FitTarget;
+struct Contradiction;
+struct FitPlacement;
 
 /// A pair of landmarks.
 struct Landmark {
@@ -58,6 +61,8 @@ struct FitParam : DeformationParam {
     /// is tried as well, and taken where it fits better.
     bool bothWays = false;
     double landmarkTolerance = 0; ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
+    bool judgesLandmarks =
+        true; ///< looks for those that the others contradict; false: leaves that out, which is faster
 
     /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Nothing has to be matched
     /// step by step then, and the surface comes to rest in far fewer steps.
@@ -81,6 +86,25 @@ struct FitReport {
     double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
     bool bothWays = false;  ///< places of the target drew what is nearest, too: as asked, or as it fits better
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
+    std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
+    bool leftOut = false;                  ///< these were not followed, as there is a tolerance
+    std::size_t unmet = 0;      ///< landmarks farther than their tolerance, as the graph is too coarse for them
+    int patchesForAll = 0;      ///< with so many, or more, it would be fine enough
+    std::size_t notFinite = 0;  ///< vertices of the target that were left out: a coordinate is not a finite number
+    double apart = 0;           ///< between the boxes of surface and target, world units; 0 where they overlap
+    bool fromAfar = false;      ///< they lay far apart, and the fit began where it moved the surface to by itself
+    bool isSureFromAfar = true; ///< false: another way round fits nearly as well
+    double larger = 1;          ///< the target's size over that of the surface
+    bool otherSize = false;     ///< so much larger, or smaller, that the fit is not to be trusted
+    bool mirrored = false;      ///< the target is the surface's mirror image, or its faces look inwards as of one
+    bool flat = false;          ///< the target is a plane, and the surface is none
+    /// What is wrong with the target or the landmarks and what to do, a sentence or two each; for log and warnings.
+    std::vector<std::string> Remarks() const;
+    std::vector<std::string> LandmarkRemarks() const; ///< of these, what is about landmarks
+    std::vector<std::string> TargetRemarks() const;   ///< and what is about the target, or where it is
+    /// Whether one of these tells why a fit does not come to rest.
+    bool IsMisplaced() const { return otherSize || mirrored || flat || isApart; }
+    bool isApart = false; ///< they lie so far apart that nothing of them overlaps, and could not be moved
     int steps = 0;
     bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,
                             ///< or further ones would, all together
@@ -96,7 +120,8 @@ class Fitter {
            const Progress &progress = {});
 
     /// Prepares what it is fitted to, for Solve and Compare. \param goal is not needed after it
-    /// \throw BadInput a goal without vertices, or a coordinate that is not finite \throw Cancelled
+    /// What is not finite is left out. \throw BadInput a goal without vertices, or of a point or a line \throw
+    /// Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
     /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place
@@ -124,7 +149,16 @@ class Fitter {
   private:
     Eigen::Affine3d ToFrame(const Eigen::Affine3d &world) const;
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
-                          const std::vector<Eigen::Vector3d> &place, unsigned threads) const;
+                          const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const;
+    bool IsAllFree() const;
+    bool FollowsAlone() const; // its landmarks: nothing is matched
+    void Judge(const FitTarget &target, const FitPlacement &placement, bool isLed, FitReport &report) const;
+    std::vector<Contradiction> Doubted(const FitSamples &drawn, std::size_t first,
+                                       const std::vector<Eigen::Vector3d> &place, const std::vector<char> &isFree,
+                                       const GraphPose &pose, const Progress &progress) const;
+    void Arrive(const FitSamples &drawn, std::size_t first, const std::vector<Eigen::Vector3d> &place,
+                const std::vector<char> &leads, const std::vector<char> &isFree, GraphPose &graph, FitReport &report,
+                const Progress &progress) const;
     void Measure(const FitMatches &matches, FitReport &report) const;
 
     const SurfaceView source;

@@ -2,6 +2,7 @@
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_matches.h>
@@ -19,14 +20,6 @@ namespace vcg {
 namespace fcd {
 
 namespace {
-
-/// The place nearest to \p x that is no farther from \p place than that.
-Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x) {
-    const Eigen::Vector3d off = x - place;
-    const double far = off.norm();
-    const double inside = 0.999 * tolerance; // what rounding leaves is within, too
-    return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
-}
 
 /// Whether no connected part of what is free has as much as a third of its area: not of its vertices, so that crumbs
 /// count as what they are.
@@ -71,6 +64,10 @@ constexpr int gapSteps = 6;
 // found brings more of the source onto the target, and leaves nothing; surface that is drawn over what the source lacks
 // comes off elsewhere.
 constexpr double mostUnreached = 0.002;
+// Of surface and target: what a landmark must lead onto each other if it shall be right against the others although it
+// tears the surface, and what it must keep off each other if it shall be wrong although it only strains it. A patch of
+// 150 has two thirds of that, and a limb is one at least.
+constexpr double aLimb = 0.01;
 
 } // namespace
 
@@ -123,17 +120,6 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     progress(1, "Preparing the fit");
 }
 
-/// From the world. The frame has the source's matrix without its translation.
-Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
-    const Frame &frame = deformer->surface.frame;
-    return Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) *
-           Eigen::Affine3d(frame.metric) * handles.world.inverse() * world;
-}
-
-std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    return std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead);
-}
-
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                              const Progress &progress) const {
     const SurfaceGraph &surface = deformer->surface;
@@ -167,8 +153,15 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     std::vector<char> isFree(std::size_t(deformer->graph.Size()));
     for (Index j = 0; j < deformer->graph.Size(); ++j)
         isFree[std::size_t(j)] = deformer->held.tag[std::size_t(deformer->patches.center[std::size_t(j)])] == 1;
-    if (param.start != FitStart::AsItLies) {
-        const Eigen::Affine3d start = Start(target, samples, matched, place, progress.threads);
+    const bool isAlone = FollowsAlone();
+    if (!isAlone) {
+        std::vector<Eigen::Vector3d> at; // where they are before the start
+        for (std::size_t s = 0; s < matched; ++s)
+            at.push_back(samples.At(s, graph));
+        Judge(target, PlacementOf(at, target, progress.threads), !place.empty(), report);
+    }
+    if (param.start != FitStart::AsItLies || report.fromAfar) {
+        const Eigen::Affine3d start = Start(target, samples, matched, place, report, progress.threads);
         for (Index j = 0; j < deformer->graph.Size(); ++j) {
             graph.position.col(j) = start * graph.position.col(j).eval();
             graph.linear[std::size_t(j)] = start.linear() * graph.linear[std::size_t(j)];
@@ -182,14 +175,17 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     how.farthest = param.largestDistance / frame.scale;
     how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
     how.spacing = std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)));
-    how.bothWays = param.bothWays;
-    auto matches = std::make_unique<FitMatches>(target, samples, how);
     const double tolerance = param.landmarkTolerance / frame.scale;
+    std::unique_ptr<FitMatches> matches;
+    std::vector<char> leads(landmark.size(), 1); // the landmarks that it follows
     std::vector<FitSystem::Pull> pull(drawn.Size());
     // One step. Root mean square of the nodes' moves.
     const auto move = [&](double part, const std::vector<double> &stiffness) {
         matches->Find(graph, part, progress.threads, pull);
         for (std::size_t s = matched; s < drawn.Size(); ++s) {
+            pull[s] = {};
+            if (!leads[s - matched])
+                continue;
             const Eigen::Vector3d x = drawn.At(s, graph);
             const Eigen::Vector3d off = x - Within(tolerance, place[s - matched], x);
             const double weight = 10 / double(landmark.size());
@@ -224,100 +220,86 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         matches->Find(graph, 1, progress.threads, pull); // where it is now
     };
     const GraphPose start = graph;
-    report.bothWays = param.bothWays;
-    soften(progress.Slice(0.05, 0.6));
-    if (!param.bothWays && matches->Unreached() > mostUnreached) {
+    // All of a fit, from the start.
+    const auto lay = [&](const Progress &fitting) {
+        graph = start;
+        how.bothWays = report.bothWays = param.bothWays;
+        matches = std::make_unique<FitMatches>(target, samples, how);
+        soften(fitting.Slice(0, 0.6));
+        if (!param.bothWays && matches->Unreached() > mostUnreached) {
+            Measure(*matches, report);
+            const FitReport before = report;
+            how.bothWays = true;
+            auto oneWay = std::exchange(matches, std::make_unique<FitMatches>(target, samples, how));
+            const GraphPose there = std::exchange(graph, start);
+            soften(fitting.Slice(0.6, 0.9));
+            Measure(*matches, report);
+            report.bothWays = matches->Unreached() <= mostUnreached && report.matched > before.matched;
+            if (!report.bothWays) {
+                matches = std::move(oneWay);
+                graph = there;
+                report = before;
+            }
+        }
+        const FitGaps gaps(*deformer, *matches, samples);
+        const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
+        const GraphPose without = graph;
+        bool isStiff = !gaps.Any();
+        for (double stiff = stiffest; !isStiff; stiff /= 10) {
+            graph = without;
+            if (stiff > 2 * soft) { // else it stays as it is
+                const std::vector<double> stiffness = gaps.Stiffness(soft, stiff);
+                for (int step = 0; step < gapSteps && move(1, stiffness) > rest / 10; ++step)
+                    fitting(0.95, "Fitting");
+            }
+            matches->Find(graph, 1, progress.threads, pull);
+            isStiff = stiff <= 2 * soft || gaps.Misfit(*matches) <= bearable;
+        }
         Measure(*matches, report);
+    };
+    const std::vector<Contradiction> doubted = Doubted(drawn, matched, place, isFree, graph, progress.Slice(0.05, 0.1));
+    const bool isTried = !doubted.empty() && (!isAlone || tolerance > 0);
+    lay(progress.Slice(0.1, isTried ? 0.5 : 1));
+    for (const Contradiction &each : doubted)
+        report.contradicted.push_back(each.landmark);
+    if (isTried) { // a landmark that the target bears out leads more of the surface onto it
         const FitReport before = report;
-        how.bothWays = true;
-        auto oneWay = std::exchange(matches, std::make_unique<FitMatches>(target, samples, how));
-        const GraphPose there = std::exchange(graph, start);
-        soften(progress.Slice(0.6, 0.9));
-        Measure(*matches, report);
-        report.bothWays = matches->Unreached() <= mostUnreached && report.matched > before.matched;
-        if (!report.bothWays) {
-            matches = std::move(oneWay);
-            graph = there;
+        const GraphPose there = graph;
+        auto with = std::move(matches);
+        const auto onIt = [&](const FitMatches &all) { return report.matched - all.Unreached(); };
+        const double withAll = onIt(*with);
+        for (const Contradiction &each : doubted)
+            leads[each.landmark] = 0;
+        lay(progress.Slice(0.5, 1));
+        const double enough = std::max({tolerance, noHand, 3 * report.nearest / frame.scale});
+        report.contradicted.clear();
+        for (const auto &[l, strain] : doubted) {
+            leads[l] = (drawn.At(matched + l, graph) - place[l]).norm() <= enough;
+            if (!leads[l] && (isAlone || onIt(*matches) >= withAll + (strain >= tornStrain ? -aLimb : aLimb)))
+                report.contradicted.push_back(l);
+        }
+        report.leftOut = tolerance > 0 && !report.contradicted.empty();
+        if (!report.leftOut) {
+            const std::vector<std::size_t> named = std::move(report.contradicted);
             report = before;
+            report.contradicted = named;
+            graph = there;
+            matches = std::move(with);
+            leads.assign(leads.size(), 1);
         }
-    }
-    const FitGaps gaps(*deformer, *matches, samples);
-    const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
-    const GraphPose without = graph;
-    bool isStiff = !gaps.Any();
-    for (double stiff = stiffest; !isStiff; stiff /= 10) {
-        graph = without;
-        if (stiff > 2 * soft) { // else it stays as it is
-            const std::vector<double> stiffness = gaps.Stiffness(soft, stiff);
-            for (int step = 0; step < gapSteps && move(1, stiffness) > rest / 10; ++step)
-                progress(0.95, "Fitting");
-        }
-        matches->Find(graph, 1, progress.threads, pull);
-        isStiff = stiff <= 2 * soft || gaps.Misfit(*matches) <= bearable;
     }
     report.insideOut = matches->IsInsideOut();
-    std::vector<Eigen::Vector3d> goal = place;
-    for (std::size_t l = 0; l < place.size(); ++l)
-        goal[l] = Within(tolerance, place[l], drawn.At(matched + l, graph));
-    report.pull = MoveOnto(drawn, matched, goal, isFree, graph, progress.Slice(0.95, 1)) * frame.scale;
+    if (report.insideOut && !report.converged && place.empty()) // as of what was mirrored by negating a coordinate
+        report.mirrored = true;
+    Arrive(drawn, matched, place, leads, isFree, graph, report, progress.Slice(0.98, 1));
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
     graph.converged = report.converged;
     MeasureEnergy(deformer->graph, param.smoothness * surface.area, graph);
     Measure(*matches, report);
-    for (std::size_t s = matched; s < drawn.Size(); ++s)
-        report.landmarks = std::max(report.landmarks, (drawn.At(s, graph) - place[s - matched]).norm() * frame.scale);
-    report.beyond = std::max(report.landmarks - param.landmarkTolerance, 0.0);
     progress(1, "Fitting");
     return pose;
-}
-
-Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &report,
-                              const Progress &progress) const {
-    std::vector<double> place;
-    for (const Landmark &each : landmark)
-        place.insert(place.end(), each.target.data(), each.target.data() + 3);
-    FitGoal goal; // no place of the surface is near enough to these to be matched
-    goal.surface.position = place.data();
-    goal.surface.vertexSlots = landmark.size();
-    goal.surface.isCloud = true;
-    goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
-    return Solve(*Prepare(goal), landmark, report, progress);
-}
-
-Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
-                              const std::vector<Eigen::Vector3d> &place, unsigned threads) const {
-    for (Index tag : deformer->held.tag)
-        if (tag != 1)
-            throw BadInput("A start that moves all of the surface does not go with fixed vertices or handles: start "
-                           "from where the layers lie.");
-    std::vector<Eigen::Vector3d> from;
-    const bool byAxes = param.start == FitStart::TriedAxes;
-    const auto &node = samples.surfaceNode;
-    for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
-        from.emplace_back(deformer->surface.graph.position.col(node[s]).cast<double>());
-    if (byAxes)
-        return StartFromAxes(from, sampleNormal, target, threads);
-    return StartFromLandmarks(from, place, param.start == FitStart::Similar);
-}
-
-void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const {
-    if (param.landmarkTolerance > 0)
-        return;
-    const double rounding = 1e-5 * deformer->surface.frame.scale;
-    std::map<Index, Eigen::Vector3d> at;
-    for (const Landmark &each : landmark) {
-        const Eigen::Vector3d target = handles.world.inverse() * each.target;
-        const Eigen::Vector3d off = target - position.col(Eigen::Index(each.vertex));
-        if ((handles.world.linear() * off).norm() <= rounding)
-            at[deformer->surface.nodeOf[each.vertex]] = target;
-    }
-    if (at.empty())
-        return;
-    for (std::size_t i = 0; i < source.vertexSlots; ++i)
-        if (const auto found = at.find(deformer->surface.nodeOf[i]); found != at.end())
-            position.col(Eigen::Index(i)) = found->second;
 }
 
 } // namespace fcd

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <string>
 
 namespace vcg {
 namespace fcd {
@@ -32,6 +34,71 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     for (std::size_t s = 0; s < matches.Size(); ++s)
         matched += matches.Counts(s) && report.LiesOn(distance[s] * scale, matches.OnBorder(s));
     report.matched = double(matched) / double(std::max<std::size_t>(distance.size(), 1));
+}
+
+namespace {
+
+std::string Rounded(double value) {
+    std::ostringstream stream;
+    stream.precision(3);
+    stream << value;
+    return stream.str();
+}
+
+} // namespace
+
+std::vector<std::string> FitReport::Remarks() const {
+    std::vector<std::string> remarks = LandmarkRemarks();
+    for (std::string &remark : TargetRemarks())
+        remarks.push_back(std::move(remark));
+    return remarks;
+}
+
+std::vector<std::string> FitReport::LandmarkRemarks() const {
+    std::vector<std::string> remarks;
+    if (!contradicted.empty()) {
+        std::string names;
+        for (std::size_t i = 0; i < contradicted.size(); ++i)
+            names += (i == 0 ? "" : i + 1 < contradicted.size() ? ", " : " and ") + std::to_string(contradicted[i]);
+        const bool isOne = contradicted.size() == 1;
+        remarks.push_back(std::string(isOne ? "Pair " : "Pairs ") + names + " of the landmarks, counted from 0, " +
+                          (isOne ? "does" : "do") + " not go with the others" +
+                          (leftOut ? std::string(" and ") + (isOne ? "was" : "were") + " left out. Look whether "
+                                   : ", and the surface is torn between them. Look whether ") +
+                          (isOne ? "it is" : "they are") + " mixed up or mistyped" +
+                          (leftOut ? "." : "; with a landmark_tolerance, such pairs are left out."));
+    }
+    if (unmet > 0)
+        remarks.push_back(Rounded(double(unmet)) + (unmet == 1 ? " landmark is" : " landmarks are") +
+                          " not met, the worst by " + Rounded(beyond) +
+                          ": the graph is too coarse for them. Begin with " + std::to_string(patchesForAll) +
+                          " patches or more.");
+    return remarks;
+}
+
+std::vector<std::string> FitReport::TargetRemarks() const {
+    std::vector<std::string> remarks;
+    if (otherSize)
+        remarks.push_back("The target is " + Rounded(larger >= 1 ? larger : 1 / larger) + " times " +
+                          (larger >= 1 ? "larger" : "smaller") +
+                          " than the surface. If the two have other units, scale one of them first; if not, give "
+                          "landmarks, and start from these with a scale.");
+    if (isApart)
+        remarks.push_back("Surface and target do not overlap: they are " + Rounded(apart) +
+                          " apart. Lay one onto the other first.");
+    if (fromAfar)
+        remarks.push_back("Surface and target did not overlap: they were " + Rounded(apart) +
+                          " apart, so the surface was first moved onto the target's middle" +
+                          (isSureFromAfar ? "."
+                                          : ", but which way round is not sure. Look at it; if it is turned, give "
+                                            "landmarks and start from these."));
+    if (mirrored)
+        remarks.emplace_back("The target looks like the mirror image of the surface. If it is, mirror one of the two "
+                             "first: negate one coordinate, and turn its faces over.");
+    if (flat)
+        remarks.emplace_back("The target is flat, so it is no surface that a solid shape can lie on: all that is "
+                             "matched was pressed into one plane. Check that it is the right one.");
+    return remarks;
 }
 
 void Fitter::Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,

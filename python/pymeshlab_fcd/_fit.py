@@ -49,6 +49,12 @@ class FitInfo(PoseInfo):
     """Places of the target drew what is nearest, too: as asked, or as it fits better."""
     inside_out: bool
     """Its normals point to the other side than those of the target, which were taken turned over."""
+    contradicted: tuple[int, ...]
+    """Numbers of the landmarks that the others contradict, from 0; with a `landmark_tolerance`, they were left out."""
+    target_not_finite: int
+    """Vertices of the target with a coordinate that is not a finite number, which were left out, with the faces at them."""
+    from_afar: bool
+    """Surface and target did not overlap, and the surface was moved onto the target's middle first."""
 
 
 class Fitted(Pose):
@@ -68,7 +74,8 @@ class Fitted(Pose):
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
         told, found = self._told, dict(self._report)
-        del found["diagonal"], found["beyond"], found["alone"]
+        for name in ("diagonal", "beyond", "alone", "landmark_remarks", "target_remarks", "is_misplaced"):
+            del found[name]
         return FitInfo(nodes=told["nodes"], iterations=told["iterations"], converged=told["converged"], energy=math.nan,
                        folded=self._check()["folded"], strained=self._check()["strained"],
                        largest_stretch=float(self.stretch().max(initial=1)), seconds=told["seconds_solve"] + told["seconds_map"], **found)
@@ -85,18 +92,18 @@ class Fitted(Pose):
 
     def _words(self, folded: int) -> list[Told]:
         """What is not to be trusted, in words."""
-        told, found = self._report, list[Told]()
+        told = self._report
+        found: list[Told] = [(LandmarkWarning, text) for text in told["landmark_remarks"]]
+        found += [(MatchWarning, text) for text in told["target_remarks"]]
         if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
             found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay "
                                         "the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
         if folded > 0:
             found.append((FoldWarning, f"{triangles_turned(folded)}: the fit folds the surface there. Give landmarks, or raise stiffness."))
-        off = told["beyond"] > 1e-6 * told["diagonal"]
-        if off or told["landmark_pull"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
-            found.append((LandmarkWarning, "The landmarks contradict each other or the target, by "
-                                           f"{max(told['landmark_pull'], told['beyond']):g}. Look for pairs that are mixed up"
-                                           f"{'; where they are closer than patches, raise patches' if off else ''}."))
-        if not self._told["converged"]:
+        if told["landmark_pull"] > 0.01 * told["diagonal"] and not told["contradicted"]:  # 1 %: no hand misses so much
+            found.append((LandmarkWarning, f"The landmarks contradict each other or the target, by {told['landmark_pull']:g}. Look for pairs "
+                                           "that are mixed up."))
+        if not self._told["converged"] and not told["is_misplaced"]:
             found.append((NotAtRestWarning, "The fit did not come to rest: raise steps."))
         return found
 
@@ -123,7 +130,8 @@ class Fitter:
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
         scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
-        best. `as_they_lie`, the only one where something is fixed or a handle: not at all.
+        best. `as_they_lie`, the only one where something is fixed or a handle: not at all, or, where nothing of the two overlaps and there are
+        no landmarks, onto the target's middle (`FitInfo.from_afar`).
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
     largest_distance : float, default 0.0
@@ -137,7 +145,8 @@ class Fitter:
         where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and taken if nothing of
         it is left then and more of the surface has a counterpart.
     landmark_tolerance : float, default 0.0
-        So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact.
+        So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact, as far as the graph is fine enough. Above
+        0, pairs that the others contradict are left out (`FitInfo.contradicted`).
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -225,7 +234,8 @@ class Fitter:
         Parameters
         ----------
         target_vertices : array_like or mesh, optional
-            k x 3, or a mesh as of `vertices`. It is not changed. With `landmarks_only`, it is not looked at: None.
+            k x 3, or a mesh as of `vertices`. It is not changed. Vertices that are not finite are left out. With
+            `landmarks_only`, it is not looked at: None.
         target_faces : array_like, optional
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
@@ -246,16 +256,16 @@ class Fitter:
         TypeError
             Something is of another kind than what is asked for here.
         ValueError
-            It has another shape or is out of range, the target is empty, nothing of the surface has a counterpart there, landmarks are not
-            free or at one place, or the start does not go with them or with the tags.
+            It has another shape or is out of range, the target is empty, a point or a line, nothing of the surface has a counterpart there,
+            landmarks are not free or at one place, or the start does not go with them or with the tags.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is half done.
 
         Warns
         -----
         DeformationWarning
-            What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other, the fit did not come to
-            rest.
+            What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other or are too
+            dense for the graph, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
 
@@ -281,7 +291,10 @@ class Fitter:
         positions, corners = (np.zeros((0, 3)), None) if target is None else _meshes.surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
-        return {"vertices": _inputs.finite("target_vertices", positions), "faces": corners,
+        if normals is not None:  # those of points that are not finite do not count
+            normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
+            normals = np.where(np.isfinite(positions).all(1)[:, None], normals, 0.0)
+        return {"vertices": positions, "faces": corners,
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:

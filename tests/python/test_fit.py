@@ -105,6 +105,61 @@ def test_landmarks_that_contradict_each_other_are_warned_of(fitter):
     assert any("turned over: the fit folds the surface there" in text for text in texts) and all(each.filename == __file__ for each in caught)
 
 
+def test_pairs_that_the_others_contradict_are_named_and_left_out():
+    chosen = np.arange(5, len(VERTICES), 113)
+    places = TRUTH[chosen].copy()
+    places[[2, 6]] = places[[6, 2]]
+    with pytest.warns(DeformationWarning, match="Pairs 2 and 6 of the landmarks, counted from 0, .* mixed up or mistyped; with a landmark_tolerance"):
+        torn = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen, places), **QUICK)
+    with pytest.warns(DeformationWarning, match="Pairs 2 and 6 of the landmarks, counted from 0, .* were left out"):
+        whole = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen, places), landmark_tolerance=0.02, **QUICK)
+    assert torn.info.contradicted == whole.info.contradicted == (2, 6)
+    assert rms(whole.vertices, TRUTH) < 0.6 < 2 < rms(torn.vertices, TRUTH) and whole.info.landmark_residual < 0.02
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen, TRUTH[chosen]), **QUICK).info.contradicted == ()
+
+
+def test_more_landmarks_than_nodes_fling_nothing_away():
+    dense = np.arange(0, len(VERTICES), 4)
+    with pytest.warns(DeformationWarning, match="are not met, the worst by .*: the graph is too coarse for them. Begin with 900 patches or more"):
+        led = fit(VERTICES, FACES, None, landmarks=(dense, TRUTH[dense]), landmarks_only=True, **{**QUICK, "patches": 30})
+    assert np.linalg.norm(led.vertices - TRUTH, axis=1).max() < 0.03 * DIAGONAL and led.info.contradicted == ()
+
+
+def test_a_target_that_lies_elsewhere_or_is_another():
+    with pytest.warns(DeformationWarning, match="did not overlap: they were .* apart, so the surface was first moved onto the target's middle"):
+        far = fit(VERTICES, FACES, TARGET + [500, 0, -200], TARGET_FACES, **QUICK)
+    assert far.info.from_afar and rms(far.vertices, TRUTH + [500, 0, -200]) < 0.6
+    with pytest.warns(DeformationWarning) as caught:
+        fit(VERTICES, FACES, TARGET * 100, TARGET_FACES, **{**QUICK, "steps": 5})
+    texts = [str(each.message) for each in caught]
+    assert any("times larger than the surface. If the two have other units" in text for text in texts)
+    assert not any("raise steps" in text for text in texts), "which is no help then"
+    with pytest.warns(DeformationWarning, match="The target is flat, so it is no surface that a solid shape can lie on"):
+        fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
+
+
+def test_what_is_not_finite_is_left_out_of_the_target(fitter):
+    gaps = np.arange(len(TARGET)) % 3 == 1
+    holed, normals = TARGET.copy(), np.ones_like(TARGET)
+    holed[gaps], normals[gaps] = np.nan, np.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # so coarse a cloud
+        onto, clean = fitter.fit(holed), fitter.fit(TARGET[~gaps])
+        assert fitter.fit(holed, target_normals=normals).info.target_not_finite == gaps.sum()
+    assert onto.info.target_not_finite == gaps.sum() and clean.info.target_not_finite == 0
+    assert same(onto.vertices, clean.vertices)
+    carried = onto.map(holed)  # as in fitting
+    assert np.isnan(carried[gaps]).all() and same(carried[~gaps], onto.map(TARGET[~gaps]))
+
+
+def test_faces_count_once_and_look_to_one_side(laid):
+    for faces in (np.vstack([TARGET_FACES, TARGET_FACES[:, ::-1]]), np.where(np.arange(len(TARGET_FACES))[:, None] % 2, TARGET_FACES, TARGET_FACES[:, ::-1])):
+        other = fit(VERTICES, FACES, TARGET, faces, **QUICK)
+        assert rms(other.vertices, laid.vertices) < 0.02 and other.info.matched == laid.info.matched
+
+
 def test_fixed_vertices_keep_their_bits_and_handles_move_as_told():
     tags = np.where(VERTICES[:, 2] < 0.3, 0, np.where(VERTICES[:, 2] > LENGTH - 0.1, 2, 1))
     held = fit(VERTICES, FACES, TARGET, TARGET_FACES, tags=tags, transforms={2: Motion.translate([0.5, 0, 0])}, **QUICK)
@@ -209,7 +264,9 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
 @pytest.mark.parametrize("target, given, message", [
     (np.zeros((0, 3)), {}, "the target has no vertices"),
     (TARGET + 100, {"largest_distance": 1}, "nothing of the surface has a counterpart on the target"),
-    (TARGET * np.nan, {}, "target_vertices must be finite"),
+    (TARGET * np.nan, {}, "The target has no vertices whose coordinates are finite numbers"),
+    (TARGET[:1], {}, "All of the target lies at one point or on one line"),
+    (TARGET * [0, 0, 1], {}, "All of the target lies at one point or on one line"),
     (TARGET[:, :2], {}, "target_vertices must be n x 3"),
     (TARGET, {"target_faces": [[0, 1, 9999]]}, "target_faces must hold numbers of vertices"),
     (TARGET, {"target_faces": [[0, 1, 1]]}, "The target has no triangle with an area"),
@@ -234,6 +291,11 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
 def test_what_cannot_be_taken(target, given, message):
     with pytest.raises(ValueError, match=message):
         fit(VERTICES, FACES, target, **{**QUICK, **given})
+
+
+def test_what_has_no_solution():
+    with pytest.raises(RuntimeError, match="Take stiffness and smoothness nearer to their defaults"):
+        fit(VERTICES, FACES, TARGET, TARGET_FACES, stiffness=1e30, **QUICK)
 
 
 @pytest.mark.parametrize("landmarks", [[900], CHOSEN, {"a": 1}])

@@ -93,6 +93,13 @@ double Rms(const Fitted &fitted, const Shape &truth) {
     return Rms(fitted, truth, [](std::size_t) { return true; });
 }
 
+std::string Joined(const std::vector<std::string> &texts) {
+    std::string all;
+    for (const std::string &text : texts)
+        all += text + "\n";
+    return all;
+}
+
 template <class Run>
 void ExpectError(const Run &run, const std::string &text) {
     EXPECT_NE(MessageOf<BadInput>(run).find(text), std::string::npos) << text;
@@ -410,6 +417,235 @@ TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
     for (std::size_t i = 0; i < sheet.position.size(); ++i)
         most = std::max(most, (dirty.position.col(Eigen::Index(i)) - clean.position.col(Eigen::Index(i))).norm());
     EXPECT_LT(most / std::hypot(10, 6), 1.5e-3);
+}
+
+// As exporters of thin shells write them, and as tools leave them that turn some faces over: a face counts once, and
+// all look to one side.
+TEST(Fit, FacesCountOnceAndAllLookToOneSide) {
+    const auto turned = [](Shape shape, const auto &isTurned) {
+        for (std::size_t f = 0; f < shape.face.size(); ++f)
+            if (isTurned(f))
+                std::swap(shape.face[f][1], shape.face[f][2]);
+        return shape;
+    };
+    const auto twice = [](Shape shape, const Shape &other) {
+        shape.face.insert(shape.face.end(), other.face.begin(), other.face.end());
+        return shape;
+    };
+    const auto all = [](std::size_t) { return true; };
+    const auto some = [](std::size_t f) { return f % 3 == 0 || f % 7 == 1; };
+    const auto half = [](std::size_t f) { return f < 2000; };
+    FitParam param = Small();
+    param.fitSteps = 20;
+    const Fitted plain = Fit(source, target, param);
+    EXPECT_GT(plain.report.matched, 0.9);
+    for (const Shape &other : {twice(target, target), twice(target, turned(target, all)), turned(target, some),
+                               turned(target, half), turned(twice(target, target), some)}) {
+        const Fitted fitted = Fit(source, other, param);
+        EXPECT_LT((fitted.position - plain.position).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_EQ(fitted.report.matched, plain.report.matched);
+    }
+    for (const Shape &other : {twice(source, turned(source, all)), turned(source, some), turned(source, half)})
+        EXPECT_LT((Fit(other, target, param).position - plain.position).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(Fit, PlacesOfATargetStandForItsArea) {
+    Shape box; // 2 x 1 x 1, of 12 triangles
+    for (int i = 0; i < 8; ++i)
+        box.position.emplace_back(2 * (i & 1), i >> 1 & 1, i >> 2);
+    for (const auto &[a, b, c, d] :
+         {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+        box.face.push_back({a, b, c});
+        box.face.push_back({a, c, d});
+    }
+    const MeshD mesh(box);
+    const Arrays arrays = Read(mesh);
+    const FitTarget boxTarget(arrays.View(), {}, Eigen::Affine3d::Identity());
+    const std::vector<FitTarget::Match> places = boxTarget.Places(1000);
+    EXPECT_NEAR(double(places.size()), 1000, 1);
+    int top = 0, cells[2][2] = {};
+    for (const FitTarget::Match &each : places)
+        if (each.point[2] > 1 - 1e-9 && each.point[0] > 1e-9 && each.point[0] < 2 - 1e-9) {
+            ++top;
+            ++cells[each.point[0] > 1][each.point[1] > 0.5];
+        }
+    EXPECT_NEAR(top, 200, 10); // a fifth of the area
+    for (const auto &row : cells)
+        for (int count : row)
+            EXPECT_NEAR(count, 50, 12);
+}
+
+// As organised clouds of depth cameras have them.
+TEST(Fit, WhatIsNotFiniteIsLeftOutOfTheTarget) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    Shape holed = Points(target), clean = holed;
+    clean.position.clear();
+    for (std::size_t i = 0; i < holed.position.size(); ++i)
+        if (i % 3 == 1)
+            holed.position[i] =
+                i % 2 ? Vector3d(nan, nan, nan) : Vector3d(0, std::numeric_limits<double>::infinity(), 0);
+        else
+            clean.position.push_back(holed.position[i]);
+    FitParam param = Small();
+    param.fitSteps = 10;
+    const Fitted fitted = Fit(source, holed, param), expected = Fit(source, clean, param);
+    EXPECT_EQ(fitted.report.notFinite, holed.position.size() - clean.position.size());
+    EXPECT_TRUE(SameBits(fitted.position, expected.position));
+    Shape torn = target; // the faces at it are left out
+    torn.position[900][1] = nan;
+    const Fitted onto = Fit(source, torn, param);
+    EXPECT_EQ(onto.report.notFinite, 1u);
+    EXPECT_LT(Rms(onto, truth), 0.0063);
+    ExpectError([&] { Fit(source, Points(Shape{{{nan, 0, 0}}, {}, {}})); }, "finite numbers");
+}
+
+TEST(Fit, ATargetThatIsNoSurfaceIsRefusedOrTold) {
+    ExpectError([] { Fit(source, Points(Shape{{{1, 2, 3}}, {}, {}})); }, "one point or on one line");
+    ExpectError([] { Fit(source, Points(Shape{{{1, 2, 3}, {1, 2, 3}}, {}, {}})); }, "one point or on one line");
+    Shape line;
+    for (int i = 0; i < 100; ++i)
+        line.position.emplace_back(0.1 * i, 0.2 * i, 3 - 0.1 * i);
+    ExpectError([&] { Fit(source, line); }, "one point or on one line");
+    FitParam param = Small();
+    param.fitSteps = 10;
+    const Shape triangle{{{0, 0, 0}, {9, 0, 0}, {0, 5, 0}}, {{0, 1, 2}}, {}};
+    for (const Shape &flat : {Grid(12, 9), Points(Grid(12, 9)), triangle}) {
+        const Fitted fitted = Fit(source, flat, param);
+        EXPECT_TRUE(fitted.report.flat);
+        EXPECT_NE(Joined(fitted.report.Remarks()).find("target is flat"), std::string::npos);
+    }
+    EXPECT_FALSE(Fit(Grid(40, 25), Grid(12, 9), param).report.flat) << "so is the source";
+    EXPECT_EQ(Joined(Fit(source, target).report.Remarks()), "");
+}
+
+// As far apart as two coordinate systems are: it is moved there first. Where something is fixed, that is told.
+TEST(Fit, BeginsFromAfarByItself) {
+    const Eigen::Affine3d shift(Eigen::Translation3d(300, -20, 100)),
+        turn = shift * Eigen::AngleAxisd(1.6, Vector3d(1, 2, -1).normalized());
+    for (const Eigen::Affine3d &away : {shift, turn}) {
+        const Fitted fitted = Fit(source, Moved(target, away));
+        EXPECT_TRUE(fitted.report.fromAfar);
+        EXPECT_GT(fitted.report.apart, 200);
+        EXPECT_LT(Rms(fitted, Moved(truth, away)), 0.0063);
+        EXPECT_NE(Joined(fitted.report.Remarks()).find("did not overlap"), std::string::npos);
+    }
+    EXPECT_FALSE(Fit(source, target).report.fromAfar);
+    FitParam param = Small();
+    param.fitSteps = 5;
+    std::vector<int> tag(source.position.size(), 1);
+    tag[0] = 0;
+    const Fitted held = Fit(source, Moved(target, shift), param, tag);
+    EXPECT_FALSE(held.report.fromAfar);
+    EXPECT_NE(Joined(held.report.Remarks()).find("do not overlap"), std::string::npos);
+    param.largestDistance = 1; // then it is meant so
+    EXPECT_EQ(Fit(source, Moved(target, shift), param).report.matched, 0);
+}
+
+TEST(Fit, TellsOtherUnitsAndMirrorImages) {
+    FitParam param = Small();
+    param.fitSteps = 5;
+    for (double times : {1000.0, 25.4, 10.0, 0.001}) {
+        Shape other = target;
+        for (Vector3d &p : other.position)
+            p *= times;
+        const Fitted fitted = Fit(source, other, param);
+        EXPECT_TRUE(fitted.report.otherSize) << times;
+        EXPECT_NEAR(fitted.report.larger / times, 1, 0.1);
+        EXPECT_NE(Joined(fitted.report.Remarks()).find(times > 1 ? "larger" : "smaller"), std::string::npos);
+    }
+    Shape hand = source, mirrored;
+    for (Vector3d &p : hand.position) // no mirror image is like it
+        p[2] += 0.02 * p[0] * p[0] * (p[1] - 3) + 0.1 * (p[1] - 3) * (p[1] - 3);
+    mirrored = hand;
+    for (Vector3d &p : mirrored.position)
+        p[1] = 6 - p[1];
+    for (auto &face : mirrored.face)
+        std::swap(face[1], face[2]);
+    EXPECT_TRUE(Fit(hand, mirrored, param).report.mirrored);
+    EXPECT_FALSE(Fit(hand, hand, param).report.mirrored);
+    EXPECT_FALSE(Fit(source, target, param).report.mirrored);
+}
+
+/// Pairs of places all over a sheet and of where they belong when it is rolled.
+std::vector<Landmark> PairsOf(const Shape &shape, std::size_t count) {
+    std::vector<Landmark> landmark;
+    for (std::size_t l = 0; l < count; ++l) {
+        const std::size_t i = (l * 617 + 31) % shape.position.size();
+        landmark.push_back({i, Rolled(shape.position[i])});
+    }
+    return landmark;
+}
+
+// More of them than the graph has nodes: they come as near as it can take them, and none is flung away.
+TEST(Fit, ManyLandmarksAreMetAsNearlyAsTheGraphCan) {
+    FitParam param = FitParam(Small()).LandmarksAlone();
+    param.graph.initialPatches = 40;
+    const auto follow = [&](const std::vector<Landmark> &landmark) {
+        const MeshD mesh(source);
+        const Arrays arrays = Read(mesh);
+        Handles handles;
+        handles.tag.assign(source.position.size(), 1);
+        const Fitter fitter(arrays.View(), {}, handles, param);
+        Fitted fitted{arrays.View().Copy(), {}};
+        Carrier(fitter.Surface(), fitter.Follow(landmark, fitted.report)).Apply(fitted.position);
+        return fitted;
+    };
+    const std::vector<Landmark> dense = PairsOf(source, 500);
+    const Fitted coarse = follow(dense);
+    EXPECT_LT(Rms(coarse, truth), 0.005);
+    EXPECT_GT(coarse.report.unmet, 0u);
+    EXPECT_NE(Joined(coarse.report.Remarks()).find("too coarse"), std::string::npos);
+    EXPECT_TRUE(coarse.report.contradicted.empty());
+    EXPECT_LT(coarse.report.pull, 1);
+    param.graph.initialPatches = 900;
+    const Fitted fine = follow(dense);
+    EXPECT_EQ(fine.report.unmet, 0u);
+    EXPECT_LT(fine.report.landmarks, 1e-4);
+}
+
+TEST(Fit, PairsThatTheOthersContradictAreNamedAndLeftOut) {
+    for (std::size_t count : {11u, 50u}) {
+        std::vector<Landmark> landmark = PairsOf(source, count), swapped = landmark, displaced = landmark;
+        std::swap(swapped[3].target, swapped[count - 2].target);
+        displaced[5].target += Vector3d(1.5, 1, -1.5);
+        FitParam param = Small();
+        param.fitSteps = 25;
+        EXPECT_TRUE(Fit(source, target, param, {}, landmark).report.contradicted.empty());
+        for (const auto &[given, wrong] : {std::pair(swapped, std::vector<std::size_t>{3, count - 2}),
+                                           std::pair(displaced, std::vector<std::size_t>{5})}) {
+            param.landmarkTolerance = 0;
+            const Fitted exact = Fit(source, target, param, {}, given);
+            EXPECT_EQ(exact.report.contradicted, wrong) << count;
+            EXPECT_TRUE(exact.report.landmarks < 1e-4 || exact.report.unmet > 0) << "they are exact, as asked for";
+            EXPECT_LT((exact.position - PositionsOf(MeshD(truth))).colwise().norm().maxCoeff(), 12) << "all of it";
+            EXPECT_NE(Joined(exact.report.Remarks()).find("landmark_tolerance"), std::string::npos);
+            param.landmarkTolerance = 0.05;
+            const Fitted without = Fit(source, target, param, {}, given);
+            EXPECT_EQ(without.report.contradicted, wrong) << count;
+            EXPECT_TRUE(without.report.leftOut);
+            EXPECT_LE(without.report.landmarks, 0.05);
+            EXPECT_LT(Rms(without, truth), 0.0063);
+            EXPECT_NE(Joined(without.report.Remarks()).find("left out"), std::string::npos);
+        }
+    }
+}
+
+// The end of an arm that is turned far, whose pair alone leads it there: the target bears it out.
+TEST(Fit, APairThatLeadsALimbIsNotContradicted) {
+    const Shape arms = Armed(70, 120, 0), turned = Armed(70, 120, 60);
+    std::vector<Landmark> landmark;
+    std::size_t tip = 0;
+    for (std::size_t i = 0; i < arms.position.size(); ++i)
+        if (arms.position[i][0] > arms.position[tip][0])
+            tip = i;
+    landmark.push_back({tip, turned.position[tip]});
+    for (std::size_t i : {1000u, 2500u, 4000u, 5500u, 6500u, 7500u, 8200u, 1800u, 3300u})
+        landmark.push_back({i, turned.position[i]});
+    FitParam param = Small();
+    param.landmarkTolerance = 0.02;
+    const Fitted fitted = Fit(arms, Armed(61, 101, 60), param, {}, landmark);
+    EXPECT_TRUE(fitted.report.contradicted.empty());
+    EXPECT_LE(fitted.report.landmarks, 0.02);
 }
 
 TEST(Fit, TargetTellsItsBorderAndItsNormals) {

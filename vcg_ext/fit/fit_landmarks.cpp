@@ -2,6 +2,7 @@
 #include <vcg_ext/fit/fit_landmarks.h>
 
 #include <Eigen/QR>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 
@@ -39,6 +40,13 @@ Eigen::MatrixXd LeastMoves(const Eigen::SparseMatrix<double> &weight, const Eige
 
 } // namespace
 
+Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x) {
+    const Eigen::Vector3d off = x - place;
+    const double far = off.norm();
+    const double inside = 0.999 * tolerance; // what rounding leaves is within, too
+    return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
+}
+
 double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                 const std::vector<char> &isFree, GraphPose &pose, const Progress &progress) {
     if (place.empty())
@@ -73,6 +81,33 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
         largest = std::max(largest, move.rowwise().norm().maxCoeff());
     }
     return largest;
+}
+
+double MoveTowards(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
+                   const std::vector<char> &isFree, GraphPose &pose) {
+    // Iterated regularisation (Tikhonov 1963, King 1979): what nodes tell apart comes nearer by ten times or more in
+    // each round, as the squares of a sample's weights sum to a tenth or so; what they do not, hardly.
+    constexpr double damping = 1e-2;
+    constexpr int rounds = 12;
+    const Eigen::Index n = Eigen::Index(place.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t l = 0; l < place.size(); ++l)
+        for (std::uint32_t t = samples.begin[first + l]; t < samples.begin[first + l + 1]; ++t)
+            if (isFree[std::size_t(samples.term[t].node)])
+                entries.emplace_back(Eigen::Index(l), samples.term[t].node, samples.term[t].weight);
+    Eigen::SparseMatrix<double> weight(n, Eigen::Index(isFree.size())), square(n, n);
+    weight.setFromTriplets(entries.begin(), entries.end());
+    square.setIdentity();
+    square = Eigen::SparseMatrix<double>(weight * weight.transpose()) + damping * square;
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(square);
+    const Eigen::Matrix3Xd before = pose.position;
+    for (int round = 0; round < rounds; ++round) {
+        Eigen::MatrixXd off(n, 3);
+        for (std::size_t l = 0; l < place.size(); ++l)
+            off.row(Eigen::Index(l)) = (place[l] - samples.At(first + l, pose)).transpose();
+        pose.position += (weight.transpose() * solver.solve(off)).transpose();
+    }
+    return (pose.position - before).colwise().norm().maxCoeff();
 }
 
 } // namespace fcd

@@ -11,6 +11,9 @@
 namespace vcg {
 namespace fcd {
 
+/// The place nearest to \p x that is no farther from \p place than that.
+Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x);
+
 /// Moves the free nodes of a graph, all together by as little as possible (least squares), so that some samples are
 /// where they belong. The surface follows as smoothly as it follows the nodes.
 /// \param first the number of the first of these samples; they are those from there on
@@ -18,6 +21,11 @@ namespace fcd {
 /// \return the largest move of a node, frame units \throw Cancelled
 double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                 const std::vector<char> &isFree, GraphPose &pose, const Progress &progress = {});
+
+/// The same where the nodes cannot take all samples there, or only by far more than these are off, as where there are
+/// more samples than nodes around them: they come as near as the nodes can take them by moves of that size.
+double MoveTowards(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
+                   const std::vector<char> &isFree, GraphPose &pose);
 
 } // namespace fcd
 } // namespace vcg

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit/fit_samples.h>
+#include <vcg_ext/fit/one_sided.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace vcg {
 namespace fcd {
@@ -35,6 +37,17 @@ void FitSamples::Shrink(std::size_t size) {
     fixed.resize(size);
     normal.resize(size);
     surfaceNode.resize(size);
+}
+
+FitSamples FitSamples::From(std::size_t first) const {
+    FitSamples rest;
+    rest.term.assign(term.begin() + begin[first], term.end());
+    for (std::size_t s = first; s < Size(); ++s)
+        rest.begin.push_back(begin[s + 1] - begin[first]);
+    rest.fixed.assign(fixed.begin() + std::ptrdiff_t(first), fixed.end());
+    rest.surfaceNode.assign(surfaceNode.begin() + std::ptrdiff_t(first), surfaceNode.end());
+    rest.normal.assign(Size() - first, Eigen::Vector3d::Zero());
+    return rest;
 }
 
 Eigen::Vector3d FitSamples::At(std::size_t s, const GraphPose &pose) const {
@@ -90,22 +103,23 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
             if (const Index u = surface.nodeOf[i]; u >= 0 && number[std::size_t(u)] >= 0)
                 sum[std::size_t(number[std::size_t(u)])] = turn * normal(i);
     }
+    std::vector<Corners> triangle;
     for (std::size_t f = 0; f < mesh.faces; ++f) {
         if (!mesh.IsFace(f))
             continue;
-        Index u[3];
-        bool isSampled = false;
-        for (int k = 0; k < 3; ++k) {
-            u[k] = surface.nodeOf[mesh.corner[3 * f + std::size_t(k)]];
-            isSampled = isSampled || (u[k] >= 0 && number[std::size_t(u[k])] >= 0);
-        }
-        if (!isSampled || u[0] < 0 || u[1] < 0 || u[2] < 0)
-            continue;
-        const auto at = [&](int k) { return surface.graph.position.col(u[k]).cast<double>(); };
-        const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p, across = a.cross(b);
-        for (Index each : u)
+        Corners c;
+        for (std::size_t k = 0; k < 3; ++k)
+            c[k] = surface.nodeOf[mesh.corner[3 * f + k]];
+        if (std::min({c[0], c[1], c[2]}) >= 0 && c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
+            triangle.push_back(c);
+    }
+    const Eigen::Matrix3Xd position = surface.graph.position.cast<double>();
+    MakeOneSided(position, triangle);
+    for (const Corners &c : triangle) {
+        const Eigen::Vector3d p = position.col(c[0]), a = position.col(c[1]) - p, b = position.col(c[2]) - p;
+        for (Index each : c)
             if (const Index i = number[std::size_t(each)]; i >= 0)
-                sum[std::size_t(i)] += across;
+                sum[std::size_t(i)] += a.cross(b);
     }
     for (Eigen::Vector3d &n : sum) {
         const double length = n.stableNorm();

@@ -30,6 +30,8 @@ struct FitSamples {
     std::size_t Size() const { return surfaceNode.size(); }
     /// Leaves the first \p size of them.
     void Shrink(std::size_t size);
+    /// Those from number \p first on.
+    FitSamples From(std::size_t first) const;
 
     /// \param pose gives the motions of what is held
     void Add(const Deformer &deformer, const Deformer::Pose &pose, Index node);

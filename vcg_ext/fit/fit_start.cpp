@@ -38,18 +38,57 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
                    "landmarks, or start from where the layers lie.");
 }
 
-Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
-                              const FitTarget &target, unsigned threads) {
-    Moments own;
-    for (const Eigen::Vector3d &p : points)
-        own.Add(p, 1);
-    const Moments &its = target.Spread();
-    const Eigen::Matrix3d axes = own.Axes(), targetAxes = its.Axes();
-    Eigen::Affine3d best = Eigen::Affine3d::Identity();
-    double least = std::numeric_limits<double>::infinity();
-    std::vector<double> far[2]; // with the target's normals as they are, and turned over
+namespace {
+
+// Another turn must fit so much better than none, or than a second one, to be told from it: half of what two surfaces
+// are apart after a start is how they are bent.
+constexpr double better = 0.8;
+// A mirror image fits so much better: what is left is how it is bent, and not that it is mirrored, too.
+constexpr double farBetter = 0.5;
+constexpr double apart = 0.01;   // of the diagonal: nearer than this, mirror images are alike
+constexpr std::size_t few = 200; // places that tell it
+
+/// How far points, moved, are from a target: the sum over the nearest four fifths. A side that looks the other way is
+/// no counterpart: as if it were so much farther; the target's normals are taken as they are, or turned over.
+double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+              const Eigen::Affine3d &motion, const FitTarget &target, unsigned threads) {
+    std::vector<double> far[2];
     for (std::vector<double> &each : far)
         each.resize(points.size());
+    ParallelFor(threads, points.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+            const Eigen::Vector3d p = motion * points[s];
+            const FitTarget::Match match = target.Nearest(p);
+            const double cosine = normal.empty() ? 0 : match.normal.dot(motion.linear() * normal[s]);
+            for (int side = 0; side < 2; ++side)
+                far[side][s] =
+                    (p - match.point).norm() * (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? 3 : 1);
+        }
+    });
+    double least = std::numeric_limits<double>::infinity();
+    for (std::vector<double> &each : far) {
+        std::sort(each.begin(), each.end());
+        double sum = 0;
+        for (std::size_t s = 0; s < 4 * each.size() / 5; ++s)
+            sum += each[s];
+        least = std::min(least, sum);
+    }
+    return least;
+}
+
+Moments MomentsOf(const std::vector<Eigen::Vector3d> &points) {
+    Moments moments;
+    for (const Eigen::Vector3d &p : points)
+        moments.Add(p, 1);
+    return moments;
+}
+
+/// The 24 ways to take middle and axes of points onto those of the target, or the 24 in which they are mirrored.
+std::vector<Eigen::Affine3d> OntoAxes(const std::vector<Eigen::Vector3d> &points, const FitTarget &target,
+                                      bool mirrored) {
+    const Moments own = MomentsOf(points), &its = target.Spread();
+    const Eigen::Matrix3d axes = own.Axes(), targetAxes = its.Axes();
+    std::vector<Eigen::Affine3d> motions;
     int order[3] = {0, 1, 2};
     do {
         for (int signs = 0; signs < 8; ++signs) {
@@ -57,34 +96,82 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
             for (int d = 0; d < 3; ++d)
                 to.col(d) = (signs >> d & 1 ? -1 : 1) * targetAxes.col(order[d]);
             const Eigen::Matrix3d turn = to * axes.transpose();
-            if (turn.determinant() < 0)
+            if ((turn.determinant() < 0) != mirrored)
                 continue;
             Eigen::Affine3d motion(turn);
             motion.translation() = its.Middle() - turn * own.Middle();
-            ParallelFor(threads, points.size(), 64, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t s = begin; s < end; ++s) {
-                    const Eigen::Vector3d p = motion * points[s];
-                    const FitTarget::Match match = target.Nearest(p);
-                    const double cosine = match.normal.dot(turn * normal[s]);
-                    // A side that looks the other way is no counterpart: as if it were so much farther.
-                    for (int side = 0; side < 2; ++side)
-                        far[side][s] = (p - match.point).norm() *
-                                       (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? 3 : 1);
-                }
-            });
-            for (std::vector<double> &each : far) {
-                std::sort(each.begin(), each.end());
-                double sum = 0;
-                for (std::size_t s = 0; s < 4 * each.size() / 5; ++s)
-                    sum += each[s];
-                if (sum < least) {
-                    least = sum;
-                    best = motion;
-                }
-            }
+            motions.push_back(motion);
         }
     } while (std::next_permutation(order, order + 3));
+    return motions;
+}
+
+} // namespace
+
+Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+                              const FitTarget &target, unsigned threads) {
+    Eigen::Affine3d best = Eigen::Affine3d::Identity();
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Affine3d &motion : OntoAxes(points, target, false))
+        if (const double misfit = Misfit(points, normal, motion, target, threads); misfit < least) {
+            least = misfit;
+            best = motion;
+        }
     return best;
+}
+
+Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+                              const FitTarget &target, unsigned threads, bool &isSure) {
+    const Eigen::Affine3d shift(Eigen::Translation3d(target.Spread().Middle() - MomentsOf(points).Middle()));
+    const double unturned = Misfit(points, normal, shift, target, threads);
+    Eigen::Affine3d best = shift;
+    double least = unturned, second = std::numeric_limits<double>::infinity();
+    for (const Eigen::Affine3d &motion : OntoAxes(points, target, false)) {
+        const double misfit = Misfit(points, normal, motion, target, threads);
+        second = std::min(second, std::max(misfit, least));
+        if (misfit < least) {
+            least = misfit;
+            best = motion;
+        }
+    }
+    isSure = least > better * unturned || least < better * second;
+    return least > better * unturned ? shift : best;
+}
+
+FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
+    FitPlacement placement;
+    if (points.empty())
+        return placement;
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d &p : points)
+        box.extend(p);
+    placement.apart = box.exteriorDistance(target.Box());
+    const Moments own = MomentsOf(points);
+    placement.larger = target.Spread().Radius() / std::max(own.Radius(), 1e-12);
+    const Eigen::Matrix3d axes = own.Axes();
+    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d &p : points)
+        squares += (axes.transpose() * (p - own.Middle())).cwiseAbs2();
+    placement.flatness = std::sqrt(squares[0] / std::max(squares[2], 1e-300));
+
+    std::vector<Eigen::Vector3d> some;
+    std::vector<double> far;
+    for (std::size_t i = 0; i < points.size(); i += 1 + (points.size() - 1) / few) {
+        some.push_back(points[i]);
+        far.push_back((points[i] - target.Nearest(points[i]).point).norm());
+    }
+    std::nth_element(far.begin(), far.begin() + std::ptrdiff_t(far.size() / 2), far.end());
+    placement.median = far[far.size() / 2];
+    const auto least = [&](bool mirrored) {
+        double misfit = std::numeric_limits<double>::infinity();
+        for (const Eigen::Affine3d &motion : OntoAxes(some, target, mirrored))
+            misfit = std::min(misfit, Misfit(some, {}, motion, target, threads));
+        return misfit / (0.8 * double(some.size()));
+    };
+    const double turned = std::min(least(false), Misfit(some, {}, Eigen::Affine3d::Identity(), target, threads) /
+                                                     (0.8 * double(some.size())));
+    placement.mirrored = turned > apart && least(true) < farBetter * turned;
+    return placement;
 }
 
 } // namespace fcd

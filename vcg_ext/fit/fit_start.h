@@ -25,6 +25,22 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
 Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                               const FitTarget &target, unsigned threads);
 
+/// The motion that brings points to a target that they lie far from: middle onto middle, and turned as of StartFromAxes
+/// only where that fits better by far. \param isSure out: false where another turn fits nearly as well
+Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+                              const FitTarget &target, unsigned threads, bool &isSure);
+
+/// How points lie to a target.
+struct FitPlacement {
+    double apart = 0;    ///< between their boxes, frame units
+    double median = 0;   ///< distance of the points from the target, frame units
+    double larger = 1;   ///< the target's radius over that of the points
+    double flatness = 0; ///< of the points: across their plane, of how far along
+    bool mirrored =
+        false; ///< the target is the mirror image: mirrored, the points fit far better than in any way turned
+};
+FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
+
 } // namespace fcd
 } // namespace vcg
 

@@ -158,11 +158,28 @@ Eigen::VectorXd FitSystem::Solve(const Eigen::VectorXd &right) {
             rz = next;
         }
     }
-    factor.factorize(matrix);
-    isFactored = factor.info() == Eigen::Success;
-    if (!isFactored)
-        throw Unsolvable("The fit has no solution in numbers. Raise the stiffness, or check the target for strays.");
+    Factorize();
     return factor.solve(right);
+}
+
+void FitSystem::Factorize() {
+    factor.factorize(matrix);
+    isNew = isFactored = factor.info() == Eigen::Success;
+    if (!isFactored)
+        throw Unsolvable("The fit has no solution in numbers. Take stiffness and smoothness nearer to their defaults, "
+                         "or check the target for strays.");
+}
+
+Eigen::Matrix3d FitSystem::Compliance(std::size_t sample) {
+    if (!isNew)
+        Factorize();
+    Eigen::MatrixXd force = Eigen::MatrixXd::Zero(matrix.rows(), 3);
+    for (std::uint32_t t = samples.begin[sample]; t < samples.begin[sample + 1]; ++t)
+        if (const Index a = unknown[std::size_t(samples.term[t].node)]; a >= 0) {
+            force.middleRows<3>(Eigen::Index(6 * a)) += samples.term[t].weight * detail::CrossMatrix(arm[t]);
+            force.middleRows<3>(Eigen::Index(6 * a) + 3) += samples.term[t].weight * Eigen::Matrix3d::Identity();
+        }
+    return force.transpose() * factor.solve(force);
 }
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, const std::vector<Pull> &pull,
@@ -196,6 +213,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, 
         Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, deformer.graph.Size());
     if (node.empty())
         return step;
+    isNew = false;
     const Eigen::VectorXd x = Solve(-gradient);
     for (std::size_t a = 0; a < node.size(); ++a)
         step.col(node[a]) = x.segment<6>(Eigen::Index(6 * a));

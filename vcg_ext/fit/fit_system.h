@@ -34,7 +34,12 @@ class FitSystem {
     Eigen::Matrix<double, 6, Eigen::Dynamic> Step(const GraphPose &pose, const std::vector<Pull> &pull,
                                                   const std::vector<double> &stiffness, unsigned threads = 0);
 
+    /// How a sample answers what draws it, where the last step was made: its move by a force of 1 in each direction.
+    /// \pre Step was called \throw Unsolvable
+    Eigen::Matrix3d Compliance(std::size_t sample);
+
   private:
+    void Factorize();
     void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                     std::vector<Matrix6> &block, Vector6 &gradient) const;
     void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
@@ -54,7 +59,7 @@ class FitSystem {
     std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose
     Eigen::SparseMatrix<double> matrix; ///< the lower half
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
-    bool isFactored = false;
+    bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
 };
 
 } // namespace fcd

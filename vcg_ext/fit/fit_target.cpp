@@ -5,8 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstdint>
+#include <string>
 
 namespace vcg {
 namespace fcd {
@@ -16,24 +17,68 @@ Eigen::Matrix3d Moments::Axes() const {
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second / sum - middle * middle.transpose()).eigenvectors();
 }
 
+double Moments::Radius() const { return std::sqrt(std::max((second / sum).trace() - Middle().squaredNorm(), 0.0)); }
+
+namespace {
+
+/// A surface without the vertices that are not finite, and without the faces at them.
+class FinitePart {
+  public:
+    explicit FinitePart(const SurfaceView &all) : view(all) {
+        for (std::size_t i = 0; i < all.vertexSlots; ++i)
+            if (!all.IsDeleted(i) && !all.At(i).allFinite()) {
+                if (deleted.empty())
+                    for (std::size_t k = 0; k < all.vertexSlots; ++k)
+                        deleted.push_back(all.IsDeleted(k));
+                deleted[i] = 1;
+                ++leftOut;
+            }
+        if (leftOut == 0)
+            return;
+        corner.assign(all.corner, all.corner + 3 * all.faces);
+        for (std::size_t f = 0; f < all.faces; ++f)
+            if (all.IsFace(f) && (deleted[corner[3 * f]] || deleted[corner[3 * f + 1]] || deleted[corner[3 * f + 2]]))
+                corner[3 * f] = SurfaceView::none;
+        view.deleted = deleted.data();
+        view.corner = corner.data();
+        view.edges = 0; // which no fit looks at
+    }
+
+    SurfaceView view; ///< refers to this object
+    std::size_t leftOut = 0;
+
+  private:
+    std::vector<char> deleted;
+    std::vector<std::uint32_t> corner;
+};
+
+} // namespace
+
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
                      const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead)
     : isCloud(target.isCloud) {
-    std::vector<std::array<Index, 3>> triangle;
-    if (isCloud)
-        ReadPoints(target, normalOf, toFrame);
-    else
-        triangle = ReadTriangles(target, toFrame, progress);
+    std::vector<Corners> triangle;
+    {
+        const FinitePart part(target);
+        leftOut = part.leftOut;
+        if (isCloud)
+            ReadPoints(part.view, normalOf, toFrame);
+        else
+            triangle = ReadTriangles(part.view, toFrame, progress);
+    }
     if (isRead)
         isRead();
     place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.Slice(0.7, 1));
     if (!isCloud)
         LookAround(); // only now: while a tree is built, it takes the most
+    for (std::size_t i = 0; i < flags.size(); ++i)
+        if (flags[i] != 0)
+            box.extend(position.col(Eigen::Index(i)));
 }
 
 /// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
-std::vector<std::array<Index, 3>> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
-                                                           const Progress &progress) {
+std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
+                                              const Progress &progress) {
     SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
     const Index n = surface.graph.Size();
     const std::vector<Index> nodeOf = std::move(surface.nodeOf);
@@ -42,12 +87,12 @@ std::vector<std::array<Index, 3>> FitTarget::ReadTriangles(const SurfaceView &ta
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (nodeOf[i] >= 0)
             position.col(nodeOf[i]) = toFrame * target.At(i);
-    std::vector<std::array<Index, 3>> triangle;
+    std::vector<Corners> triangle;
     triangle.reserve(target.faces);
     for (std::size_t f = 0; f < target.faces; ++f) {
         if (!target.IsFace(f))
             continue;
-        std::array<Index, 3> c;
+        Corners c;
         for (std::size_t k = 0; k < 3; ++k)
             c[k] = nodeOf[target.corner[3 * f + k]];
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
@@ -58,6 +103,7 @@ std::vector<std::array<Index, 3>> FitTarget::ReadTriangles(const SurfaceView &ta
     }
     if (triangle.empty())
         throw BadInput("The target has no triangle with an area.");
+    MakeOneSided(position, triangle);
     return triangle;
 }
 
@@ -69,7 +115,7 @@ void FitTarget::LookAround() {
     // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
     std::vector<std::uint64_t> once(n, 0);
     const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
-    for (const std::array<Index, 3> &c : place->Triangles()) {
+    for (const Corners &c : place->Triangles()) {
         const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
                               across = one.cross(other);
         moments.Add(p + (one + other) / 3, across.norm());
@@ -96,21 +142,75 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
     const Eigen::Matrix3d turn = toFrame.linear().inverse().transpose();
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (!target.IsDeleted(i)) {
-            if (!target.At(i).allFinite())
-                throw detail::NotFinite(i);
             flags[i] = inside;
             ++points;
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
-            if (normalOf)
-                normal.col(Eigen::Index(i)) = (turn * normalOf(i)).stableNormalized().cast<float>();
+            if (const Eigen::Vector3d its = normalOf ? Eigen::Vector3d(turn * normalOf(i)) : Eigen::Vector3d::Zero();
+                normalOf && its.allFinite())
+                normal.col(Eigen::Index(i)) = its.stableNormalized().cast<float>();
             moments.Add(position.col(Eigen::Index(i)), 1);
         }
     if (points == 0)
-        throw BadInput("The target has no vertices.");
+        throw BadInput("The target has no vertices" +
+                       std::string(leftOut > 0 ? " whose coordinates are finite numbers." : "."));
+}
+
+FitTarget::Shape FitTarget::Spans() const {
+    // About the middle of the box, or rounding hides what is thin.
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double count = 0;
+    const auto forAll = [&](const auto &visit) {
+        for (std::size_t i = 0; i < flags.size(); ++i)
+            if (flags[i] != 0)
+                visit(Eigen::Vector3d(position.col(Eigen::Index(i)) - box.center()));
+    };
+    forAll([&](const Eigen::Vector3d &p) {
+        mean += p;
+        ++count;
+    });
+    mean /= count;
+    forAll([&](const Eigen::Vector3d &p) { second += (p - mean) * (p - mean).transpose(); });
+    const Eigen::Vector3d squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvalues().cwiseMax(0);
+    Shape shape;
+    if (std::sqrt(squared[2] / count) > 1e-12 * (box.center().norm() + 1)) { // more than what rounding leaves
+        shape.acrossLine = std::sqrt(squared[1] / squared[2]);
+        shape.acrossPlane = std::sqrt(squared[0] / squared[2]);
+    }
+    return shape;
 }
 
 std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
     std::vector<Match> places;
+    if (!isCloud) {
+        const auto area = [&](const Corners &c) {
+            const Eigen::Vector3d p = position.col(c[0]);
+            return (position.col(c[1]) - p).cross(position.col(c[2]) - p).norm();
+        };
+        double all = 0, passed = 0;
+        for (const Corners &c : place->Triangles())
+            all += area(c);
+        for (const Corners &c : place->Triangles()) {
+            const double its = area(c);
+            passed += its;
+            while (passed * double(wanted) >= (double(places.size()) + 0.5) * all) { // that much area has been passed
+                const std::size_t k = places.size();
+                double u = k % 3 == 1, v = k % 3 == 2; // of a small triangle a corner, so that borders have places
+                if (its * double(wanted) > all) { // of a large one where the plastic number's sequence leads: evenly
+                    double whole;
+                    u = std::modf(0.5 + 0.7548776662466927 * double(k), &whole);
+                    v = std::modf(0.5 + 0.5698402909980532 * double(k), &whole);
+                    if (u + v > 1) {
+                        u = 1 - u;
+                        v = 1 - v;
+                    }
+                }
+                const Eigen::Vector3d p = position.col(c[0]);
+                places.push_back(Nearest(p + u * (position.col(c[1]) - p) + v * (position.col(c[2]) - p)));
+            }
+        }
+        return places;
+    }
     const std::size_t all = flags.size() - std::size_t(std::count(flags.begin(), flags.end(), char(0))),
                       stride = 1 + (all - 1) / std::max<std::size_t>(wanted, 1);
     std::size_t before = stride - stride / 2; // one comes where it is a multiple of the stride

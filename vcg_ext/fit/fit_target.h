@@ -4,10 +4,12 @@
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
+#include <vcg_ext/fit/one_sided.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -25,6 +27,7 @@ class Moments {
     }
     Eigen::Vector3d Middle() const { return first / sum; }
     Eigen::Matrix3d Axes() const; ///< columns, from the shortest to the longest; of length 1
+    double Radius() const;        ///< root mean square distance from the middle
 
   private:
     double sum = 0;
@@ -47,7 +50,7 @@ class FitTarget {
     /// \param normal of points, any length; may be empty, or 0 for some
     /// \param toFrame from mesh units of the target to the frame that all is computed in
     /// \param isRead called as soon as nothing of \p target is needed any more; may be empty
-    /// \throw BadInput no vertices, or a coordinate that is not finite \throw Cancelled
+    /// What is not finite is left out, with the triangles at it. \throw BadInput nothing is left \throw Cancelled
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
               const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {});
 
@@ -58,13 +61,21 @@ class FitTarget {
         return Nearest(p, none);
     }
     const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
+    /// Its box, frame units.
+    const Eigen::AlignedBox3d &Box() const { return box; }
+    /// How far it spreads across its line and across its plane, of how far along, [0, 1]; 0, 0 for a point.
+    struct Shape {
+        double acrossLine = 0, acrossPlane = 0;
+    };
+    Shape Spans() const;
+    std::size_t LeftOut() const { return leftOut; } ///< vertices with a coordinate that is not finite
 
-    /// Some of its vertices, about so many, evenly among all.
+    /// Some places of it, about so many, that stand for the same area each; or some of its points, evenly among all.
     std::vector<Match> Places(std::size_t wanted) const;
 
   private:
-    std::vector<std::array<Index, 3>> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
-                                                    const Progress &progress);
+    std::vector<Corners> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
+                                       const Progress &progress);
     void LookAround();
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
                     const Eigen::Affine3d &toFrame);
@@ -77,6 +88,8 @@ class FitTarget {
     Eigen::Matrix3Xf normal;   // of each, of length 1 or 0; 0 columns where there are none
     std::vector<char> flags;   // of each: 0 where there is none; border only of nodes of triangles
     bool isCloud = false;
+    std::size_t leftOut = 0;
+    Eigen::AlignedBox3d box;
     std::unique_ptr<NearestPlace> place;
     Moments moments;
 };

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/rotation_vector.h>
+#include <vcg_ext/fit/fit_contradictions.h>
+#include <vcg_ext/fit/fit_matches.h>
+#include <vcg_ext/fit/fit_system.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace vcg {
+namespace fcd {
+
+namespace {
+
+constexpr double stiffness = 1e-2;            // as a fit begins: what contradicts the others is hardly followed
+constexpr int firstSteps = 12, nextSteps = 4; // until it is at rest; each time that one is left out
+constexpr std::size_t fewest = 5;             // of fewer, each lies at an end, and may be where the surface has bent to
+constexpr std::size_t looks = 64;             // of many, so many of the worst are looked at, and as many of all
+// So many times the strain of nine tenths of the rest. Of those that belong together, the worst of tubes, plates and
+// balls that were bent, twisted, rolled and sheared, and of one ball to another, has up to 3 times.
+constexpr double mostStrain = 4;
+
+class Judge {
+  public:
+    Judge(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &marks,
+          const std::vector<Eigen::Vector3d> &place, double tolerance, double smoothness, GraphPose pose)
+        : isIn(place.size(), 1), deformer(deformer), marks(marks), place(place), tolerance(tolerance),
+          weight(10 / double(place.size())), pose(std::move(pose)), system(deformer, isFree, marks, smoothness),
+          stiff(isFree.size(), stiffness), pull(place.size()) {}
+
+    std::vector<char> isIn; // whether the surface follows it
+
+    double Off(std::size_t l) const { return (marks.At(l, pose) - place[l]).norm(); }
+
+    void Follow(int steps, unsigned threads) {
+        for (int step = 0; step < steps; ++step) {
+            for (std::size_t l = 0; l < place.size(); ++l) {
+                pull[l] = {};
+                if (isIn[l]) {
+                    pull[l].form = weight * Eigen::Matrix3d::Identity();
+                    pull[l].gradient = weight * (marks.At(l, pose) - place[l]);
+                }
+            }
+            const auto change = system.Step(pose, pull, stiff, threads);
+            for (Eigen::Index j = 0; j < change.cols(); ++j) {
+                pose.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * pose.linear[std::size_t(j)];
+                pose.position.col(j) += change.col(j).tail<3>();
+            }
+        }
+    }
+
+    /// The strain that a landmark brings, as a length.
+    double Strain(std::size_t l) {
+        const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), answer = system.Compliance(l);
+        const Eigen::Vector3d here = marks.At(l, pose) - place[l];
+        const Eigen::Vector3d alone = isIn[l] ? Eigen::Vector3d((one - weight * answer).lu().solve(here)) : here;
+        const double off = alone.norm(); // from where the others take its vertex
+        if (off <= std::max(tolerance, noHand))
+            return 0;
+        const Eigen::Vector3d beyond = (1 - tolerance / off) * alone;
+        const Eigen::Matrix3d free =
+            isIn[l] ? Eigen::Matrix3d((one - weight * answer).lu().solve(answer)) : answer; // without it
+        const double energy = beyond.dot((free + one / weight).lu().solve(beyond));
+        return std::sqrt(std::max(energy, 0.0) * deformer.surface.area / stiffness);
+    }
+
+  private:
+    const Deformer &deformer;
+    const FitSamples &marks;
+    const std::vector<Eigen::Vector3d> &place;
+    const double tolerance, weight;
+    GraphPose pose;
+    FitSystem system;
+    const std::vector<double> stiff;
+    std::vector<FitSystem::Pull> pull;
+};
+
+} // namespace
+
+std::vector<Contradiction> Contradictions(const Deformer &deformer, const std::vector<char> &isFree,
+                                          const FitSamples &marks, const std::vector<Eigen::Vector3d> &place,
+                                          double least, double tolerance, double smoothness, GraphPose pose,
+                                          const Progress &progress) {
+    const std::size_t n = place.size();
+    if (n < fewest)
+        return {};
+    std::vector<Eigen::Vector3d> rest(n);
+    for (std::size_t l = 0; l < n; ++l)
+        rest[l] = deformer.surface.graph.position.col(marks.surfaceNode[l]).cast<double>();
+    const PointTree<double> tree(rest);
+    const double finest = std::sqrt(deformer.surface.area / double(isFree.size())); // what nodes tell apart
+    std::vector<double> near(n);                                                    // from each to the next one
+    for (std::size_t l = 0; l < n; ++l)
+        near[l] = std::max(finest, tree.DistanceOf(rest[l], 2));
+
+    Judge judge(deformer, isFree, marks, place, tolerance, smoothness, std::move(pose));
+    judge.Follow(firstSteps, progress.threads);
+    std::vector<std::size_t> out, order;
+    std::vector<double> strain(n);
+    double usual = 0; // nine tenths of those that are followed strain it less
+    const auto measure = [&] {
+        order.clear();
+        for (std::size_t l = 0; l < n; ++l)
+            if (judge.isIn[l])
+                order.push_back(l);
+        std::vector<std::size_t> some;
+        for (std::size_t i = 0; i < order.size(); i += 1 + (order.size() - 1) / (2 * looks))
+            some.push_back(order[i]);
+        std::vector<double> all;
+        for (std::size_t l : some) {
+            strain[l] = judge.Strain(l) / near[l];
+            all.push_back(strain[l]);
+        }
+        usual = Quantile(all, 0.9);
+        if (some.size() < order.size()) {
+            std::stable_sort(order.begin(), order.end(),
+                             [&](std::size_t a, std::size_t b) { return judge.Off(a) > judge.Off(b); });
+            order.resize(looks);
+            for (std::size_t l : order)
+                strain[l] = judge.Strain(l) / near[l];
+        }
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return strain[a] > strain[b]; });
+    };
+    const std::size_t most = n / 2, each = 1 + n / (4 * looks);
+    for (;;) {
+        progress(0, "Comparing the landmarks");
+        measure();
+        const std::size_t before = out.size();
+        for (std::size_t i = 0; i < std::min(each, order.size()) && out.size() < most; ++i)
+            if (strain[order[i]] >= least) {
+                judge.isIn[order[i]] = 0;
+                out.push_back(order[i]);
+            }
+        if (out.size() == before)
+            break;
+        judge.Follow(nextSteps, progress.threads);
+    }
+    std::vector<Contradiction> found;
+    std::sort(out.begin(), out.end());
+    for (std::size_t l : out)
+        if (const double its = judge.Strain(l) / near[l]; its >= std::max(least, mostStrain * usual))
+            found.push_back({l, its});
+    if (found.size() > n / 3)
+        found.clear();
+    return found;
+}
+
+} // namespace fcd
+} // namespace vcg
