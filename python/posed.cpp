@@ -142,7 +142,10 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     return nb::make_tuple(positions, others);
 }
 
-std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb::object &report) const {
+nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) const {
+    const vcg::fcd::Stopwatch watch;
+    vcg::fcd::FieldParam param;
+    param.accuracy = accuracy;
     vcg::fcd::SampledField sampled;
     Index folded = 0;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
@@ -154,9 +157,14 @@ std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb
             rest.swap(deformed);
             folded = vcg::fcd::Invert(linear);
         }
-        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
+        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, param, progress.Slice(0.1, 1));
     });
-    return {std::make_unique<Field>(std::move(sampled.samples)), int(sampled.off + sampled.stirred), int(folded)};
+    nb::dict all;
+    all["accuracy"] = sampled.accuracy;
+    all["off"] = sampled.off + sampled.stirred;
+    all["folded"] = folded;
+    all["seconds"] = watch.Seconds();
+    return nb::make_tuple(std::make_unique<Field>(std::move(sampled.samples)), all);
 }
 
 nb::tuple Posed::nodes() const {

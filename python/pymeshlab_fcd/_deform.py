@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from . import _inputs
 from ._deformation import Deformation
 from ._deformer import Deformer, GraphWeights, LooseParts, Transforms, Weighing
 from ._inputs import Points
@@ -109,6 +110,7 @@ def deformation(
     weld_distance: float = 1e-6,
     max_iterations: int = 1000,
     tolerance: float = 1e-5,
+    accuracy: float = 0.0,
     threads: int = 0,
     progress: Progress = None,
 ) -> Deformation:
@@ -136,6 +138,8 @@ def deformation(
         weld_distance: Fraction of the diagonal up to which vertices on open borders count as one.
         max_iterations: The shape is improved at most this often.
         tolerance: When it is at rest, a fraction of the diagonal.
+        accuracy: How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of
+            the diagonal of what moves.
         threads: How many to use; 0 is one a core.
         progress: Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -148,11 +152,11 @@ def deformation(
         KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
 
     Warns:
-        DeformationWarning: As of [deform][pymeshlab_fcd.deform], and where vertices are off by more than a ten-thousandth.
+        DeformationWarning: As of [deform][pymeshlab_fcd.deform], and where vertices are farther off than the accuracy.
     """
-    told = shared(progress)
+    told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         weights=weights, influence=influence, loose_parts=loose_parts, weld_distance=weld_distance, max_iterations=max_iterations,
         tolerance=tolerance, threads=threads))
-    return pose._deformation(report(told, 60, 100), 3)
+    return pose._deformation(report(told, 60, 100), 3, least)

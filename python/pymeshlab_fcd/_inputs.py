@@ -2,6 +2,7 @@
 """What callers may give, looked at once: each value is taken as it is, or an error says what to give instead."""
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -96,6 +97,14 @@ def single(name: str, value: object) -> float:
     """A parameter as MeshLab's filters get it, in single precision: with any other digits the bits of results would be others."""
     with np.errstate(over="ignore"):
         return float(np.float32(number(name, value)))
+
+
+def accuracy(value: object) -> float:
+    """That of a saved deformation."""
+    given = number("accuracy", value)
+    if not 0 <= given < math.inf:
+        raise ValueError(f"accuracy must be a positive number, in world units, or 0 for that which the largest motion asks for; it is {given}")
+    return given
 
 
 def flag(name: str, value: object) -> bool:
