@@ -295,15 +295,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  vcg::CallBackPos *callback) {
-    vcg::fcd::Index folded = 0;
-    const vcg::fcd::SampledField field =
-        saveDeformation(saveDeformationParam(parameters, document), folded, Progress(callback));
-    logLine(describe(field));
-    for (const std::string &warning : warningsOf(field, folded))
+    const SavedDeformation saved = saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
+    logLine(describe(saved));
+    for (const std::string &warning : warningsOf(saved))
         logLine(warning, GLLogStream::WARNING);
-    ReturnedValues values = valuesOf(field);
-    values["folded_vertices"] = folded;
-    return values;
+    return valuesOf(saved);
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {

@@ -236,13 +236,20 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
     host::addParameter<host::RichSaveFileParam>(list, host::Shown::Always, "deformation_file", param.file, "*.ply",
                                                 "Deformation goes to (.ply)",
                                                 "The file to write. An existing file is replaced.");
-    if (host::scriptsMayLackParameters)
+    if (host::scriptsMayLackParameters) {
+        host::addParameter<RichFloat>(
+            list, host::Shown::Always, "accuracy", Scalarm(param.accuracy), "Accuracy",
+            "How far a vertex of the source may be off at most, in world units. A tenth of it takes about five times "
+            "as many samples, of some 115 bytes each, up to a million; the log tells the size of the file and the time "
+            "that it took. <b>0</b> (the default): a fiftieth of the largest motion, at most 0.01 percent of the "
+            "diagonal of what moves.");
         host::addParameter<RichBool>(
             list, host::Shown::Always, "inverse", param.inverse, "The way back",
             "Writes the deformation that leads back: from where the source's vertices went to where they were, to "
             "carry "
             "what was measured or marked on the deformed mesh onto the original. Where the deformation folds the mesh "
             "there is no way back; the log says at how many vertices.");
+    }
     return list;
 }
 
@@ -252,6 +259,7 @@ SaveDeformationParam saveDeformationParam(const RichParameterList &list, const M
     param.restGraph = host::layerParameter(list, "rest_graph", document);
     param.deformedGraph = host::layerParameter(list, "deformed_graph", document);
     param.file = list.getSaveFileName("deformation_file");
+    param.accuracy = host::scriptsMayLackParameters ? double(list.getFloat("accuracy")) : 0;
     param.inverse = host::scriptsMayLackParameters && list.getBool("inverse");
     param.validate();
     return param;

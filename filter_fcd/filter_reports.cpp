@@ -292,27 +292,37 @@ std::vector<std::string> warningsOf(const SequenceLayers &made) {
     return warnings;
 }
 
-std::string describe(const vcg::fcd::SampledField &field) {
+std::string describe(const SavedDeformation &saved) {
+    const vcg::fcd::SampledField &field = saved.field;
     std::ostringstream line;
-    line << field.samples.Size() << " samples; the vertices of the source that move are off by " << field.rms
-         << " (rms), and none of all its vertices by more than " << field.largest << ".";
+    line << field.samples.Size() << " samples, a file of " << double(saved.bytes) / 1e6 << " MB in " << saved.seconds
+         << " s; the vertices of the source that move are off by " << field.rms
+         << " (rms), and none of all its vertices by more than " << field.largest << " (aimed at: " << field.accuracy
+         << ").";
     return line.str();
 }
 
-HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field) {
-    return {
-        {"samples", int(field.samples.Size())}, {"rms_difference", field.rms}, {"largest_difference", field.largest}};
+HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved) {
+    return {{"samples", int(saved.field.samples.Size())},
+            {"rms_difference", saved.field.rms},
+            {"largest_difference", saved.field.largest},
+            {"accuracy", saved.field.accuracy},
+            {"folded_vertices", saved.folded},
+            {"megabytes", double(saved.bytes) / 1e6},
+            {"seconds", saved.seconds}};
 }
 
-std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded) {
+std::vector<std::string> warningsOf(const SavedDeformation &saved) {
     std::vector<std::string> warnings;
-    if (field.off + field.stirred > 0)
-        warnings.push_back(
-            std::to_string(field.off + field.stirred) +
-            " vertices of the source are farther off than 0.01 percent: parts that lie at one place move "
-            "differently there, or a million samples are not enough. Where that matters, deform with the layers.");
-    if (folded > 0)
-        warnings.push_back("The deformation folds the source at " + std::to_string(folded) +
+    if (const vcg::fcd::Index off = saved.field.off + saved.field.stirred; off > 0) {
+        std::ostringstream line;
+        line << off << " vertices of the source are farther off than " << saved.field.accuracy
+             << ": parts that lie at one place move differently there, or a million samples are not enough. Where that "
+                "matters, deform with the layers.";
+        warnings.push_back(line.str());
+    }
+    if (saved.folded > 0)
+        warnings.push_back("The deformation folds the source at " + std::to_string(saved.folded) +
                            " of its vertices: from there it has no way back, and what is near them may come to "
                            "another place.");
     return warnings;

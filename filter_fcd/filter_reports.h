@@ -12,6 +12,7 @@
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/parameters.h>
+#include <layer_fcd/saved_deformation.h>
 
 #include <string>
 #include <vector>
@@ -60,10 +61,9 @@ HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made);
 std::vector<std::string> warningsOf(const SequenceLayers &made);
 
 /// What a saved deformation is like, in words and in numbers.
-std::string describe(const vcg::fcd::SampledField &field);
-HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SampledField &field);
-/// \param folded vertices of the source from where there is no way back, if that is what was saved
-std::vector<std::string> warningsOf(const vcg::fcd::SampledField &field, vcg::fcd::Index folded);
+std::string describe(const SavedDeformation &saved);
+HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved);
+std::vector<std::string> warningsOf(const SavedDeformation &saved);
 
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface);

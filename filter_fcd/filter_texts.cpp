@@ -155,9 +155,9 @@ QString FilterFcd::filterInfo(int id) const {
                    "Layer' in another session, or for points outside of MeshLab.<br>"
                    "The file holds the deformation at some thousand vertices of the source, and the triangles "
                    "between them, in world coordinates. Vertices are added until at none of the source's the file "
-                   "differs from the deformation by more than 0.01 percent of the diagonal of what moves (or there "
-                   "are a million), and all that was fixed stays, to the bit; log and file say how far any is off. It "
-                   "is a binary PLY file: "
+                   "differs from the deformation by more than a fiftieth of the largest motion and 0.01 percent of "
+                   "the diagonal of what moves (or there are a million), and all that was fixed stays, to the bit; "
+                   "log and file say how far any is off. It is a binary PLY file: "
                    "any program for meshes shows the "
                    "thinned surface.<br>"
                    "The layers are not changed.") +

@@ -165,6 +165,7 @@ struct CopyParam {
 struct SaveDeformationParam {
     MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
     QString file;         ///< .ply
+    double accuracy = 0;  ///< as of vcg::fcd::FieldParam, in the world
     bool inverse = false; ///< the way back
 
     /// \throw vcg::fcd::Error

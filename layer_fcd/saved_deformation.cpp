@@ -29,9 +29,9 @@ void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matri
 
 } // namespace
 
-vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, vcg::fcd::Index &folded,
-                                       const vcg::fcd::Progress &progress) {
-    folded = 0;
+SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress) {
+    const vcg::fcd::Stopwatch watch;
+    SavedDeformation saved;
     progress(0, "Reading the source");
     const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
@@ -42,11 +42,16 @@ vcg::fcd::SampledField saveDeformation(const SaveDeformationParam &param, vcg::f
     toWorld(matrix, rest, deformed, linear);
     if (param.inverse) {
         rest.swap(deformed);
-        folded = vcg::fcd::Invert(linear);
+        saved.folded = vcg::fcd::Invert(linear);
     }
-    vcg::fcd::SampledField field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed,
-                                                         linear, {}, progress.Slice(0.1, 0.95), matrix.linear());
+    vcg::fcd::FieldParam sampling;
+    sampling.accuracy = param.accuracy;
+    saved.field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed, linear,
+                                        sampling, progress.Slice(0.1, 0.95), matrix.linear());
     progress(1, "Done");
-    saveFiles({{param.file, vcg::fcd::DeformationText(field.samples)}});
-    return field;
+    const std::string text = vcg::fcd::DeformationText(saved.field.samples);
+    saved.bytes = text.size();
+    saveFiles({{param.file, text}});
+    saved.seconds = watch.Seconds();
+    return saved;
 }

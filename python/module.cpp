@@ -101,7 +101,7 @@ NB_MODULE(_core, module) {
         .def("check", &Posed::check, arg("vertices"), arg("report").none())
         .def("stretch", &Posed::stretch, arg("vertices"), arg("report").none())
         .def("map", &Posed::map, arg("points"), arg("normals").none(), arg("report").none())
-        .def("field", &Posed::field, arg("inverse"), arg("report").none())
+        .def("field", &Posed::field, arg("inverse"), arg("accuracy"), arg("report").none())
         .def("nodes", &Posed::nodes)
         .def("info", &Posed::info)
         .def("discretisation_error", &Posed::discretisationError, arg("report").none())

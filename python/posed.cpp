@@ -201,7 +201,10 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     return nb::make_tuple(positions, others);
 }
 
-std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb::object &report) const {
+nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) const {
+    const vcg::fcd::Stopwatch watch;
+    vcg::fcd::FieldParam param;
+    param.accuracy = accuracy;
     vcg::fcd::SampledField sampled;
     std::unique_ptr<Field> made;
     Index folded = 0;
@@ -214,10 +217,15 @@ std::tuple<std::unique_ptr<Field>, int, int> Posed::field(bool inverse, const nb
             rest.swap(deformed);
             folded = vcg::fcd::Invert(linear);
         }
-        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, {}, progress.Slice(0.1, 1));
+        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, param, progress.Slice(0.1, 1));
         made = std::make_unique<Field>(std::move(sampled.samples), progress.Slice(1, 1));
     });
-    return {std::move(made), int(sampled.off + sampled.stirred), int(folded)};
+    nb::dict all;
+    all["accuracy"] = sampled.accuracy;
+    all["off"] = sampled.off + sampled.stirred;
+    all["folded"] = folded;
+    all["seconds"] = watch.Seconds();
+    return nb::make_tuple(std::move(made), all);
 }
 
 nb::tuple Posed::nodes() const {

@@ -44,9 +44,8 @@ class Posed {
     nb::object stretch(const Rows &vertices, const nb::object &report) const;
     /// Other points of the same space, and their normals.
     nb::tuple map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const;
-    /// The same as a field that is sampled, how many vertices are farther off than it is meant to be, and, of the way
-    /// back, how many are folded, where there is none.
-    std::tuple<std::unique_ptr<Field>, int, int> field(bool inverse, const nb::object &report) const;
+    /// The same as a field that is sampled, and what there is to say of it. \param accuracy as of FieldParam
+    nb::tuple field(bool inverse, double accuracy, const nb::object &report) const;
     /// Positions of the nodes, and their linear maps.
     nb::tuple nodes() const;
     nb::dict info() const;

@@ -34,7 +34,7 @@ int main(int argc, char **argv) {
     std::cout
         << "# The filters\n\n"
            "What MeshLab's window and pymeshlab 2025.7 say of each filter and parameter. MeshLab 2020.09 lacks the "
-           "parameters `pose_steps`, `weld_distance`, `surface_layer` and `inverse`.\n";
+           "parameters `pose_steps`, `weld_distance`, `surface_layer`, `accuracy` and `inverse`.\n";
     for (QAction *action : plugin->actions()) {
         const auto id = plugin->ID(action);
         QString text = plugin->filterInfo(id);

@@ -293,12 +293,14 @@ def applied(points, path, faces=None, normals=None):
 
 def test_parameters_of_saving_and_what_it_returns(tmp_path):
     ms = bent_bone()
-    assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file", "inverse"]
+    assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file", "accuracy", "inverse"]
     assert list(ms.filter_parameter_values(COPY)) == ["deformation_file", "source_layer", "rest_graph", "deformed_graph", "all_visible"]
     before = snapshot(ms.mesh(0))
     result = saved(ms, tmp_path / "bend.ply")
     assert {key: type(value) for key, value in result.items()} == {
-        "samples": int, "rms_difference": float, "largest_difference": float, "folded_vertices": int}
+        "samples": int, "rms_difference": float, "largest_difference": float, "accuracy": float, "folded_vertices": int, "megabytes": float,
+        "seconds": float}
+    assert result["megabytes"] == pytest.approx((tmp_path / "bend.ply").stat().st_size / 1e6) and 0 < result["seconds"] < 600
     assert 1400 < result["samples"] <= ms.mesh(0).vertex_number() and result["largest_difference"] < 1e-4  # few enough to keep nearly all
     assert len(list(ms)) == 4 and ms.current_mesh_id() == 0
     assert_unchanged(before, ms.mesh(0))
@@ -322,6 +324,27 @@ def test_a_saved_deformation_in_another_session(tmp_path):
     pieces = [applied(rest[k:k + 10000], tmp_path / "bend.ply")[0] for k in range(0, len(rest), 10000)]
     assert same_points(np.concatenate(pieces), points)
     assert same_points(applied(rest, tmp_path / "bend.ply", rest_faces(ms))[0], points)
+
+
+def test_a_saved_deformation_is_as_exact_as_is_asked(tmp_path):
+    ms = clean_bone()
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=2, threshold=absolute_zero())
+    set_quality(ms, QUALITY_TAGS)
+    m = about([1.0, 2, 3], rotation([1, 2, 0.5], 70) * 2.5)
+    ms.apply_filter("set_matrix", transformmatrix=m, freeze=False)
+    ms.apply_filter(DEFORM, **BEND)
+    rest, expected = transformed(m, ms.mesh(0).vertex_matrix()), transformed(m, ms.mesh(3).vertex_matrix())
+    samples = []
+    for accuracy in (0.01, 0.0005):  # of the world
+        result = saved(ms, tmp_path / "bend.ply", accuracy=accuracy)
+        points, _ = applied(rest, tmp_path / "bend.ply")
+        assert np.linalg.norm(points - expected, axis=1).max() <= accuracy * 1.001 and result["accuracy"] == pytest.approx(accuracy)
+        samples.append(result["samples"])
+    assert samples[0] < samples[1]
+    before = (tmp_path / "bend.ply").read_bytes()
+    with pytest.raises(pymeshlab.PyMeshLabException, match="accuracy of a saved deformation must be a positive number, or 0"):
+        saved(ms, tmp_path / "bend.ply", accuracy=-1.0)
+    assert (tmp_path / "bend.ply").read_bytes() == before
 
 
 def test_a_saved_deformation_turns_normals(tmp_path):

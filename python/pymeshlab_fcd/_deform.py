@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from . import _inputs
 from ._deformation import Deformation
 from ._deformer import Deformer, Distances, GraphWeights, LooseParts, Transforms, renamed_weights
 from ._inputs import Points
@@ -145,6 +146,7 @@ def deformation(
     weld_distance: float = 1e-6,
     max_iterations: int = 1000,
     tolerance: float = 1e-5,
+    accuracy: float = 0.0,
     threads: int = 0,
     progress: Progress = None,
     weights: Distances | None = None,
@@ -194,6 +196,9 @@ def deformation(
         The shape is improved at most this often.
     tolerance : float, default 1e-05
         When it is at rest, a fraction of the diagonal.
+    accuracy : float, default 0.0
+        How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal
+        of what moves.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
@@ -218,11 +223,11 @@ def deformation(
     Warns
     -----
     DeformationWarning
-        As of [deform][pymeshlab_fcd.deform], and where vertices are off by more than a ten-thousandth.
+        As of [deform][pymeshlab_fcd.deform], and where vertices are farther off than the accuracy.
     """
-    told = shared(progress)
+    told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))
-    return pose._deformation(report(told, 60, 100), 3)
+    return pose._deformation(report(told, 60, 100), 3, least)

@@ -37,17 +37,18 @@ class Deformation:
         It is no saved deformation; the message says what is wrong.
     """
 
-    __slots__ = ("_field",)
+    __slots__ = ("_field", "_seconds")
 
     def __init__(self, content: bytes, name: str = "deformation") -> None:
         if not isinstance(content, (bytes, bytearray, memoryview)):
             raise TypeError(f"content must be the bytes of a file; it is a {type(content).__name__}. Deformation.load(path) reads a file")
         self._field = Field.read(bytes(content), shown(text("name", name)), 1)  # so small that more threads than one would not help
+        self._seconds: float | None = None
 
     @classmethod
-    def _of(cls, field: Field) -> Deformation:
+    def _of(cls, field: Field, seconds: float) -> Deformation:
         made = cls.__new__(cls)
-        made._field = field
+        made._field, made._seconds = field, seconds
         return made
 
     @classmethod
@@ -132,6 +133,16 @@ class Deformation:
         None where the file, of an earlier version, does not tell."""
         largest = self._field.largest_difference
         return None if math.isnan(largest) else largest
+
+    @property
+    def file_size(self) -> int:
+        """Of what [save][pymeshlab_fcd.Deformation.save] writes, in bytes."""
+        return len(self._field.content())
+
+    @property
+    def seconds(self) -> float | None:
+        """How long it took to be made. None where it was read."""
+        return self._seconds
 
     def __eq__(self, other: object) -> bool:
         return self._field.content() == other._field.content() if isinstance(other, Deformation) else NotImplemented

@@ -2,6 +2,7 @@
 """What callers may give, looked at once: each value is taken as it is, or an error says what to give instead."""
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -98,6 +99,14 @@ def number(name: str, value: object) -> float:
         return float(value)
     except OverflowError:
         raise ValueError(f"{name} must be a number that a double holds; it is {value!r}") from None
+
+
+def accuracy(value: object) -> float:
+    """That of a saved deformation."""
+    given = number("accuracy", value)
+    if not 0 <= given < math.inf:
+        raise ValueError(f"accuracy must be a positive number, in world units, or 0 for that which the largest motion asks for; it is {given}")
+    return given
 
 
 def flag(name: str, value: object) -> bool:

@@ -252,16 +252,27 @@ class Pose:
         places, maps = self._core.nodes()
         return _inputs.own(places, np.float64), _inputs.own(maps, np.float64)
 
-    def deformation(self, *, inverse: bool = False, progress: Progress = None) -> Deformation:
+    def deformation(self, *, inverse: bool = False, accuracy: float = 0.0, progress: Progress = None) -> Deformation:
         """The same as a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points: its samples
-        are as few as tell it to a ten-thousandth.
+        are as few as tell it.
 
         Parameters
         ----------
         inverse : bool, default False
             Whether it is the way back, from where the surface went to where it was.
+        accuracy : float, default 0.0
+            How far a vertex may be off at most, in world units. A tenth of it takes about five times as many samples, up to a million;
+            `Deformation.file_size` and `seconds` tell what came of it. 0: a fiftieth of the largest motion, at most a ten-thousandth of
+            the diagonal of what moves.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Raises
+        ------
+        ValueError
+            The accuracy is below 0, or not finite.
+        KeyboardInterrupt
+            Ctrl-C, at once.
 
         Warns
         -----
@@ -269,18 +280,18 @@ class Pose:
             It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose folds the surface
             somewhere, and there is no way back from there.
         """
-        return self._deformation(progress, 4, inverse)
+        return self._deformation(progress, 4, _inputs.accuracy(accuracy), inverse)
 
-    def _deformation(self, progress: Progress, level: int, inverse: bool = False) -> Deformation:
-        sampled, off, folded = self._core.field(_inputs.flag("inverse", inverse), report(progress))
-        made, found = Deformation._of(sampled), list[Told]()
-        if folded > 0:
-            found.append((FoldWarning, f"The pose folds the surface at {folded} vertices: from there it has no way back, and what is near "
-                                       "them may come to another place."))
-        if off > 0:
-            found.append((AccuracyWarning, f"{off} vertices are farther off than 0.01 percent, up to {made.largest_difference:g}: parts that "
-                                           "lie at one place move differently there, or there are more of them than a small file can tell "
-                                           "apart. Where that matters, use Pose.map."))
+    def _deformation(self, progress: Progress, level: int, accuracy: float, inverse: bool = False) -> Deformation:
+        field, told = self._core.field(_inputs.flag("inverse", inverse), accuracy, report(progress))
+        made, found = Deformation._of(field, told["seconds"]), list[Told]()
+        if told["folded"] > 0:
+            found.append((FoldWarning, f"The pose folds the surface at {told['folded']} vertices: from there it has no way back, and what is "
+                                       "near them may come to another place."))
+        if told["off"] > 0:
+            found.append((AccuracyWarning, f"{told['off']} vertices are farther off than {told['accuracy']:g}, up to "
+                                           f"{made.largest_difference:g}: parts that lie at one place move differently there, or a million "
+                                           "samples are not enough. Where that matters, use Pose.map."))
         warn(found, level)
         return made
 

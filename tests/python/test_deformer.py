@@ -536,8 +536,37 @@ def test_a_pose_as_a_deformation(bent, tmp_path):
     assert pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply") == made
 
 
+def test_a_deformation_is_as_exact_as_is_asked(bent, tmp_path):
+    vertices, faces, tags, lift = bar(301, 45)
+    pose, size = Deformer(vertices, faces, tags).pose({2: lift}), []
+    for accuracy in (0.02, 0.002, 0.0002):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            exact = pose.deformation(accuracy=accuracy)
+        assert np.linalg.norm(exact(vertices) - pose.vertices, axis=1).max() <= exact.largest_difference + 1e-9 <= accuracy + 1e-9
+        assert exact == pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift}, accuracy=accuracy)
+        back = pose.deformation(inverse=True, accuracy=accuracy)
+        assert np.linalg.norm(back(pose.vertices) - vertices, axis=1).max() <= accuracy + 1e-9
+        size.append(len(exact.samples))
+        exact.save(tmp_path / "exact.ply")
+        assert exact.file_size == (tmp_path / "exact.ply").stat().st_size > 84 * size[-1] and 0 < exact.seconds < 60
+        assert pymeshlab_fcd.Deformation.load(tmp_path / "exact.ply").seconds is None
+    assert size[0] <= size[1] < size[2]
+    slide = bent[0].pose({2: Motion.translate([0, 0, 0.001])})
+    moved = np.linalg.norm(slide.vertices - bent[0].vertices, axis=1).max()
+    assert slide.deformation().largest_difference <= moved / 50 + 1e-12  # a ten-thousandth of the diagonal is as far as it slides
+    for accuracy in (-1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="accuracy must be a positive number, in world units, or 0"):
+            bent[1].deformation(accuracy=accuracy)
+        with pytest.raises(ValueError, match="accuracy must be a positive number"):
+            pymeshlab_fcd.deformation(vertices, faces, tags, {2: lift}, accuracy=accuracy)
+    with pytest.raises(TypeError, match="accuracy must be a number"):
+        bent[1].deformation(accuracy="fine")
+    assert bent[1].deformation() == bent[1].deformation(accuracy=0)
+
+
 def test_a_deformation_that_cannot_be_told_by_samples_says_so():
     vertices, faces, tags, lift = bar()
     two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
-    with pytest.warns(fcd.AccuracyWarning, match="farther off than"):
+    with pytest.warns(fcd.AccuracyWarning, match="farther off than 0.00[0-9]*, up to"):
         pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})

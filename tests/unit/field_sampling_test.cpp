@@ -27,6 +27,23 @@ struct SampledCase {
         return SampleField(Read(mesh), rest, deformed, linear, param, progress);
     }
     double Size() const { return (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm(); }
+    /// The diagonal of the box of what moves.
+    double MovingSize() const {
+        Eigen::AlignedBox3d box;
+        for (Eigen::Index i = 0; i < rest.cols(); ++i)
+            if (rest.col(i) != deformed.col(i))
+                box.extend(Vector3d(rest.col(i)));
+        return box.diagonal().norm();
+    }
+    double Motion() const { return (deformed - rest).colwise().norm().maxCoeff(); }
+    /// \param tolerance over the diagonal of the box of what moves
+    FieldParam Few(Index moving, Index resting, double tolerance) const {
+        FieldParam param;
+        param.moving = moving;
+        param.resting = resting;
+        param.accuracy = tolerance * MovingSize();
+        return param;
+    }
 
     /// The field gives each vertex of a face where it goes, and what rests stays.
     void ExpectCarried(const SampledField &sampled, double tolerance) const {
@@ -49,17 +66,9 @@ struct SampledCase {
     }
 };
 
-static FieldParam Few(Index moving, Index resting, double tolerance) {
-    FieldParam param;
-    param.moving = moving;
-    param.resting = resting;
-    param.tolerance = tolerance;
-    return param;
-}
-
 TEST(FieldSampling, TellsADeformationByFewVertices) {
     const SampledCase c(CaseOf(Tube(100, 120), [](const Vector3d &p) { return TubeTag(p); }));
-    const SampledField sampled = c.Sample(Few(300, 100, 1e-3));
+    const SampledField sampled = c.Sample(c.Few(300, 100, 1e-3));
     c.ExpectCarried(sampled, 1e-3);
     EXPECT_LT(sampled.samples.Size(), c.rest.cols() / 5);
     EXPECT_GT(sampled.rounds, 1);
@@ -68,7 +77,7 @@ TEST(FieldSampling, TellsADeformationByFewVertices) {
 
 TEST(FieldSampling, MoreSamplesWhereTheToleranceAsksForThem) {
     const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
-    const SampledField coarse = c.Sample(Few(100, 50, 4e-3)), fine = c.Sample(Few(100, 50, 8e-4));
+    const SampledField coarse = c.Sample(c.Few(100, 50, 4e-3)), fine = c.Sample(c.Few(100, 50, 8e-4));
     c.ExpectCarried(coarse, 4e-3);
     c.ExpectCarried(fine, 8e-4);
     EXPECT_GT(fine.samples.Size(), 2 * coarse.samples.Size());
@@ -79,7 +88,7 @@ TEST(FieldSampling, PartsThatAreNearStayApart) {
     const SampledCase c(CaseOf(TwoSheets(60, 0.3), [](const Vector3d &p) {
         return p[2] < 0.1 ? 0 : p[0] < 9 ? 0 : p[0] > 50 ? 2 : 1;
     }));
-    c.ExpectCarried(c.Sample(Few(30, 5, 1e-3)), 1e-3);
+    c.ExpectCarried(c.Sample(c.Few(30, 5, 1e-3)), 1e-3);
 }
 
 TEST(FieldSampling, NarrowPartsHaveEdgesAndPoints) {
@@ -88,7 +97,7 @@ TEST(FieldSampling, NarrowPartsHaveEdgesAndPoints) {
                                [](const Vector3d &p) { return p[0] < 40    ? 0
                                                               : p[0] > 260 ? 2
                                                                            : 1; }));
-    const SampledField sampled = c.Sample(Few(40, 5, 1e-2));
+    const SampledField sampled = c.Sample(c.Few(40, 5, 1e-2));
     c.ExpectCarried(sampled, 1e-2);
     int edges = 0, points = 0;
     for (const auto &t : sampled.samples.triangle) {
@@ -102,15 +111,15 @@ TEST(FieldSampling, NarrowPartsHaveEdgesAndPoints) {
 TEST(FieldSampling, AcceptsSeamsCloudsAndDeletedElements) {
     const auto tag = [](const Vector3d &p) { return TubeTag(p); };
     const SampledCase seams(CaseOf(Unwelded(Tube(40, 30)), tag));
-    seams.ExpectCarried(seams.Sample(Few(100, 50, 2e-3)), 2e-3);
+    seams.ExpectCarried(seams.Sample(seams.Few(100, 50, 2e-3)), 2e-3);
     const SampledCase cloud(CaseOf(Points(Tube(60, 60)), tag));
-    const SampledField sampled = cloud.Sample(Few(300, 50, 4e-3));
+    const SampledField sampled = cloud.Sample(cloud.Few(300, 50, 4e-3));
     cloud.ExpectCarried(sampled, 4e-3);
     EXPECT_TRUE(sampled.samples.triangle.empty());
     SampledCase holes(CaseOf(Tube(40, 30), tag));
     for (int f = 0; f < 500; f += 7)
         holes.mesh.DeleteFace(f);
-    const SampledField whole = holes.Sample(Few(100, 50, 2e-3));
+    const SampledField whole = holes.Sample(holes.Few(100, 50, 2e-3));
     EXPECT_EQ(whole.off + whole.stirred, 0);
 }
 
@@ -137,8 +146,8 @@ TEST(FieldSampling, TellsWhatItCannotCarry) {
 
 TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
     const SampledCase c(CaseOf(Tube(60, 100), [](const Vector3d &p) { return TubeTag(p); }));
-    const FieldSamples one = c.Sample(Few(200, 50, 1e-3), Threads(1)).samples,
-                       three = c.Sample(Few(200, 50, 1e-3), Threads(3)).samples;
+    const FieldSamples one = c.Sample(c.Few(200, 50, 1e-3), Threads(1)).samples,
+                       three = c.Sample(c.Few(200, 50, 1e-3), Threads(3)).samples;
     EXPECT_TRUE(SameBits(one.position, three.position));
     EXPECT_TRUE(SameBits(one.displacement, three.displacement));
     EXPECT_EQ(one.triangle, three.triangle);
@@ -165,12 +174,59 @@ TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
 
 TEST(FieldSampling, KeepsToANumberOfSamples) {
     const SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
-    FieldParam param = Few(100, 50, 1e-5);
+    FieldParam param = c.Few(100, 50, 1e-5);
     param.most = 700;
-    const SampledField sampled = c.Sample(param), coarse = c.Sample(Few(100, 50, 1));
+    const SampledField sampled = c.Sample(param), coarse = c.Sample(c.Few(100, 50, 1));
     EXPECT_LE(sampled.samples.Size(), 700);
     EXPECT_GT(sampled.samples.Size(), 650);
     EXPECT_GT(sampled.off, 0);
     EXPECT_EQ(sampled.stirred, 0);
     EXPECT_LT(sampled.largest, 0.5 * coarse.largest);
+}
+
+TEST(FieldSampling, IsAsExactAsTheMotionIsSmall) {
+    SampledCase c(CaseOf(Tube(60, 80), [](const Vector3d &p) { return TubeTag(p); }));
+    EXPECT_NEAR(c.Sample().accuracy, 1e-4 * c.MovingSize(), 1e-12 * c.Size());
+    const double part = 0.0015 * c.Size() / c.Motion(); // a slide
+    c.deformed = c.rest + part * (c.deformed - c.rest);
+    for (Eigen::Matrix3f &each : c.linear)
+        each = Eigen::Matrix3f::Identity() + float(part) * (each - Eigen::Matrix3f::Identity());
+    FieldParam few = c.Few(100, 50, 0);
+    const SampledField sampled = c.Sample(few);
+    EXPECT_NEAR(sampled.accuracy, c.Motion() / 50, 1e-12 * c.Size());
+    c.ExpectCarried(sampled, c.Motion() / 50 / c.Size());
+    for (double asked : {c.Motion() / 20, c.Motion() / 500}) {
+        few.accuracy = asked;
+        const SampledField exact = c.Sample(few);
+        EXPECT_EQ(exact.accuracy, asked);
+        c.ExpectCarried(exact, asked / c.Size());
+        EXPECT_EQ(exact.samples.Size() > sampled.samples.Size(), asked < sampled.accuracy);
+    }
+}
+
+TEST(FieldSampling, IsNoMoreExactThanPositionsAreRounded) {
+    SampledCase c(CaseOf(Tube(20, 30), [](const Vector3d &p) { return TubeTag(p); }));
+    const Vector3d away(652000.123, 5102334.456, 300);
+    c.rest.colwise() += away;
+    c.deformed.colwise() += away;
+    FieldParam param;
+    param.accuracy = 1e-300;
+    const SampledField sampled = c.Sample(param);
+    EXPECT_GT(sampled.accuracy, 1e-9);
+    EXPECT_LT(sampled.accuracy, 1e-8);
+    EXPECT_EQ(sampled.off, 0);
+    EXPECT_LE(sampled.largest, sampled.accuracy);
+    for (double bad : {-1.0, double(NAN), double(INFINITY)}) {
+        param.accuracy = bad;
+        EXPECT_NE(MessageOf<BadInput>([&] { c.Sample(param); }).find("must be a positive number, or 0"),
+                  std::string::npos);
+    }
+}
+
+TEST(FieldSampling, LooksAtWhatSamplesOfACloudChange) {
+    // All around a new sample is compared again, so that a look at all finds hardly anything more.
+    const SampledCase c(CaseOf(Points(Tube(150, 160)), [](const Vector3d &p) { return TubeTag(p); }));
+    const SampledField sampled = c.Sample(c.Few(500, 50, 1e-3));
+    c.ExpectCarried(sampled, 1e-3);
+    EXPECT_LT(sampled.rounds, 15);
 }

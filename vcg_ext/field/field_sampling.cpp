@@ -30,6 +30,7 @@ class FieldSampler {
         slotOf.assign(std::size_t(nodes), -1);
         std::vector<char> rests(std::size_t(nodes), 1);
         Eigen::AlignedBox3d box;
+        double motion = 0, farthest = 0;
         for (std::size_t i = 0; i < slotCount; ++i) {
             const Index node = surface.nodeOf[i];
             if (node < 0) {
@@ -40,10 +41,15 @@ class FieldSampler {
                 slotOf[std::size_t(node)] = Index(i);
             if (!Rests(i)) {
                 rests[std::size_t(node)] = 0;
-                box.extend(Eigen::Vector3d(rest.col(Eigen::Index(i))));
+                const Eigen::Vector3d from = rest.col(Eigen::Index(i)), to = deformed.col(Eigen::Index(i));
+                box.extend(from);
+                motion = std::max(motion, (to - from).norm());
+                farthest = std::max({farthest, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
             }
         }
-        tolerance = box.isEmpty() ? 0 : param.tolerance * box.diagonal().norm();
+        accuracy = param.accuracy > 0 ? param.accuracy : std::min(1e-4 * box.diagonal().norm(), motion / 50);
+        accuracy =
+            std::max(accuracy, 4 * std::numeric_limits<double>::epsilon() * farthest); // as positions are rounded
 
         // A wall of samples around what moves: no triangle is part of both what moves and what rests farther away.
         isSeed.assign(std::size_t(nodes), 0);
@@ -107,6 +113,9 @@ class FieldSampler {
         for (std::size_t t = 0; t < dual.size(); ++t)
             for (Index patch : dual[t])
                 nearPatch[std::size_t(patch)].triangle = Index(t);
+        if (face.empty())
+            for (Index patch = 0; patch < patches.Size(); ++patch)
+                field(field.samples.position.col(patch), nullptr, &nearPatch[std::size_t(patch)]);
         ParallelFor(progress, "Comparing", slotCount, 1 << 12, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
                 if (surface.nodeOf[i] >= 0 && (!nearby || isNear[i])) {
@@ -138,7 +147,7 @@ class FieldSampler {
             }
             ++moving;
             sum += double(error[i]) * error[i];
-            if (error[i] > tolerance) {
+            if (error[i] > accuracy) {
                 ++result.off;
                 const auto patch = std::size_t(patches.patchOf[std::size_t(node)]);
                 const auto &x = surface.graph.position;
@@ -154,7 +163,7 @@ class FieldSampler {
         if (16 * std::size_t(result.off) < std::size_t(patches.Size())) { // few: all of them, in fewer rounds
             worst.clear();
             for (std::size_t i = 0; i < slotCount; ++i)
-                if (counts[i] && !Rests(i) && error[i] > tolerance && !isSeed[std::size_t(surface.nodeOf[i])])
+                if (counts[i] && !Rests(i) && error[i] > accuracy && !isSeed[std::size_t(surface.nodeOf[i])])
                     worst.push_back(Index(i));
         }
         const Index room = most - patches.Size();
@@ -180,11 +189,21 @@ class FieldSampler {
                 changes[std::size_t(corners[2])])
                 for (Index patch : corners)
                     isBeside[std::size_t(patch)] = 1;
+        // Of a cloud, a point goes with the nearest samples: those of the patches around it, and around these.
+        for (int ring = 0; face.empty() && ring < 2; ++ring) {
+            const std::vector<char> inner = isBeside;
+            for (Index u = 0; u < surface.graph.Size(); ++u)
+                if (inner[std::size_t(patches.patchOf[std::size_t(u)])])
+                    for (Index v : surface.graph.adjacency[u])
+                        isBeside[std::size_t(patches.patchOf[std::size_t(v)])] = 1;
+        }
         isNear.resize(slotCount);
         for (std::size_t i = 0; i < slotCount; ++i)
             isNear[i] = counts[i] && isBeside[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
         return any;
     }
+
+    double Accuracy() const { return accuracy; }
 
   private:
     bool Rests(std::size_t i) const {
@@ -244,7 +263,7 @@ class FieldSampler {
     const Eigen::Matrix3Xd &rest, &deformed;
     const std::vector<Eigen::Matrix3f> &linear;
     const Index most;
-    double tolerance;
+    double accuracy;
     std::vector<char> counts;  ///< flags of slots: that of a corner of a face, or of any point of a cloud
     std::vector<Index> slotOf; ///< each node
     std::vector<char> isSeed;  ///< flags of nodes
@@ -261,6 +280,9 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
                          const Eigen::Matrix3d &metric) {
     assert(rest.cols() == Eigen::Index(mesh.vertexSlots) && deformed.cols() == rest.cols());
     assert(linear.size() == mesh.vertexSlots);
+    if (!(param.accuracy >= 0) || std::isinf(param.accuracy))
+        throw BadInput("The accuracy of a saved deformation must be a positive number, or 0 for that which its largest "
+                       "motion asks for.");
     const SurfaceGraph surface = BuildSurfaceGraph(mesh, nullptr, {}, metric, progress.Slice(0, 0.2));
     std::vector<std::array<Index, 3>> face;
     face.reserve(mesh.faces);
@@ -269,6 +291,7 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
             face.push_back({Index(mesh.corner[3 * f]), Index(mesh.corner[3 * f + 1]), Index(mesh.corner[3 * f + 2])});
     detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, param);
     SampledField result;
+    result.accuracy = sampler.Accuracy();
     double from = 0.2;
     for (bool done = false, nearby = false; !done; ++result.rounds) {
         const double to = from + 0.2 * (1 - from);

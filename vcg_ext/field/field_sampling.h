@@ -12,31 +12,34 @@ namespace fcd {
 
 /// How a deformation is sampled.
 struct FieldParam {
-    Index moving = 4000;     ///< samples to begin with where the surface moves, >= 1
-    Index resting = 1000;    ///< and where it rests
-    double tolerance = 1e-4; ///< most that a vertex may be off, over the diagonal of the box of what moves, > 0
-    Index most = 1 << 20;    ///< samples that are added to for that, > 0: a file of 115 MB at most; for what rests
-                             ///< there is no such bound
+    Index moving = 4000;  ///< samples to begin with where the surface moves, >= 1
+    Index resting = 1000; ///< and where it rests
+    /// Most that a vertex may be off, units of the positions, >= 0. 0: a fiftieth of the largest motion, which is less
+    /// than the discretisation leaves, and at most a ten-thousandth of the diagonal of the box of what moves.
+    double accuracy = 0;
+    Index most = 1 << 20; ///< samples that are added to for that, > 0: a file of 115 MB at most; for what rests there
+                          ///< is no such bound
 };
 
 /// A sampled deformation, and what it differs by from the one that was sampled.
 struct SampledField {
     FieldSamples samples;
-    double rms = 0;     ///< of the distances at the vertices that move, units of the positions
-    double largest = 0; ///< of the distances at all vertices, also those that rest; samples know it, too
-    Index off = 0;      ///< vertices where it is more than the tolerance: more samples did not help, or were too many
-    Index stirred = 0;  ///< vertices that rest, and would not with these samples
+    double accuracy = 0; ///< that was aimed at, units of the positions
+    double rms = 0;      ///< of the distances at the vertices that move, units of the positions
+    double largest = 0;  ///< of the distances at all vertices, also those that rest; samples know it, too
+    Index off = 0;       ///< vertices where it is more than the accuracy: more samples did not help, or were too many
+    Index stirred = 0;   ///< vertices that rest, and would not with these samples
     int rounds = 0;
 };
 
 /// Samples the deformation of a mesh at as few vertices as tell it: patches of the surface are grown around them, so
 /// that parts that are near each other but not connected stay apart, and what is found is compared with the
-/// deformation at every vertex, until none is farther off than the tolerance and all that rests does so to the bit, or
+/// deformation at every vertex, until none is farther off than the accuracy and all that rests does so to the bit, or
 /// there are very many. What goes different ways at one place cannot be told apart.
 /// \param mesh its faces are read (none: a cloud); its own positions only tell which vertices lie at one place
 /// \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface turns and
 ///        stretches there \param metric the linear part of the map from the mesh's coordinates to those
-/// \throw BadInput no vertices, or a coordinate that is not finite \throw Cancelled
+/// \throw BadInput no vertices, a coordinate that is not finite, or an accuracy below 0 or not finite \throw Cancelled
 SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param = {},
                          const Progress &progress = {}, const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
