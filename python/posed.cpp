@@ -74,6 +74,8 @@ vcg::fcd::Handles Posed::between(const Posed &start, const vcg::fcd::Handles &en
 
 void Posed::solve(const PoseParam &param, const Posed *start, const Progress &progress) {
     const Stopwatch watch;
+    if (start && start->prepared != prepared)
+        throw vcg::fcd::BadInput("start is a pose of another surface than this one.");
     vcg::fcd::DeformationParam how = prepared->param;
     how.pose = param.percent;
     how.steps = param.steps;

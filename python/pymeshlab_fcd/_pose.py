@@ -61,16 +61,38 @@ class PoseInfo:
         self.__dict__.update({**state, "_error": functools.partial(float, error)})
 
 
+class _Solved:
+    """What a pose is besides its arrays: as it was solved, or, after pickling, as bytes until it is needed."""
+
+    def __init__(self, deformer: Deformer, solved: _core.Posed | bytes, error: float | None = None) -> None:
+        self.deformer, self._solved, self._error = deformer, solved, error
+
+    def __getstate__(self) -> dict[str, Any]:
+        solved = self._solved
+        return {"deformer": self.deformer, "_solved": solved if isinstance(solved, bytes) else solved.state(), "_error": self._error}
+
+    @property
+    def core(self) -> _core.Posed:
+        prepared = self.deformer._prepared
+        if isinstance(self._solved, bytes):
+            self._solved = _core.restore(prepared, self._solved)
+        return self._solved
+
+    def error(self, progress: Progress = None) -> float:
+        if self._error is None:
+            self._error = self.core.discretisation_error(report(progress))
+        return self._error
+
+
 class Pose:
     """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays cannot be written
     to. It can be pickled, with its Deformer, which is prepared again where something is asked of it for which that is needed."""
 
     def __init__(self, deformer: Deformer, core: _core.Posed) -> None:
         self._deformer = deformer
-        self._solved: _core.Posed | bytes = core
+        self._solved = _Solved(deformer, core)
         self._told = core.info()
         self._found: dict[str, Any] | None = None
-        self._error: float | None = None
         self._normals: Kept | None = None
         self._vertices: Kept
 
@@ -92,22 +114,17 @@ class Pose:
 
     @property
     def _core(self) -> _core.Posed:
-        prepared = self._deformer._prepared
-        if isinstance(self._solved, bytes):
-            self._solved = _core.restore(prepared, self._solved)
-        return self._solved
+        return self._solved.core
 
     def __getstate__(self) -> dict[str, Any]:
-        solved = self._solved
-        state = {"deformer": self._deformer, "solved": solved if isinstance(solved, bytes) else solved.state(), "told": self._told,
-                 "found": self._found, "error": self._error, "vertices": self.vertices}
+        state = {"solved": self._solved, "told": self._told, "found": self._found, "vertices": self.vertices}
         if self._normals is not None:
             state["normals"] = self._normals.look()
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self._deformer, self._solved, self._told = state["deformer"], state["solved"], state["told"]
-        self._found, self._error, self._vertices = state["found"], state["error"], Kept(_inputs.own(state["vertices"], np.float64))
+        self._solved, self._told, self._found = state["solved"], state["told"], state["found"]
+        self._deformer, self._vertices = self._solved.deformer, Kept(_inputs.own(state["vertices"], np.float64))
         self._normals = Kept(_inputs.own(state["normals"], np.float64)) if "normals" in state else None
 
     def _write(self, out: Points | None, out_normals: Points | None, told: Report | None,
@@ -178,7 +195,7 @@ class Pose:
         """What became of it; measured when it is asked for first."""
         told, found = self._told, self._check()
         return PoseInfo(told["nodes"], told["iterations"], told["converged"], told["energy"], found["folded"], found["strained"],
-                        float(self.stretch().max(initial=1)), told["seconds_solve"] + told["seconds_map"], _error=self.discretisation_error)
+                        float(self.stretch().max(initial=1)), told["seconds_solve"] + told["seconds_map"], _error=self._solved.error)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
         """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
@@ -189,9 +206,7 @@ class Pose:
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
         """
-        if self._error is None:
-            self._error = self._core.discretisation_error(report(progress))
-        return self._error
+        return self._solved.error(progress)
 
     def stretch(self, *, progress: Progress = None) -> NDArray[np.float32]:
         """How much longer the surface got around each vertex: n, root mean square length of the edges there over that at rest; 1

@@ -444,10 +444,10 @@ def test_the_lock_is_free_and_threads_share_a_deformer(bent):
 
 def test_only_what_computes_solves(bent, monkeypatch):
     """The estimate of the error, which takes a second solution, is made where it is asked for."""
-    def solved(self, *, progress=None):
+    def solved(self, progress=None):
         raise AssertionError
 
-    monkeypatch.setattr(pymeshlab_fcd.Pose, "discretisation_error", solved)
+    monkeypatch.setattr(fcd._pose._Solved, "error", solved)
     deformer, (_, _, _, lift) = bent[0], bar()
     for check in (False, True):
         pose = deformer.pose({2: lift}, check=check)

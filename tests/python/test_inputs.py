@@ -222,6 +222,11 @@ def test_a_pose_of_another_is_no_start():
     other = Deformer(V, F, T).pose({2: LIFT})
     with pytest.raises(TypeError, match="it is one of another"):
         Deformer(V, F, T).pose({2: LIFT}, start=other)
+    other.deformer.__init__(V, F, T, patches=50)  # a Deformer that is made anew: another surface, though the same object
+    with pytest.raises(ValueError, match="start is a pose of another surface"):
+        other.deformer.pose({2: LIFT}, percent=50, start=other)
+    with pytest.raises(ValueError, match="an array has another number of rows"):
+        other.deformer._prepared.normals_of(V[1:], np.empty_like(V[1:]))
 
 
 class Odd:

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What becomes of arrays later, in the caller's hands: no object changes by it, or it says so."""
+import gc
 import os
 import pickle
 import subprocess
 import sys
 import threading
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +88,19 @@ def test_arrays_of_an_object_are_read_only(bent, of):
         with pytest.raises(ValueError, match="read-only|WRITEABLE"):
             change()
     assert same(of(*bent), array)
+
+
+def test_a_pose_is_freed_where_it_is_dropped(bent):
+    """Also where its figures are kept, which can still be asked."""
+    gc.disable()
+    try:
+        pose = bent[0].pose({2: bar()[3]})
+        info, gone = pose.info, weakref.ref(pose)
+        pose.normals, pose.nodes, repr(pose)
+        del pose
+        assert gone() is None and info.discretisation_error == bent[1].discretisation_error()
+    finally:
+        gc.enable()
 
 
 def test_attributes_cannot_be_set(bent):

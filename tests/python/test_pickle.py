@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from shapes import bar, same
 
+import pymeshlab_fcd as fcd
 from pymeshlab_fcd import Deformer, Fitter, KeyFrame, Motion, PoseSequence, straighten
 
 VERTICES, FACES, TAGS, LIFT = bar()
@@ -117,13 +118,14 @@ def test_copies():
 def test_what_is_no_pose_of_this_version_says_so():
     pose = Deformer(VERTICES, FACES, TAGS).pose({2: LIFT})
     state = pose.__getstate__()
-    for solved in (b"", b"fcd pose 0\n", state["solved"][:-1], state["solved"] + b"x", b"fcd pose 1\n" + b"\xff" * 100):
+    whole = pose._core.state()
+    for solved in (b"", b"fcd pose 0\n", whole[:-1], whole + b"x", b"fcd pose 1\n" + b"\xff" * 100):
         other = copy.copy(pose)
-        other.__setstate__({**state, "solved": solved})
+        other.__setstate__({**state, "solved": fcd._pose._Solved(pose.deformer, solved)})
         with pytest.raises(ValueError, match="another version of this package: pose the surface anew"):
             other.stretch()
     coarse = Deformer(VERTICES, FACES, TAGS, patches=50)
-    other.__setstate__({**state, "deformer": coarse})
+    other.__setstate__({**state, "solved": fcd._pose._Solved(coarse, pose._core.state())})
     with pytest.raises(ValueError, match="one of another surface, or of another version"):
         other.stretch()
 

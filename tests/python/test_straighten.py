@@ -7,7 +7,7 @@ import pytest
 
 import pymeshlab_fcd
 from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Straightened, straighten
-from shapes import same
+from shapes import same, with_filters
 
 LENGTH, RADIUS = 10.0, 0.6
 AXIS = np.stack([np.linspace(0, LENGTH, 9), np.zeros(9), np.zeros(9)], 1)
@@ -148,3 +148,19 @@ def test_folds_are_warned_of():
 def test_what_cannot_be_taken(line, given, message):
     with pytest.raises((TypeError, ValueError), match=message):
         straighten(*tube(21, 8), line, **given)
+
+
+@pytest.mark.parametrize("ours, its", [
+    ({}, {}), (dict(smoothing=0.007), dict(line_smoothing=0.7)), (dict(degrees=33.3, towards=[0, 0, 1]), dict(to=1, angle=33.3, towards=[0, 0, 1])),
+    (dict(length=12.3, smoothness=0.013), dict(length=12.3, smoothness=0.013))])
+def test_the_same_bits_as_the_filter(tmp_path, ours, its):
+    """Which gets numbers in single precision: they count as they were typed."""
+    pymeshlab = with_filters()
+    vertices, faces = tube()
+    line = bent(AXIS) + 0.02 * np.sin(17.0 * np.arange(27)).reshape(9, 3)
+    np.savetxt(tmp_path / "line.csv", line, "%.17g", ",")
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(bent(vertices), faces))
+    ms.apply_filter("generate_fcd_straightened_mesh", line_file=str(tmp_path / "line.csv"), graph_layers=False, **its)
+    mine = straighten(bent(vertices), faces, line, **ours).vertices
+    assert same(mine, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))

@@ -325,11 +325,22 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
     output.rate = 4;
     std::vector<Matrix3Xd> frames;
     std::vector<std::size_t> keys;
-    output.frame = [&](std::size_t number, const Deformer::Pose &, const Matrix3Xd &position) {
+    double most = -1, error = 0; // of the frame that is bent most
+    const auto look = [&](const Deformer::Pose &pose) {
+        if (pose.graph.energy > most) {
+            most = pose.graph.energy;
+            error = rig.deformer->DiscretisationError(pose, rig.param);
+        }
+    };
+    output.frame = [&](std::size_t number, const Deformer::Pose &pose, const Matrix3Xd &position) {
         EXPECT_EQ(number, frames.size());
         frames.push_back(position);
+        look(pose);
     };
-    output.keyFrame = [&](std::size_t number, const Deformer::Pose &, const Matrix3Xd &) { keys.push_back(number); };
+    output.keyFrame = [&](std::size_t number, const Deformer::Pose &pose, const Matrix3Xd &) {
+        keys.push_back(number);
+        look(pose);
+    };
     Bytes cache, gltf, again;
     output.pointCache = cache.Write();
     output.gltf = gltf.Write();
@@ -339,6 +350,8 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
     EXPECT_EQ(keys, (std::vector<std::size_t>{0, 1, 2}));
     EXPECT_TRUE(report.converged);
     EXPECT_EQ(report.difference, 0);
+    EXPECT_EQ(report.discretisationError, error);
+    EXPECT_GT(error, 0);
     EXPECT_TRUE(SameBits(frames[0], SurfaceView(rig.arrays).Copy()));
 
     ASSERT_EQ(cache.content.size(), 32 + 6 * n * 12);

@@ -194,7 +194,9 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
     for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h)
         total += mapping.constraintBlend->held[h].share;
     Eigen::Vector3d moved = vertices.Moved(lane) / total;
-    Eigen::Matrix3d map = vertices.Linear(lane).cast<double>() / total;
+    Eigen::Matrix3d map = Eigen::Matrix3d::Zero(); // without maps, there is none to read
+    if (linear)
+        map = vertices.Linear(lane).cast<double>() / total;
     for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
         // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
         const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
