@@ -257,7 +257,8 @@ nb::dict Posed::info() const {
 
 double Posed::discretisationError(const nb::object &report) const {
     double error = 0;
-    Listener::Run(report, prepared->threads,
-                  [&](const Progress &) { error = prepared->deformer->DiscretisationError(pose, prepared->param); });
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        error = prepared->deformer->DiscretisationError(pose, prepared->param, progress);
+    });
     return error;
 }
