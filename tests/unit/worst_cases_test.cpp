@@ -443,3 +443,23 @@ TEST(WorstCases, MoreNodesThanCanBeSolved) {
                                                                                           : 1; }),
                 "nodes; 200000 are the most", param);
 }
+
+TEST(WorstCases, TrianglesForThemselvesInAnyPlane) {
+    // Borders are looked for along a line: this one stands on the plane.
+    const Vector3d line = Vector3d(0.5773, 0.6144, 0.5378).normalized();
+    const Shape flat = Unwelded(Grid(sanitized ? 40 : 120, sanitized ? 40 : 120));
+    Shape standing = flat;
+    for (Vector3d &p : standing.position)
+        p = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), line) * p;
+    double seconds[2];
+    Index joined[2];
+    for (const bool stands : {false, true}) {
+        const MeshD mesh(Jittered(stands ? standing : flat, 1e-6));
+        const Stopwatch watch;
+        joined[stands] = BuildSurfaceGraph(Read(mesh)).report.seams;
+        seconds[stands] = watch.Seconds();
+    }
+    EXPECT_GT(joined[0], Index(flat.face.size()));
+    EXPECT_GT(joined[1], Index(flat.face.size()));
+    EXPECT_LE(seconds[1], 5 * seconds[0] + 0.1);
+}

@@ -5,7 +5,7 @@
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -32,8 +32,22 @@ struct Seams {
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
     Seams seams;
-    // In the order along a line that no mesh has borders across.
-    const Eigen::Vector3f direction = Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f).normalized();
+    // In the order along a line that no mesh has borders across: of three, the one along which they reach farthest, so
+    // that not all of them are at one place of it.
+    Eigen::Vector3f direction = Eigen::Vector3f::Zero();
+    float farthest = -1;
+    for (const Eigen::Vector3f &each :
+         {Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f), Eigen::Vector3f(-0.7412f, 0.1317f, 0.6583f),
+          Eigen::Vector3f(0.3171f, -0.7793f, 0.5403f)}) {
+        Eigen::AlignedBox<float, 1> along;
+        for (Index u = 0; u < graph.Size(); ++u)
+            if (open[u])
+                along.extend(Eigen::Matrix<float, 1, 1>(each.dot(graph.position.col(u))));
+        if (const float reach = along.isEmpty() ? 0 : along.sizes()[0]; reach > 1.5f * farthest) { // the first, mostly
+            farthest = reach;
+            direction = each.normalized();
+        }
+    }
     struct Place {
         float along, reach; // reach: a tenth of the shortest edge
         Index node, first;  // first: of its neighbours; -1 for none
