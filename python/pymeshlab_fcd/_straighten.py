@@ -25,6 +25,10 @@ class LineInfo:
     """Of the line, before."""
     new_length: float
     """And after."""
+    jitter: float
+    """Of its points, across, root mean square a direction, that was taken out; 0 where they were taken as they are."""
+    left_middle: bool
+    """Whether `middle` was asked for, and left, as the surface would have been stretched more along that line."""
     twist: float
     """Of the surface about the line, from end to end, in degrees, where it was taken out; else 0."""
     following: int
@@ -79,7 +83,9 @@ def straighten(
     Args:
         vertices: n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
         faces: m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-        line: k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the
+        line: k x 3, points of the line in their order; a smooth curve leads through them. Where they lie closer than the surface is
+            thick and jitter, as picked ones do, so that the surface would be stretched by more than a hundredth, that is taken out
+            (`Straightened.line.jitter`). It is one open line without branches, in the
             surface or on it.
         target: k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is
             longer. None: a straight line, or an arc, where the line is.
@@ -88,9 +94,9 @@ def straighten(
         towards: Where the ends of the arc bend to; None: where those of the line do.
         length: How long the line gets; 0: as long as it is. Cross-sections keep their size.
         middle: Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on
-            the surface.
+            the surface. It is left where the surface would be stretched more along it (`Straightened.line.left_middle`).
         untwist: Whether the cross-sections are turned about the line so that their longest axes lie alike.
-        smoothing: Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
+        smoothing: Instead of the jitter of the points, wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
         normals: n x 3, at rest, which turn with the surface. None: those of its faces.
         patches: How many patches to begin with, from 1.
         seed: Chooses where the first patches are.
@@ -110,7 +116,7 @@ def straighten(
         KeyboardInterrupt: Ctrl-C, at once; nothing is half done.
 
     Warns:
-        DeformationWarning: Parts of the surface do not go with the line, or triangles turned over.
+        DeformationWarning: Parts of the surface do not go with the line, cross-sections tell no middle, or triangles turned over.
     """
     goal: dict[str, Any] = {
         "line": _finite("line", _inputs.rows("line", line)),
@@ -139,6 +145,9 @@ def straighten(
     made.line = LineInfo(**found)
     made._write(None, report(told, 80, 95))
     texts = []
+    if made.line.left_middle:
+        texts.append("The surface would be stretched more along the line through the middles of its cross-sections than along the line as it "
+                     "is given: it goes along that.")
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""
