@@ -62,10 +62,13 @@ void BendLinePreview::begin() {
     const auto find = [job = job, param = bend](const Progress &progress) {
         if (!job->surface->prepared)
             job->surface->prepare(param, progress.Slice(0, 0.7));
-        if (job->goal.line.cols() > 1)
+        if (job->goal.line.cols() > 1) {
+            vcg::fcd::StraightenReport report;
             job->found = through(vcg::fcd::LineOf(job->goal, *job->surface->prepared->deformer, job->surface->world,
-                                                  progress.Slice(0.7, 1)),
+                                                  progress.Slice(0.7, 1), &report),
                                  job->goal.smoothing);
+            job->found.report = report;
+        }
     };
     const auto take = [this, which = ++number] { ended(which); };
     const auto done = [this, take] { QMetaObject::invokeMethod(this, take, Qt::QueuedConnection); };
@@ -100,8 +103,10 @@ KnownLine BendLinePreview::stop(const LineGoal &goal) {
     work.reset(); // waits for it
     if (surface && surface->prepared)
         known.surface = surface;
-    if (isLast && goal.middle && isSameLine(goal, asked))
+    if (isLast && goal.middle && isSameLine(goal, asked)) {
         known.middle = found.points;
+        known.report = found.report;
+    }
     asked.line.resize(3, 0); // what is looked for next is looked for anew
     isLast = false;
     return known;

@@ -19,10 +19,11 @@ class BendLinePreview : public QObject {
   public:
     /// What was found.
     struct Found {
-        Eigen::Matrix3Xd points; ///< 3 x n, of the line that is used, in the world
-        Eigen::Matrix3Xd way;    ///< 3 x m, places of it that are close enough together to be drawn
-        double length = 0;       ///< world units
-        std::string error;       ///< why there is none; else empty
+        Eigen::Matrix3Xd points;           ///< 3 x n, of the line that is used, in the world
+        Eigen::Matrix3Xd way;              ///< 3 x m, places of it that are close enough together to be drawn
+        double length = 0;                 ///< world units
+        vcg::fcd::StraightenReport report; ///< what LineOf has told
+        std::string error;                 ///< why there is none; else empty
     };
 
     /// \param changed called when something was found, by the thread of the window

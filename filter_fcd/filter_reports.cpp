@@ -239,6 +239,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
     HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
     values.insert({{"length", report.length},
                    {"new_length", report.newLength},
+                   {"jitter", report.jitter},
+                   {"middle_left", report.leftMiddle},
                    {"twist", report.twist},
                    {"following_nodes", report.following},
                    {"released_nodes", report.released},

@@ -33,7 +33,9 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
         list, Shown::Always, "line_smoothing", Scalarm(100 * param.smoothing),
         "Smooth the line (percent of its length)",
         "Smooths wiggles of the line away that are shorter than some six times this part of its length, such as the "
-        "steps of a skeleton of voxels; 1 is much. <b>0</b> (the default): the line goes through its points.");
+        "steps of a skeleton of voxels; 1 is much. <b>0</b> (the default): the line goes through its points; "
+        "where they lie closer than the mesh is thick and jitter, so that it would be stretched by more than a "
+        "hundredth, that is taken out, and the log says by how much they did.");
     const StraightenTexts texts = straightenTexts();
     addParameter<RichBool>(list, Shown::Always, "middle", param.middle, texts.middle.label, texts.middle.help);
     addParameter<RichEnum>(list, Shown::Always, "to", int(param.shape), texts.shape.values, texts.shape.label,

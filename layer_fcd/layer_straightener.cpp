@@ -59,7 +59,8 @@ StraightenedShape straightened(const MeshModel &layer, LineGoal goal, const Stra
         surface.prepared = known.surface->prepared;
         if (known.middle.cols() > 0) {
             goal.line = known.middle;
-            goal.middle = false;
+            goal.isFound = true;
+            made.report = known.report;
         }
     } else {
         surface.prepare(bend, progress.Slice(0.02, 0.5));
@@ -109,6 +110,8 @@ std::string describe(const StraightenedLayers &made) {
     line << "The line is " << report.length << " long, and " << report.newLength << " now; " << report.following
          << " of " << report.following + report.released << " nodes go with it. The surface is off from where its "
          << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
+    if (report.jitter > 0)
+        line << " The points of the line jitter by " << report.jitter << " (rms), which was taken out.";
     if (report.twist != 0)
         line << " A twist of " << report.twist << " degrees from end to end was taken out.";
     line << " " << made.seconds << " s.";
@@ -118,6 +121,9 @@ std::string describe(const StraightenedLayers &made) {
 std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     std::vector<std::string> warnings;
+    if (report.leftMiddle)
+        warnings.emplace_back("The surface would be stretched more along the line through the middles of its "
+                              "cross-sections than along the line as it is given: it goes along that.");
     if (report.released > 0) {
         std::ostringstream line;
         line << "Beside the line from ";

@@ -7,7 +7,8 @@ StraightenTexts straightenTexts() {
                     {},
                     "Takes the line through the middles of the surface's cross-sections along the given one, which may "
                     "then lie on the surface, as picked points do. Without it, what lies beside the line at the inner "
-                    "side of a bend gets longer, and the line keeps its length."};
+                    "side of a bend gets longer, and the line keeps its length. It is left where the surface would be "
+                    "stretched more along it, as where cross-sections tell no middle; the log says so."};
     texts.shape = {"Becomes",
                    {"A straight line", "An arc", "The line of a layer"},
                    "What the line becomes. A straight line, or an arc of a circle, lies where the line does: their "

@@ -45,6 +45,8 @@ nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &
     nb::dict all;
     all["length"] = found.length;
     all["new_length"] = found.newLength;
+    all["jitter"] = found.jitter;
+    all["left_middle"] = found.leftMiddle;
     all["twist"] = found.twist;
     all["following"] = found.following;
     all["released"] = found.released;

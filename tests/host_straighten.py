@@ -12,7 +12,7 @@ DEFAULTS = {
     "target_layer": 0, "reverse": False, "length": 0, "untwist": False, "initial_patches": 1000, "smoothness": 0.0058, "random_seed": 1,
     "graph_layers": True, "straightened_quality": 0}
 RETURNS = {
-    **SURFACE_RETURNS, "length": float, "new_length": float, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
+    **SURFACE_RETURNS, "length": float, "new_length": float, "jitter": float, "middle_left": bool, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
     "largest": float, "folded_triangles": int, "nodes": int, "converged": bool, "seconds": float}
 LENGTH, RADIUS = 10.0, 0.6
 DIAGONAL = np.sqrt(LENGTH ** 2 + 8 * RADIUS ** 2)
@@ -92,6 +92,22 @@ def test_what_is_done_is_logged(capfd, tmp_path):
     oval = tube()[0] * [1, 1, 0.5]
     ms = layers(oval, polyline(axis()))
     assert "A twist of" in straighten_logged(ms, capfd, line_layer=0, untwist=True)[1]
+
+
+def test_jitter_and_a_middle_that_is_left_are_logged(capfd, tmp_path):
+    line = axis(200)[1:-1]
+    clicked = bent(line) + np.random.default_rng(1).normal(0, 0.04, line.shape)
+    ms = layers(bent(tube()[0]))
+    result, log = straighten_logged(ms, capfd, line_file=line_file(tmp_path / "l.csv", clicked))
+    assert "The points of the line jitter by 0.0" in log and result["jitter"] == pytest.approx(0.04, rel=0.2)
+    assert result["length"] == pytest.approx(LENGTH, rel=0.02) and not result["middle_left"]
+    points, faces = tube(301, 48)
+    points[:, 1:] /= 2
+    points[:, 2] += np.where(points[:, 2] > 0.28, 3 * np.exp(-((points[:, 0] - 6) / 0.6) ** 2), 0)  # a fin
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=bent(points), face_matrix=faces), "finned")
+    result, log = straighten_logged(ms, capfd, line_file=line_file(tmp_path / "l.csv", bent(axis())), middle=True)
+    assert result["middle_left"] and "stretched more along the line through the middles of its cross-sections" in log
 
 
 def test_folds_are_warned_of(capfd, tmp_path):

@@ -25,7 +25,10 @@ struct StraightenParam : DeformationParam {
 /// What became of it.
 struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
-    double twist = 0;                 ///< of the surface about the line, from end to end, degrees; 0 where not measured
+    double jitter = 0; ///< of the given points across the line, root mean square a direction, that was taken out; or 0
+    bool leftMiddle =
+        false;        ///< the line through the middle was asked for, and left: the surface would be stretched more
+    double twist = 0; ///< of the surface about the line, from end to end, degrees; 0 where not measured
     Index following = 0, released = 0; ///< nodes that go with the line, and that do not, as it would fold or tear there
     std::vector<std::pair<double, double>> releasedAt; ///< where these are along the line: from, to, world units
     double rms = 0, largest = 0; ///< by how much the surface is off from the cross-sections' motions, world units
@@ -34,13 +37,15 @@ struct StraightenReport {
 /// A tag for each vertex slot that lets all of them go along.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// The line that a surface goes with: that of \p goal, or, where it says so, the one through the middles of the
-/// surface's cross-sections along it. \param deformer of a surface, all of which is free, prepared with bendsUnheld
-/// \param world the matrix of its layer \return 3 x n, its points, in the world
+/// The line that a surface goes with: that of \p goal, without the jitter of its points where that matters, if no
+/// smoothing is asked for; or, where it says so, the one through the middles of the surface's cross-sections along it,
+/// unless the surface would be stretched more along that one. \param deformer of a surface, all of which is free,
+/// prepared with bendsUnheld \param world the matrix of its layer \param report if given: jitter and leftMiddle
+/// \return 3 x n, its points, in the world
 /// \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface; too few cross-sections
 /// to find their middles \throw Cancelled
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
-                        const Progress &progress = {});
+                        const Progress &progress = {}, StraightenReport *report = nullptr);
 
 /// The motion from one line to another one, with what the surface tells of it. \param deformer, world as of LineOf
 /// \throw BadInput as LineOf, and as MotionTo; too round cross-sections to tell a twist \throw Cancelled

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/line/line_jitter.h>
 #include <vcg_ext/straighten.h>
 #include <vcg_ext/straighten/line_places.h>
 #include <vcg_ext/straighten/line_sections.h>
@@ -99,6 +100,11 @@ void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const L
     progress(1, "Following the line");
 }
 
+/// The points of a line without jitter, where it is not smoothed as somebody wants it to be.
+SteadyPoints Steady(const Eigen::Matrix3Xd &points, double smoothing, double thickness) {
+    return smoothing > 0 || !(thickness > 0) ? SteadyPoints{points, 0} : WithoutJitter(points, thickness);
+}
+
 /// \throw BadInput where less than half of the line lies in the box of the surface
 void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen::Affine3d &world) {
     const ToWorld toWorld(deformer.surface.frame, world);
@@ -121,15 +127,36 @@ void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen:
 } // namespace
 
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
-                        const Progress &progress) {
-    const FramedLine line(goal.line, goal.smoothing);
-    ExpectInside(line, deformer, world);
-    return goal.middle ? detail::MiddleOf(deformer, world, line, progress) : goal.line;
+                        const Progress &progress, StraightenReport *report) {
+    const FramedLine given(goal.line, goal.smoothing);
+    ExpectInside(given, deformer, world);
+    if (goal.isFound)
+        return goal.line;
+    const double thickness = detail::ThicknessAlong(deformer, world, given, progress.Slice(0, 0.1));
+    const SteadyPoints steady = Steady(goal.line, goal.smoothing, thickness);
+    if (report)
+        report->jitter = steady.jitter;
+    if (!goal.middle)
+        return steady.point;
+    const FramedLine line(steady.point, goal.smoothing);
+    Eigen::Matrix3Xd middle = detail::MiddleOf(deformer, world, line, progress.Slice(0.1, 0.8));
+    const double before = detail::StretchAlong(deformer, world, line, progress.Slice(0.8, 0.9)),
+                 after =
+                     detail::StretchAlong(deformer, world, FramedLine(middle, goal.smoothing), progress.Slice(0.9, 1));
+    // Else cross-sections do not tell a middle. Less than a thousandth is nothing.
+    const bool isBetter = after <= std::max(before, 1e-6);
+    if (report)
+        report->leftMiddle = !isBetter;
+    return isBetter ? middle : steady.point;
 }
 
 LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress) {
-    goal.line = LineOf(goal, deformer, world, progress);
+    goal.line = LineOf(goal, deformer, world, progress, &report);
+    if (goal.target.cols() > 0)
+        goal.target = Steady(goal.target, goal.smoothing,
+                             detail::ThicknessAlong(deformer, world, FramedLine(goal.line, goal.smoothing)))
+                          .point;
     LineMotion motion = MotionTo(goal);
     report.length = motion.From().Length();
     report.newLength = motion.Length();

@@ -26,6 +26,10 @@ class LineInfo:
     """Of the line, before."""
     new_length: float
     """And after."""
+    jitter: float
+    """Of its points, across, root mean square a direction, that was taken out; 0 where they were taken as they are."""
+    left_middle: bool
+    """Whether `middle` was asked for, and left, as the surface would have been stretched more along that line."""
     twist: float
     """Of the surface about the line, from end to end, in degrees, where it was taken out; else 0."""
     following: int
@@ -96,8 +100,9 @@ def straighten(
     faces : array_like, optional
         m x 3 numbers of vertices; None: a cloud, or what the mesh has.
     line : array_like, optional
-        k x 3, points of the line in their order; a smooth curve leads through them. It is one open line without branches, in the surface or
-        on it.
+        k x 3, points of the line in their order; a smooth curve leads through them. Where they lie closer than the surface is thick and
+        jitter, as picked ones do, so that the surface would be stretched by more than a hundredth, that is taken out
+        (`Straightened.line.jitter`). It is one open line without branches, in the surface or on it.
     target : array_like, optional
         k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is longer. None:
         a straight line, or an arc, where the line is.
@@ -111,10 +116,12 @@ def straighten(
         How long the line gets; 0: as long as it is. Cross-sections keep their size.
     middle : bool, default False
         Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on the surface.
+        It is left where the surface would be stretched more along it (`Straightened.line.left_middle`).
     untwist : bool, default False
         Whether the cross-sections are turned about the line so that their longest axes lie alike.
     smoothing : float, default 0.0
-        Wiggles of the line that are shorter than some six times this part of its length are smoothed away, 0 to 0.25.
+        Instead of the jitter of the points, wiggles of the line that are shorter than some six times this part of its length are smoothed
+        away, 0 to 0.25.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface. None: those of its faces.
     patches : int, default 1000
@@ -149,7 +156,7 @@ def straighten(
     Warns
     -----
     DeformationWarning
-        Parts of the surface do not go with the line, or triangles turned over.
+        Parts of the surface do not go with the line, cross-sections tell no middle, or triangles turned over.
     """
     if _meshes.is_beside_mesh(vertices, faces):
         if line is None:  # the target, if there is one, by its name
@@ -182,6 +189,9 @@ def straighten(
     made._line = LineInfo(**measured)
     made._write(None, None, report(told, 80, 95))
     found: list[Told] = []
+    if made.line.left_middle:
+        found.append((LineWarning, "The surface would be stretched more along the line through the middles of its cross-sections than along the "
+                                   "line as it is given: it goes along that."))
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""

@@ -101,6 +101,27 @@ def test_meshes_of_other_libraries():
         straighten(mesh, faces, AXIS)
 
 
+@pytest.mark.parametrize("count", [9, 14, 30, 90, 250])
+def test_clicking_more_points_makes_it_no_longer(count):
+    vertices, faces = tube()
+    jitter = 0.04
+    points = np.stack([np.linspace(0.1, LENGTH - 0.1, count), np.zeros(count), np.zeros(count)], 1)
+    made = straighten(bent(vertices), faces, bent(points) + np.random.default_rng(count).normal(0, jitter, (count, 3)))
+    assert made.line.length == pytest.approx(LENGTH - 0.2, abs=4 * jitter)
+    assert rms_apart(made.vertices, vertices) < 2 * jitter
+    assert not made.line.jitter or made.line.jitter == pytest.approx(jitter, rel=0.5)
+    assert (count < 30 or made.line.jitter) and not made.line.left_middle
+
+
+def test_a_middle_that_stretches_more_is_left():
+    vertices, faces = tube(301, 48, 0.3)
+    vertices[:, 2] += np.where(vertices[:, 2] > 0.28, 3 * np.exp(-((vertices[:, 0] - 6) / 0.6) ** 2), 0)  # a fin
+    given = straighten(bent(vertices), faces, bent(AXIS))
+    with pytest.warns(DeformationWarning, match="stretched more along the line through the middles .* than along the line as it is given"):
+        made = straighten(bent(vertices), faces, bent(AXIS), middle=True)
+    assert made.line.left_middle and not given.line.left_middle and same(made.vertices, given.vertices)
+
+
 def test_progress_goes_on():
     told = []
     vertices, faces = tube()

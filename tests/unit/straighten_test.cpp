@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/field/field_sampling.h>
+#include <vcg_ext/line/line_jitter.h>
 #include <vcg_ext/line/line_points.h>
 #include <vcg_ext/straighten.h>
 #include <vcg_ext/straighten/line_places.h>
@@ -225,6 +226,65 @@ TEST(LinePoints, ReadsALineForEachPoint) {
     EXPECT_NE(of("# nothing\n").find("holds no points"), std::string::npos);
 }
 
+/// Points that lie off where they are meant by \p jitter in each direction.
+static Matrix3Xd Jittered(Matrix3Xd points, double jitter, unsigned seed = 1) {
+    std::mt19937 random(seed);
+    for (auto each : points.colwise())
+        for (double &x : each) { // a sum of twelve, which is the same everywhere, is nearly normal
+            double sum = -6;
+            for (int k = 0; k < 12; ++k)
+                sum += double(random() >> 8) * 0x1p-24;
+            x += jitter * sum;
+        }
+    return points;
+}
+
+static Matrix3Xd SpiralLine(int count) {
+    std::vector<Vector3d> points;
+    for (int i = 0; i < count; ++i) {
+        const double a = 6 * pi * i / (count - 1), r = 4 + 2 * a / pi;
+        points.emplace_back(r * std::cos(a), r * std::sin(a), 0);
+    }
+    return Points(points);
+}
+
+TEST(LineJitter, LeavesPointsThatAreMeant) {
+    for (int count : {2, 8, 21, 101, 700})
+        for (const Matrix3Xd &line : {BentLine(100, 2, count), SpiralLine(9 * count)}) {
+            const SteadyPoints steady = WithoutJitter(line, 5);
+            EXPECT_EQ(steady.point, line) << count;
+            EXPECT_EQ(steady.jitter, 0);
+        }
+    // What is so small that the surface does not show it, points farther apart than the body is thick, and very few.
+    for (const auto &[count, jitter, thickness] :
+         {std::make_tuple(200, 1e-4, 3.0), std::make_tuple(12, 0.3, 1.0), std::make_tuple(7, 0.5, 20.0)}) {
+        const Matrix3Xd line = Jittered(BentLine(100, 2, count), jitter);
+        EXPECT_EQ(WithoutJitter(line, thickness).point, line) << count;
+    }
+}
+
+TEST(LineJitter, TakesOutByWhatPointsAreOff) {
+    for (int count : {26, 50, 200, 1000})
+        for (double jitter : {0.1, 0.3})
+            for (unsigned seed : {1u, 2u, 3u}) {
+                const Matrix3Xd meant = BentLine(100, 2, count), line = Jittered(meant, jitter, seed);
+                const SteadyPoints steady = WithoutJitter(line, 3);
+                const auto off = [&](const Matrix3Xd &points) { // across
+                    const FramedLine truth(meant);
+                    double squares = 0;
+                    for (const auto &p : points.colwise())
+                        squares += (truth.At(truth.Nearest(p, 0, truth.Length())).point - p).squaredNorm();
+                    return std::sqrt(squares / (2 * count));
+                };
+                EXPECT_NEAR(steady.jitter, jitter, (count > 100 ? 0.2 : 0.5) * jitter) << count << " " << seed;
+                EXPECT_NEAR(FramedLine(steady.point).Length(), 100, 4 * jitter) << count << " " << seed;
+                EXPECT_LT(off(steady.point), (count > 100 ? 0.5 : 0.9) * off(line)) << count << " " << seed;
+                if (count >= 200) {
+                    EXPECT_GT(FramedLine(line).Length(), 101);
+                }
+            }
+}
+
 TEST(LineMotion, MovesCrossSectionsRigidlyAndTellsItsGradient) {
     LineGoal goal;
     goal.line = BentLine(10, 1.5, 12);
@@ -330,6 +390,107 @@ TEST(Straighten, TellsTheLineThatIsUsed) {
     EXPECT_EQ(again.length, report.length);
     goal.middle = true;
     EXPECT_THROW(LineOf(goal, *deformer, world, Progress([](const int, const char *) { return false; })), Cancelled);
+}
+
+TEST(Straighten, DoesNotDependOnHowManyPointsAreGiven) {
+    const double length = 100, radians = 2, jitter = 0.1;
+    const Shape straight = Tube(length, 3, 3, 301, 24);
+    Shape bent = straight;
+    for (Vector3d &p : bent.position)
+        p = Bent(p, length, radians);
+    for (int count : {8, 12, 26, 34, 80, 200}) {
+        LineGoal goal;
+        goal.line = Jittered(BentLine(length, radians, count, 0.01, 0.99), jitter, unsigned(count));
+        const Straight made = Along(bent, goal);
+        EXPECT_NEAR(made.report.length, 98, 4 * jitter) << count; // its ends jitter, too
+        EXPECT_LT(RmsApart(made.position, Points(straight.position)), 2 * jitter) << count;
+        EXPECT_EQ(made.report.jitter > 0, count > 20) << count;
+        goal.smoothing = 1e-4; // what is asked for is what is done
+        EXPECT_EQ(Along(bent, goal).report.jitter, 0);
+    }
+    // The line that it goes to may jitter, too.
+    LineGoal goal;
+    goal.line = BentLine(length, 0.01, 9);
+    goal.target = Jittered(BentLine(length, radians, 300, 0, 1.1), jitter);
+    EXPECT_LT(RmsApart(Along(straight, goal).position, Points(bent.position)), 4 * jitter);
+}
+
+/// A flat body with a guard across, bent to an S, and points picked on it.
+struct Blade {
+    static constexpr double length = 90;
+    Shape straight = Tube(length, 1, 1, 400, 32), bent;
+    std::vector<Vector3d> middle; ///< 0.01 of the length apart
+
+    explicit Blade(double guard) {
+        Vector3d at(0, 0, 0);
+        const int steps = 9000;
+        std::vector<std::pair<Vector3d, double>> way;
+        for (int i = 0; i <= steps; ++i) {
+            const double angle = 0.45 * std::sin(2 * pi * i / steps);
+            way.emplace_back(at, angle);
+            if (i % 90 == 0)
+                middle.push_back(at);
+            at += length / steps * Vector3d(std::cos(angle), 0, std::sin(angle));
+        }
+        for (Vector3d &p : straight.position)
+            p = Vector3d(p[0], 2.5 * p[1] * (1 + guard * std::exp(-std::pow((p[0] - 20) / 0.8, 2))), 0.6 * p[2]);
+        bent = straight;
+        for (Vector3d &p : bent.position) {
+            const auto &[on, angle] = way[std::size_t(std::lround(p[0] / length * steps))];
+            p = on + Vector3d(-p[2] * std::sin(angle), p[1], p[2] * std::cos(angle));
+        }
+    }
+    Matrix3Xd Picked(double jitter, unsigned seed) const {
+        std::vector<Vector3d> points;
+        for (std::size_t i = 1; i < middle.size(); i += 7)
+            points.push_back(middle[i] + Vector3d(0, 0, 0.6));
+        Matrix3Xd line = Points(points), off = Jittered(0 * line, jitter, seed);
+        line.row(1) += off.row(1);
+        return line;
+    }
+};
+
+TEST(Straighten, FindsTheMiddleBesideAGuard) {
+    for (double guard : {0.0, 3.0}) {
+        const Blade blade(guard);
+        for (double jitter : {0.0, 0.4})
+            for (unsigned seed : {1u, 2u}) {
+                LineGoal goal;
+                goal.line = blade.Picked(jitter, seed);
+                const Straight given = Along(blade.bent, goal);
+                goal.middle = true;
+                const Straight through = Along(blade.bent, goal);
+                const double off = RmsApart(through.position, Points(blade.straight.position));
+                const double without = RmsApart(given.position, Points(blade.straight.position));
+                if (guard > 0 && jitter > 0) {
+                    EXPECT_LE(off, without) << seed; // some jitter beside a guard is too much, and it is left
+                } else {
+                    EXPECT_FALSE(through.report.leftMiddle);
+                    EXPECT_LT(off, without) << guard << " " << jitter;
+                    EXPECT_LT(off, 0.0015 * Blade::length) << guard << " " << jitter;
+                }
+                EXPECT_NEAR(through.report.length, given.report.length, 0.02 * Blade::length);
+            }
+    }
+}
+
+TEST(Straighten, LeavesTheMiddleThatWouldStretchMore) {
+    // A fin as high as a third of the body is long: the middle of the cross-sections goes up into it.
+    Shape straight = Tube(100, 3, 3, 300, 64);
+    for (Vector3d &p : straight.position)
+        if (p[2] > 2.8)
+            p[2] += 30 * std::exp(-std::pow((p[0] - 60) / 6, 2));
+    Shape bent = straight;
+    for (Vector3d &p : bent.position)
+        p = Bent(p, 100, 1.5);
+    LineGoal goal;
+    goal.line = BentLine(100, 1.5, 9, 0.01, 0.99);
+    const Straight given = Along(bent, goal);
+    EXPECT_FALSE(given.report.leftMiddle);
+    goal.middle = true;
+    const Straight through = Along(bent, goal);
+    EXPECT_TRUE(through.report.leftMiddle);
+    EXPECT_EQ(through.position, given.position);
 }
 
 TEST(Straighten, BendsAndComesBack) {

@@ -72,6 +72,7 @@ struct LineGoal {
     ArcParam arc;
     double length = 0;    ///< that it is to have; 0: it keeps its own
     bool middle = false;  ///< whether it goes through the middles of the surface's cross-sections instead
+    bool isFound = false; ///< whether LineOf has found the line already
     bool untwist = false; ///< whether the twist of the surface about it is taken out
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 namespace vcg {
 namespace fcd {
@@ -51,7 +52,108 @@ void ForSamples(const Deformer &deformer, const Eigen::Affine3d &world, const Fr
     }
 }
 
+/// Over how much of a line the middle of the cross-sections around each bin is told, in bins: as far as the surface is
+/// from it. So a plane that stands a bit askew in a wide part has nearly all of that around, and the middle does not
+/// follow what it lacks to one side; beside that part it falls off as fast as one gets away from there.
+/// \param reach of each bin, in bins \param least of them
+std::vector<double> ScalesOf(std::vector<double> reach, double least) {
+    for (double &each : reach)
+        each = std::clamp(each, least, mostSmoothing * double(reach.size()));
+    for (std::size_t b = 1; b < reach.size(); ++b)
+        reach[b] = std::max(reach[b], reach[b - 1] - 0.5);
+    for (std::size_t b = reach.size() - 1; b-- > 0;)
+        reach[b] = std::max(reach[b], reach[b + 1] - 0.5);
+    return reach;
+}
+
+/// What lies around bins, by a Gaussian as wide as the scale of each.
+class Around {
+  public:
+    explicit Around(std::vector<double> scale) : scale(std::move(scale)) {}
+
+    /// The line of least squares through values, where each bin is, so that nothing is drawn in at the ends.
+    /// \param sum 3 x bins, of values by their weights \return 3 x bins, NaN where no weight is near
+    Eigen::Matrix3Xd Fitted(const Eigen::Matrix3Xd &sum, const std::vector<double> &weight) const {
+        Eigen::Matrix3Xd found(3, sum.cols());
+        const int n = int(sum.cols());
+        for (int b = 0; b < n; ++b) {
+            const double sigma = scale[std::size_t(b)];
+            const int reach = int(3 * sigma) + 1;
+            Eigen::Vector3d all = Eigen::Vector3d::Zero(), slope = all;
+            double total = 0, first = 0, second = 0;
+            for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
+                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)),
+                             its = w * weight[std::size_t(k)];
+                all += w * sum.col(k);
+                slope += w * way * sum.col(k);
+                total += its;
+                first += way * its;
+                second += way * way * its;
+            }
+            const double spread = second - first * first / total;
+            found.col(b) = all / total;
+            if (spread > total) // in more than a bin or two
+                found.col(b) -= first / total / spread * (slope - first / total * all);
+        }
+        return found;
+    }
+
+    /// The parabola of least squares through points, where each bin is: bends that are wide against the scale keep
+    /// their radius, also at the ends.
+    Eigen::Matrix3Xd Smooth(const Eigen::Matrix3Xd &points) const {
+        Eigen::Matrix3Xd found(3, points.cols());
+        const int n = int(points.cols());
+        for (int b = 0; b < n; ++b) {
+            const double sigma = scale[std::size_t(b)];
+            const int reach = int(3 * sigma) + 3; // at an end, more than a parabola needs
+            double moment[5] = {};
+            Eigen::Vector3d sum[3] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+            for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
+                const double way = (k - b) / sigma;
+                double w = Exponential(-0.5 * Squared(way));
+                for (int d = 0; d < 5; w *= way, ++d) {
+                    moment[d] += w;
+                    if (d < 3)
+                        sum[d] += w * points.col(k);
+                }
+            }
+            const double zero = moment[2] * moment[4] - moment[3] * moment[3],
+                         one = moment[2] * moment[3] - moment[1] * moment[4],
+                         two = moment[1] * moment[3] - moment[2] * moment[2];
+            found.col(b) =
+                (zero * sum[0] + one * sum[1] + two * sum[2]) / (zero * moment[0] + one * moment[1] + two * moment[2]);
+        }
+        return found;
+    }
+
+  private:
+    const std::vector<double> scale;
+};
+
 } // namespace
+
+double ThicknessAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+                      const Progress &progress) {
+    double squares = 0, all = 0;
+    ForSamples(deformer, world, line, 20000, progress,
+               [&](const LineSample &its, const FramedLine::Frame &, const Complex &across) {
+                   squares += its.weight * std::norm(across);
+                   all += its.weight;
+               });
+    return all > 0 ? std::sqrt(squares / all) : 0;
+}
+
+double StretchAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+                    const Progress &progress) {
+    double squares = 0, all = 0;
+    ForSamples(deformer, world, line, 20000, progress,
+               [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &) {
+                   const double open = 1 - frame.bend.dot(its.at - frame.point);
+                   squares += its.weight * Squared(Logarithm(std::clamp(open, 1 / mostStretch, mostStretch)));
+                   all += its.weight;
+               });
+    return all > 0 ? squares / all : 0;
+}
 
 Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &given,
                           const Progress &progress) {
@@ -59,10 +161,11 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
     FramedLine line = given;
     Eigen::Matrix3Xd points;
     // Each time, the planes of the cross-sections stand better across the body.
-    const int rounds = 5;
+    const int rounds = 6;
     for (int round = 0; round < rounds; ++round) {
         std::vector<Complex> sum(bins, 0);
-        std::vector<double> weight(bins, 0);
+        std::vector<double> weight(bins, 0), reach(bins, 0);
+        std::vector<std::pair<std::size_t, Complex>> places;
         double thick = 0, all = 0;
         ForSamples(deformer, world, line, 200000, progress.Slice(double(round) / rounds, double(round + 1) / rounds),
                    [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &across) {
@@ -72,18 +175,31 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
                        const auto bin = std::size_t(its.s / line.Length() * double(bins));
                        sum[bin] += w * across;
                        weight[bin] += w;
+                       places.emplace_back(bin, across);
                        thick += w * LengthOf(across);
                        all += w;
                    });
         // A body tells its middle no finer than it is thick; of finer wiggles its cross-sections would make more.
         const double part = std::min(mostSmoothing, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
-        const std::vector<Complex> middle = Blurred(sum, weight, part * double(bins));
+        for (const auto &[bin, across] : places)
+            reach[bin] = std::max(reach[bin], LengthOf(across - sum[bin] / weight[bin]) / line.Length() * double(bins));
+        // What is finer in the line than cross-sections are large goes; then what they are off from it is added.
+        const Around around(ScalesOf(reach, part * double(bins)));
+        Eigen::Matrix3Xd on(3, Eigen::Index(bins)), off(3, Eigen::Index(bins));
+        std::vector<FramedLine::Frame> frames;
+        for (Eigen::Index b = 0; b < on.cols(); ++b) {
+            frames.push_back(line.At((double(b) + 0.5) / double(bins) * line.Length()));
+            on.col(b) = frames.back().point;
+            off.col(b) << 0, sum[std::size_t(b)].real(), sum[std::size_t(b)].imag();
+        }
+        const Eigen::Matrix3Xd smooth = around.Smooth(on), across = around.Fitted(off, weight),
+                               lost = around.Fitted(on - smooth, std::vector<double>(bins, 1));
         std::vector<Eigen::Vector3d> found;
-        for (std::size_t b = 0; b < bins; ++b)
-            if (std::isfinite(middle[b].real())) {
-                const FramedLine::Frame frame = line.At((double(b) + 0.5) / double(bins) * line.Length());
-                found.emplace_back(frame.point + middle[b].real() * frame.axes.col(1) +
-                                   middle[b].imag() * frame.axes.col(2));
+        for (Eigen::Index b = 0; b < on.cols(); ++b)
+            if (std::isfinite(across(1, b))) {
+                const Eigen::Matrix3d &axes = frames[std::size_t(b)].axes;
+                const Eigen::Vector3d along = axes.col(0), way = smooth.col(b) + lost.col(b) - on.col(b);
+                found.emplace_back(on.col(b) + way - way.dot(along) * along + axes * across.col(b));
             }
         if (!(all > 0) || found.size() < bins / 2)
             throw BadInput("The surface has cross-sections at too few places of the line to find its middle. Give a "

@@ -18,6 +18,16 @@ namespace detail {
 Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                           const Progress &progress = {});
 
+/// How far the surface is from a line, root mean square over its area, in the world. 0 where none is beside the line.
+double ThicknessAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+                      const Progress &progress = {});
+
+/// How much a surface is stretched along a line when that becomes straight: the mean square of the logarithm, over its
+/// area. Least for a line through the middle of what was bent; a line that wiggles, or lies to one side, stretches
+/// more.
+double StretchAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+                    const Progress &progress = {});
+
 /// What takes the twist of a surface about a line out: the longest axes of the cross-sections turn to where that in the
 /// middle is. \throw BadInput where the cross-sections are so round that they have none
 LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
