@@ -109,8 +109,13 @@ class GraphEnergy {
                 sumOfEdges[u] += edge[e];
     }
 
-    /// What a turn of node \p i alone moves: the sum of its edges' weights times their lengths^2, > 0.
-    double TurningMass(Index i) const { return stay[i] / stayed; }
+    /// What a turn of node \p i alone moves: the sum of its edges' weights times their lengths^2.
+    double TurningMass(Index i) const {
+        double mass = 0;
+        for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
+            mass += graph.weight[e] * graph.edge.col(e).cast<double>().squaredNorm();
+        return mass;
+    }
 
     /// Eq. 2.
     double Of(const State &x, const Given &given) const {

@@ -10,6 +10,7 @@
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace vcg {
 namespace fcd {
@@ -23,7 +24,10 @@ class GraphNewton {
     /// \param edgeLength by which turns are measured \param still below it a node does not move
     GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::Given &given, Index nodes,
                 double edgeLength, double still)
-        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown, nodes) {}
+        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown, nodes) {
+        for (Index i : unknown.rotation)
+            mass += energy.TurningMass(i);
+    }
 
     /// Finds where the energy is stationary, be it a minimum or a saddle, from \p state. Counts the steps in \p pose,
     /// to \p mostIterations. \return whether it did
@@ -52,6 +56,10 @@ class GraphNewton {
                 return false;
             Eigen::VectorXd way = Limited();
             if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
+                return true;
+            // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
+            const double most = way.cwiseAbs().maxCoeff();
+            if (-hessian.Gradient().dot(way) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
                 return true;
             if (hessian.Falling() > 0)
                 return false;
@@ -90,6 +98,7 @@ class GraphNewton {
     const double edgeLength, still;
     GraphHessian hessian;
     Eigen::VectorXd step;
+    double mass = 0; // what turns of all nodes move
 };
 
 } // namespace detail
