@@ -570,3 +570,29 @@ def test_a_deformation_that_cannot_be_told_by_samples_says_so():
     two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
     with pytest.warns(fcd.AccuracyWarning, match="farther off than 0.00[0-9]*, up to"):
         pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})
+
+
+def test_a_triangle_far_away_makes_nothing_slow():
+    across, along = 150, 80
+    u, w = (a.ravel() for a in np.meshgrid(np.arange(across) * 2 * np.pi / across, np.linspace(0, 4, along), indexing="ij"))
+    vertices = np.column_stack([w, np.cos(u), np.sin(u)])
+    i, j = np.meshgrid(np.arange(across), np.arange(along - 1), indexing="ij")
+    a, b = (i * along + j).ravel(), ((i + 1) % across * along + j).ravel()
+    faces = np.vstack([np.column_stack([a, a + 1, b]), np.column_stack([b, a + 1, b + 1])])
+    seconds, moved = [], []
+    for far in (0, 1e3, 1e6, 1e9):
+        n = len(vertices)
+        stray = [[far, 0, 0], [far, 1, 0], [far, 0, 1]] if far else np.zeros((0, 3))
+        all_vertices = np.vstack([vertices, stray])
+        all_faces = np.vstack([faces, [[n, n + 1, n + 2]]]) if far else faces
+        tags = np.where(all_vertices[:, 0] < 0.5, 0, np.where((all_vertices[:, 0] > 3.5) & (all_vertices[:, 0] < 4.5), 2, 1))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeformationWarning)
+            pose = Deformer(all_vertices, all_faces, tags).pose({2: Motion.translate([0.3, 0.2, 0])})
+            begin = time.perf_counter()
+            moved.append(pose.map(vertices + 0.01))
+            pose.deformation()(vertices + 0.01)
+        seconds.append(time.perf_counter() - begin)
+    assert max(seconds[1:]) < 10 * seconds[0] + 1
+    for each in moved[1:]:
+        assert same(each, moved[0])
