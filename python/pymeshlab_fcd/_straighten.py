@@ -147,7 +147,7 @@ def straighten(
     texts = []
     if made.line.left_middle:
         texts.append("The surface would be stretched more along the line through the middles of its cross-sections than along the line as it "
-                     "is given: it goes along that.")
+                     "is given: it goes along the given one.")
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""
