@@ -123,7 +123,7 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     std::vector<std::string> warnings;
     if (report.leftMiddle)
         warnings.emplace_back("The surface would be stretched more along the line through the middles of its "
-                              "cross-sections than along the line as it is given: it goes along that.");
+                              "cross-sections than along the line as it is given: it goes along the given one.");
     if (report.released > 0) {
         std::ostringstream line;
         line << "Beside the line from ";

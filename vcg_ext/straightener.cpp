@@ -154,9 +154,10 @@ LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine
                     const Progress &progress) {
     goal.line = LineOf(goal, deformer, world, progress, &report);
     if (goal.target.cols() > 0)
-        goal.target = Steady(goal.target, goal.smoothing,
-                             detail::ThicknessAlong(deformer, world, FramedLine(goal.line, goal.smoothing)))
-                          .point;
+        goal.target =
+            Steady(goal.target, goal.smoothing,
+                   detail::ThicknessAlong(deformer, world, FramedLine(goal.line, goal.smoothing), progress.Slice(1, 1)))
+                .point;
     LineMotion motion = MotionTo(goal);
     report.length = motion.From().Length();
     report.newLength = motion.Length();

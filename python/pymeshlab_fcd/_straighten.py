@@ -191,7 +191,7 @@ def straighten(
     found: list[Told] = []
     if made.line.left_middle:
         found.append((LineWarning, "The surface would be stretched more along the line through the middles of its cross-sections than along the "
-                                   "line as it is given: it goes along that."))
+                                   "line as it is given: it goes along the given one."))
     if made.line.released > 0:
         places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
         more = " and elsewhere" if len(made.line.released_at) > 5 else ""
