@@ -195,7 +195,10 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
             passed += its;
             while (passed * double(wanted) >= (double(places.size()) + 0.5) * all) { // that much area has been passed
                 const std::size_t k = places.size();
-                double u = k % 3 == 1, v = k % 3 == 2; // of a small triangle a corner, so that borders have places
+                std::size_t corner = k % 3; // of a small triangle, one at the border: that is what a fit may leave
+                for (std::size_t i = 0; i < 3 && !IsBorder(c[corner]); ++i)
+                    corner = IsBorder(c[i]) ? i : corner;
+                double u = corner == 1, v = corner == 2;
                 if (its * double(wanted) > all) { // of a large one where the plastic number's sequence leads: evenly
                     double whole;
                     u = std::modf(0.5 + 0.7548776662466927 * double(k), &whole);
