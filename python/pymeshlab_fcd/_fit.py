@@ -293,7 +293,7 @@ class Fitter:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
         if normals is not None:  # those of points that are not finite do not count
             normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
-            normals = np.where(np.isfinite(positions).all(1)[:, None], normals, 0.0)
+            normals = np.where(np.isfinite(positions).all(axis=1, keepdims=True), normals, 0.0)
         return {"vertices": positions, "faces": corners,
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
