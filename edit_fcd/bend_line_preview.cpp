@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_line_preview.h"
 
+#include <utility>
+
 using vcg::fcd::LineGoal;
 using vcg::fcd::Progress;
 
@@ -67,7 +69,7 @@ void BendLinePreview::begin() {
             job->found = through(vcg::fcd::LineOf(job->goal, *job->surface->prepared->deformer, job->surface->world,
                                                   progress.Slice(0.7, 1), &report),
                                  job->goal.smoothing);
-            job->found.report = report;
+            job->found.report = std::move(report);
         }
     };
     const auto take = [this, which = ++number] { ended(which); };

@@ -156,6 +156,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     const bool isAlone = FollowsAlone();
     if (!isAlone) {
         std::vector<Eigen::Vector3d> at; // where they are before the start
+        at.reserve(matched);
         for (std::size_t s = 0; s < matched; ++s)
             at.push_back(samples.At(s, graph));
         Judge(target, PlacementOf(at, target, progress.threads), !place.empty(), report);
@@ -265,7 +266,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     if (isTried) { // a landmark that the target bears out leads more of the surface onto it
         const FitReport before = report;
         const GraphPose there = graph;
-        auto with = std::move(matches);
+        auto with = std::exchange(matches, nullptr);
         const auto onIt = [&](const FitMatches &all) { return report.matched - all.Unreached(); };
         const double withAll = onIt(*with);
         for (const Contradiction &each : doubted)

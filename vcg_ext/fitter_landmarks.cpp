@@ -75,7 +75,8 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
         param.start == FitStart::AsItLies && placement.apart > afar && !isLed && report.apart < param.largestDistance;
     report.fromAfar = isApart && IsAllFree();
     report.isApart = isApart && !report.fromAfar;
-    report.otherSize = (report.larger > otherUnits || report.larger < smallPart) &&
+    // Where it is 0, rounding has taken it: the target is so far away.
+    report.otherSize = report.larger > 0 && (report.larger > otherUnits || report.larger < smallPart) &&
                        (placement.median > astray || isApart) && param.start != FitStart::Similar;
 }
 

@@ -69,7 +69,7 @@ std::vector<std::string> FitReport::LandmarkRemarks() const {
                           (leftOut ? "." : "; with a landmark_tolerance, such pairs are left out."));
     }
     if (unmet > 0)
-        remarks.push_back(Rounded(double(unmet)) + (unmet == 1 ? " landmark is" : " landmarks are") +
+        remarks.push_back(std::to_string(unmet) + (unmet == 1 ? " landmark is" : " landmarks are") +
                           " not met, the worst by " + Rounded(beyond) +
                           ": the graph is too coarse for them. Begin with " + std::to_string(patchesForAll) +
                           " patches or more.");

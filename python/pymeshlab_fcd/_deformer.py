@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _inputs, _meshes
 from ._inputs import Points
-from ._kept import Kept
+from ._kept import Kept, Unchanging
 from ._meshes import MeshLike
 from ._motion import Motion
 from ._pose import Pose
@@ -141,7 +141,7 @@ def renamed_weights(distances: Distances, weights: Distances | None, level: int)
     return weights
 
 
-class Deformer:
+class Deformer(Unchanging):
     """A surface or a cloud that is prepared to be deformed: read, divided into patches, its graph factorised. A pose then takes a
     fraction of the time. Any number of threads may pose one Deformer at a time; Python's lock is free while it works. It does not change,
     and its arrays cannot be written to. It can be pickled, and is prepared again, with the same bits, where it is used then.
@@ -516,7 +516,8 @@ class Deformer:
         """
         indptr, indices, data, tags = self._prepared.weights(report(progress))
         columns = self.info.nodes + len(tags) + len(self._points)
-        return Weights(indptr, indices, data, (len(self.vertices), columns), self.info.nodes, tuple(tags))
+        return Weights(_inputs.own(indptr, indptr.dtype), _inputs.own(indices, np.int32), _inputs.own(data, np.float32),
+                       (len(self.vertices), columns), self.info.nodes, tuple(tags))
 
     def __repr__(self) -> str:
         return f"<Deformer of {len(self._vertices.look())} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _inputs, _meshes
 from ._deformer import Deformer, Plan, Transforms
 from ._inputs import Points
+from ._kept import Unchanging
 from ._meshes import MeshLike
 from ._pose import Pose, PoseInfo
 from ._progress import Progress, report, shared
@@ -108,7 +109,7 @@ class Fitted(Pose):
         return found
 
 
-class Fitter:
+class Fitter(Unchanging):
     """A surface or a cloud that is prepared once to be laid onto others. Any number of threads may fit one Fitter at a time; Python's
     lock is free while it works. The same input gives the same bits, for any number of threads. It can be pickled, and is prepared again
     where it is used then.
@@ -279,8 +280,9 @@ class Fitter:
         solved, found = fitting.fit(goal, points, places, report(told, 0, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
-            raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, or raise "
-                             "largest_distance or largest_angle")
+            known = " ".join(found["landmark_remarks"] + found["target_remarks"])
+            raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, as start= does by "
+                             f"landmarks or axes, or raise largest_distance or largest_angle{known and '. ' + known}")
         made = Fitted(self._deformer, solved)
         made._report = found
         made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))

@@ -1,11 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays that are kept: our own, or the caller's, which are looked at before each use."""
+"""What is kept: arrays, our own or the caller's, which are looked at before each use, and objects that do not change."""
 from __future__ import annotations
 
 import numpy as np
 
 from . import _core
 from ._inputs import Points
+
+
+class Unchanging:
+    """What does not change: none of its public names can be assigned or deleted."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        self._expect_own(name)
+        super().__setattr__(name, value)
+
+    def __delattr__(self, name: str) -> None:
+        self._expect_own(name)
+        super().__delattr__(name)
+
+    def _expect_own(self, name: str) -> None:
+        if not name.startswith("_"):
+            raise AttributeError(f"{name} cannot be changed: a {type(self).__name__} does not change")
 
 
 class Kept:

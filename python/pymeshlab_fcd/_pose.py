@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _inputs, _meshes
 from ._deformation import Deformation
 from ._inputs import Points
-from ._kept import Kept
+from ._kept import Kept, Unchanging
 from ._progress import Progress, Report, report
 from ._warnings import (AccuracyWarning, FoldWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, StretchWarning,
                         Told, triangles_turned, warn)
@@ -84,7 +84,7 @@ class _Solved:
         return self._error
 
 
-class Pose:
+class Pose(Unchanging):
     """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays cannot be written
     to. It can be pickled, with its Deformer, which is prepared again where something is asked of it for which that is needed."""
 

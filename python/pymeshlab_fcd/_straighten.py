@@ -163,6 +163,8 @@ def straighten(
             faces, line = None, faces
         elif target is None:
             faces, line, target = None, faces, line
+    if line is None:
+        raise TypeError("there is no line: it comes after the faces, straighten(vertices, None, line) for a cloud")
     goal: dict[str, Any] = {
         "line": _inputs.finite("line", _inputs.rows("line", line)),
         "target": None if target is None else _inputs.finite("target", _inputs.rows("target", target)),

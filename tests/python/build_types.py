@@ -31,8 +31,8 @@ def deformed():
     motion[:3, 3] = 1.5, 0.5, -0.5
     for vertices, triangles in ((points, faces), (points, None), loose):
         tags = np.where(vertices[:, 2] < 1, 0, np.where(vertices[:, 2] > 5, 2, 1))
-        for weights in ("surface", "euclidean"):
-            yield pymeshlab_fcd.deform(vertices, triangles, tags, {2: motion}, patches=40, weights=weights)
+        for distances in ("surface", "euclidean"):
+            yield pymeshlab_fcd.deform(vertices, triangles, tags, {2: motion}, patches=40, distances=distances)
 
 
 what, path = sys.argv[1:]

@@ -596,3 +596,13 @@ def test_a_triangle_far_away_makes_nothing_slow():
     assert max(seconds[1:]) < 10 * seconds[0] + 1
     for each in moved[1:]:
         assert same(each, moved[0])
+
+
+@pytest.mark.parametrize("radius", [1e5, 1e30, 1e300])
+def test_no_patch_reaches_farther_than_the_surface_is_large(radius):
+    vertices, faces, tags, lift = bar()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        moved = pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, target_radius=radius)
+        assert same(moved, pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, target_radius=1e4))
+    assert np.ptp(moved, axis=0).max() < 2 * np.linalg.norm(np.ptp(vertices, axis=0))

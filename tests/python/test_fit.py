@@ -140,6 +140,18 @@ def test_a_target_that_lies_elsewhere_or_is_another():
         fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
 
 
+def test_what_has_no_counterpart_is_told_why():
+    with pytest.raises(ValueError, match="nothing of the surface has a counterpart .* as start= does .* times smaller than the surface"):
+        fit(VERTICES, FACES, TARGET / 1000, TARGET_FACES, **QUICK)
+
+
+def test_a_stray_point_of_the_target_changes_nothing_of_its_shape(fitter):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        fitted = fitter.fit(np.vstack([TARGET, [1e12, 1e12, 0]]))
+    assert rms(fitted.vertices, TRUTH) < 2 and not any("flat" in str(each.message) for each in caught)
+
+
 def test_what_is_not_finite_is_left_out_of_the_target(fitter):
     gaps = np.arange(len(TARGET)) % 3 == 1
     holed, normals = TARGET.copy(), np.ones_like(TARGET)

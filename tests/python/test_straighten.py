@@ -162,7 +162,7 @@ def test_folds_are_warned_of():
     (AXIS[:, :2], {}, "line must be n x 3"),
     (AXIS * np.nan, {}, "line must be finite"),
     (AXIS, {"direction": [1, 2]}, "direction must be n x 3"),
-    (None, {}, "line is None"),
+    (None, {}, "there is no line: it comes after the faces"),
     (AXIS, {"middle": 1}, "middle must be True or False; it is 1"),
     (AXIS, {"untwist": "no"}, "untwist must be True or False; it is 'no'"),
 ])

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <random>
 #include <vector>
 
 namespace vcg {
@@ -59,10 +59,12 @@ template <class At>
 Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t count, const At &at) {
     const std::size_t wanted = std::min<std::size_t>(count, 256);
     std::vector<double> sample[3];
-    std::mt19937 random; // one of each stretch: a fixed stride may run along a row or a column of a raster
+    // One of each stretch, at the golden ratio's multiples: a fixed stride may run along a row or a column of a raster.
+    const double golden = 0.6180339887498949;
     for (std::size_t i = 0; i < wanted; ++i) {
         const std::size_t first = count * i / wanted, next = count * (i + 1) / wanted;
-        const Eigen::Vector3d p = at(first + random() % (next - first));
+        const double share = double(i) * golden - std::floor(double(i) * golden);
+        const Eigen::Vector3d p = at(first + std::size_t(share * double(next - first)));
         for (int d = 0; d < 3; ++d)
             sample[d].push_back(p[d]);
     }

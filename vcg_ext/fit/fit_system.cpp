@@ -176,8 +176,8 @@ Eigen::Matrix3d FitSystem::Compliance(std::size_t sample) {
     Eigen::MatrixXd force = Eigen::MatrixXd::Zero(matrix.rows(), 3);
     for (std::uint32_t t = samples.begin[sample]; t < samples.begin[sample + 1]; ++t)
         if (const Index a = unknown[std::size_t(samples.term[t].node)]; a >= 0) {
-            force.middleRows<3>(Eigen::Index(6 * a)) += samples.term[t].weight * detail::CrossMatrix(arm[t]);
-            force.middleRows<3>(Eigen::Index(6 * a) + 3) += samples.term[t].weight * Eigen::Matrix3d::Identity();
+            force.middleRows<3>(6 * Eigen::Index(a)) += samples.term[t].weight * detail::CrossMatrix(arm[t]);
+            force.middleRows<3>(6 * Eigen::Index(a) + 3) += samples.term[t].weight * Eigen::Matrix3d::Identity();
         }
     return force.transpose() * factor.solve(force);
 }

@@ -160,10 +160,20 @@ FitTarget::Shape FitTarget::Spans() const {
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double count = 0;
+    std::vector<Eigen::Index> slot;
+    for (std::size_t i = 0; i < flags.size(); ++i)
+        if (flags[i] != 0)
+            slot.push_back(Eigen::Index(i));
+    Shape shape;
+    if (slot.empty())
+        return shape;
+    // Without strays, beside which anything is a point.
+    const Eigen::AlignedBox3d core =
+        detail::WithoutStrays(box, slot.size(), [&](std::size_t k) { return Eigen::Vector3d(position.col(slot[k])); });
     const auto forAll = [&](const auto &visit) {
-        for (std::size_t i = 0; i < flags.size(); ++i)
-            if (flags[i] != 0)
-                visit(Eigen::Vector3d(position.col(Eigen::Index(i)) - box.center()));
+        for (const Eigen::Index i : slot)
+            if (core.contains(position.col(i)))
+                visit(Eigen::Vector3d(position.col(i) - core.center()));
     };
     forAll([&](const Eigen::Vector3d &p) {
         mean += p;
@@ -172,8 +182,7 @@ FitTarget::Shape FitTarget::Spans() const {
     mean /= count;
     forAll([&](const Eigen::Vector3d &p) { second += (p - mean) * (p - mean).transpose(); });
     const Eigen::Vector3d squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvalues().cwiseMax(0);
-    Shape shape;
-    if (std::sqrt(squared[2] / count) > 1e-12 * (box.center().norm() + 1)) { // more than what rounding leaves
+    if (std::sqrt(squared[2] / count) > 1e-12 * (core.center().norm() + 1)) { // more than what rounding leaves
         shape.acrossLine = std::sqrt(squared[1] / squared[2]);
         shape.acrossPlane = std::sqrt(squared[0] / squared[2]);
     }
@@ -198,7 +207,7 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
                 std::size_t corner = k % 3; // of a small triangle, one at the border: that is what a fit may leave
                 for (std::size_t i = 0; i < 3 && !IsBorder(c[corner]); ++i)
                     corner = IsBorder(c[i]) ? i : corner;
-                double u = corner == 1, v = corner == 2;
+                double u = corner == 1 ? 1 : 0, v = corner == 2 ? 1 : 0;
                 if (its * double(wanted) > all) { // of a large one where the plastic number's sequence leads: evenly
                     double whole;
                     u = std::modf(0.5 + 0.7548776662466927 * double(k), &whole);

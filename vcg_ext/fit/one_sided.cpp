@@ -129,7 +129,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (std::uint32_t t : piece) {
             const double its = across(t).norm();
-            area[int(side[t])] += its;
+            area[static_cast<unsigned char>(side[t])] += its;
             middle += its * (at(t, 0) + at(t, 1) + at(t, 2)) / 3;
         }
         const double all = area[kept] + area[turned];

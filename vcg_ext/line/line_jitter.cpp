@@ -166,11 +166,14 @@ SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness) {
         SmoothingSpline spline(along, points);
         const auto alpha = [&](double s) { return s * s * s * s / gap; };
         double best = std::numeric_limits<double>::infinity(), chosen = least;
-        for (double s = least; s <= most; s *= step)
+        double s = least;
+        while (s <= most) {
             if (const double score = spline.Solve(alpha(s)); score < best) {
                 best = score;
                 chosen = s;
             }
+            s *= step;
+        }
         spline.Solve(alpha(chosen));
         // What the spline takes from bends is in what the points are off from it, smoothed alike.
         SmoothingSpline again(along, spline.off);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/patches/surface_patches.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace vcg {
@@ -18,8 +19,12 @@ void GraphParam::Validate() const {
 }
 
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius) {
-    if (param.targetRadius > 0)
-        return param.targetRadius / surface.frame.scale;
+    if (param.targetRadius > 0) { // no patch reaches farther than the surface is large
+        const Eigen::Matrix3Xf &at = surface.graph.position;
+        const double all = at.cols() > 1 ? double((at.rowwise().maxCoeff() - at.rowwise().minCoeff()).norm()) : 0;
+        const double asked = param.targetRadius / surface.frame.scale;
+        return all > 0 ? std::min(asked, all) : asked;
+    }
     const double automatic = patchRadius * std::sqrt(surface.area / param.Patches());
     return automatic > 0 ? automatic : surface.averageEdge > 0 ? surface.averageEdge : 1; // no surface
 }
