@@ -3,10 +3,34 @@
 # time, and what each one says when it ends. The last line is the sum: "N passed, N failed, N skipped". What cannot run counts as
 # skipped, as failed where CI=true.
 #
-#   bash tests/run.sh        whether it works here: @FIRST@
-#   bash tests/run.sh all    and what protects a release: @ALL@
+#   bash tests/run.sh        whether it works here
+#   bash tests/run.sh all    and what protects a release
 #
-# TABLE
+# What each suite has, and what it costs: seconds of a core, on two cores that do nothing else, the first time.
+#
+#   in both      tools-2020.09      204  FCD: Bend and FCD: Fit by a scripted mouse in MeshLab's window, several windows at a time
+#                unit               250  the unit tests, on the method as the plugin has it (with "all" faults and meshes/, too)
+#                python-package     133  the wheel: with numpy alone, and with pymeshlab and what examples/ need; types
+#                pymeshlab-2025.7   128  the filters in the newest pymeshlab, fits
+#                hosts              100  the rest of the set-up (with "all" 330: all hosts, and by GCC that of the window)
+#                meshlab-2020.09     43  meshlabserver
+#                window-2020.09      33  the filters' dialogs
+#                rooms                0  who includes whom
+#   with "all"   python-release     379  the source distribution; the package's tests with UndefinedBehaviorSanitizer and assertions
+#                unit-build         205  the method as sanitizers want it
+#                unit-addresses     181  AddressSanitizer, UndefinedBehaviorSanitizer, coverage
+#                unit-threads       140  ThreadSanitizer
+#                sanitized-plugins   80  what is between MeshLab and the method, for:
+#                sanitized-host     118  ... pymeshlab, with coverage
+#                sanitized-window    18  ... and the window
+#                meshlab-faults      78  valgrind, and faults at each report and step of memory in meshlabserver
+#                pymeshlab-faults    48  the same faults in pymeshlab
+#                fuzz                53  the readers
+#                pymeshlab-2022.2    50  the older pymeshlab
+#                clang-tidy-*        92  of the method, layer_fcd, filter_fcd and edit_fcd
+#                cppcheck            36
+#                package             22  the library as others take it, by GCC
+#                manual, messages     3  links of the manual; that a test has seen each message
 set -uo pipefail
 shopt -s nullglob
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
