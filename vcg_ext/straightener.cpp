@@ -143,8 +143,10 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Ei
     const double before = detail::StretchAlong(deformer, world, line, progress.Slice(0.8, 0.9)),
                  after =
                      detail::StretchAlong(deformer, world, FramedLine(middle, goal.smoothing), progress.Slice(0.9, 1));
-    // Else cross-sections do not tell a middle. Less than a hundredth is nothing, as of the jitter of points.
-    const bool isBetter = after <= std::max(before, 0.01 * 0.01);
+    // Else cross-sections do not tell a middle. Three hundredths are what few points, or points with some jitter, leave
+    // of a straight body; a middle that is none makes tenths.
+    const double unclear = 0.03;
+    const bool isBetter = after <= std::max(before, unclear * unclear);
     if (report)
         report->leftMiddle = !isBetter;
     return isBetter ? middle : steady.point;
