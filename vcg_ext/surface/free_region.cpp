@@ -231,7 +231,7 @@ class RegionFinder {
                             const Progress &progress) {
         const auto boxOfHeld = [&](std::size_t place) {
             const Eigen::Vector3d p = point.col(Eigen::Index(place));
-            return has[place] & hasHeld ? Eigen::AlignedBox3d(p) : Eigen::AlignedBox3d();
+            return (has[place] & hasHeld) ? Eigen::AlignedBox3d(p) : Eigen::AlignedBox3d();
         };
         const detail::BoxTree held(std::size_t(point.cols()), boxOfHeld);
         const detail::PlaceRuns runs(point, progress.threads);
