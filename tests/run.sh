@@ -9,17 +9,17 @@
 # What each suite has, and what it costs: seconds of a core, on two cores that do nothing else, the first time.
 #
 #   in both      tools-2020.09      204  FCD: Bend and FCD: Fit by a scripted mouse in MeshLab's window, several windows at a time
-#                unit               250  the unit tests, on the method as the plugin has it (with "all" faults and meshes/, too)
+#                unit                85  the unit tests, on the method as the plugin has it (with "all" faults and meshes/, too)
+#                unit-build          57  ... are compiled (with "all" 355: the method as sanitizers want it, too)
 #                python-package     133  the wheel: with numpy alone, and with pymeshlab and what examples/ need; types
 #                pymeshlab-2025.7   128  the filters in the newest pymeshlab, fits
-#                hosts              100  the rest of the set-up (with "all" 330: all hosts, and by GCC that of the window)
+#                hosts               57  the rest of the set-up (with "all" 209: all hosts, and by GCC that of the window)
 #                meshlab-2020.09     43  meshlabserver
 #                window-2020.09      33  the filters' dialogs
 #                rooms                0  who includes whom
 #   with "all"   python-release     379  the source distribution; the package's tests with UndefinedBehaviorSanitizer and assertions
-#                unit-build         205  the method as sanitizers want it
 #                unit-addresses     181  AddressSanitizer, UndefinedBehaviorSanitizer, coverage
-#                unit-threads       140  ThreadSanitizer
+#                unit-threads       117  ThreadSanitizer
 #                sanitized-plugins   80  what is between MeshLab and the method, for:
 #                sanitized-host     118  ... pymeshlab, with coverage
 #                sanitized-window    18  ... and the window

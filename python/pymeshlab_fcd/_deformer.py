@@ -516,7 +516,7 @@ class Deformer(Unchanging):
         """
         indptr, indices, data, tags = self._prepared.weights(report(progress))
         columns = self.info.nodes + len(tags) + len(self._points)
-        return Weights(_inputs.own(indptr, indptr.dtype), _inputs.own(indices, np.int32), _inputs.own(data, np.float32),
+        return Weights(_inputs.own(indptr, np.int64), _inputs.own(indices, np.int32), _inputs.own(data, np.float32),
                        (len(self.vertices), columns), self.info.nodes, tuple(tags))
 
     def __repr__(self) -> str:

@@ -316,7 +316,7 @@ except RuntimeError as error:
     ("sys.modules['pymeshlab'] = None", "pymeshlab cannot be imported"),
     ("import pymeshlab; pymeshlab.filter_list = None", "cannot load the filters ('NoneType' object is not callable)"),
     ("import importlib.metadata as m; v = m.version; m.version = lambda name: '2031.1' if name == 'pymeshlab' else v(name)",
-     "pymeshlab 2031.1 is installed, and there are filters for 2022.2 and 2025.7"),
+     "pymeshlab 2031.1 is installed, and there are filters for ... 2025.7"),
     ("import importlib.util as u; f = u.find_spec; u.find_spec = lambda name, *a: None if name == 'pymeshlab_fcd_plugin' else f(name, *a)",
      "MeshLab's filters are not installed: pip install . ./python/plugin"),
     ("sys.modules['pymeshlab_fcd_plugin'] = None", "MeshLab's filters are not installed")])
@@ -327,4 +327,4 @@ def test_without_a_pymeshlab_that_is_known(bend, tmp_path, before, words):
     assert done.returncode == 0, done.stderr[-2000:]
     first, works, error = done.stdout.splitlines()
     assert first == "0" and works == "True"
-    assert error.startswith("RuntimeError: ") and words in error
+    assert error.startswith("RuntimeError: ") and all(each in error for each in words.split(" ... "))
