@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
-#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_gaps.h>
@@ -197,10 +196,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
             pull[s].gradient = weight * off;
         }
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
-        for (Index j = 0; j < deformer->graph.Size(); ++j) {
-            graph.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * graph.linear[std::size_t(j)];
-            graph.position.col(j) += change.col(j).tail<3>();
-        }
+        FitSystem::Take(change, graph);
         return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
     };
     const double soft = softest * param.stiffness, pace = 1 / ((1 - lastSteps) * (param.fitSteps - 1));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/point_tree.h>
-#include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_system.h>
@@ -43,11 +42,7 @@ class Judge {
                     pull[l].gradient = weight * (marks.At(l, pose) - place[l]);
                 }
             }
-            const auto change = system.Step(pose, pull, stiff, threads);
-            for (Eigen::Index j = 0; j < change.cols(); ++j) {
-                pose.linear[std::size_t(j)] = detail::RotationBy(change.col(j).head<3>()) * pose.linear[std::size_t(j)];
-                pose.position.col(j) += change.col(j).tail<3>();
-            }
+            FitSystem::Take(system.Step(pose, pull, stiff, threads), pose);
         }
     }
 

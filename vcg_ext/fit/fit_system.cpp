@@ -170,6 +170,13 @@ void FitSystem::Factorize() {
                          "or check the target for strays.");
 }
 
+void FitSystem::Take(const Eigen::Matrix<double, 6, Eigen::Dynamic> &step, GraphPose &pose) {
+    for (Eigen::Index j = 0; j < step.cols(); ++j) {
+        pose.linear[std::size_t(j)] = detail::RotationBy(step.col(j).head<3>()) * pose.linear[std::size_t(j)];
+        pose.position.col(j) += step.col(j).tail<3>();
+    }
+}
+
 Eigen::Matrix3d FitSystem::Compliance(std::size_t sample) {
     if (!isNew)
         Factorize();

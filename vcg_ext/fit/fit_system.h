@@ -33,6 +33,8 @@ class FitSystem {
     /// frame units; 0 for those that are not free \throw Unsolvable
     Eigen::Matrix<double, 6, Eigen::Dynamic> Step(const GraphPose &pose, const std::vector<Pull> &pull,
                                                   const std::vector<double> &stiffness, unsigned threads = 0);
+    /// Takes a step on from \p pose.
+    static void Take(const Eigen::Matrix<double, 6, Eigen::Dynamic> &step, GraphPose &pose);
 
     /// How a sample answers what draws it, where the last step was made: its move by a force of 1 in each direction.
     /// \pre Step was called \throw Unsolvable
