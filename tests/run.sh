@@ -195,12 +195,12 @@ pymeshlab() {
     elif ! "$2" -c 'import pymeshlab' 2>"$results/$name.log"; then
         without "$(tail -n 1 "$results/$name.log")"
     else
-        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${@:3}"
+        host "$2" tests/host_pymeshlab.py tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_straighten.py tests/host_sequence.py tests/host_process.py "${@:3}" -k "not little_memory"
     fi
 }
 # The newest one, and what asks the method more than the host: the fits.
 newest() {
-    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py -k "not little_memory"
+    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py
 }
 newest_faults() {
     faults pymeshlab-2025.7
@@ -358,7 +358,7 @@ more start unit-threads unit unit _tests_threads
 first start unit unit unit "^fcd_unit_tests\$${all:+|^fcd_fault_tests\$|^make_benchmark}"
 first start rooms check rooms python3 tests/rooms.py
 more start fuzz fuzz
-more start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python" -k "not little_memory"
+more start pymeshlab-2022.2 pymeshlab 2022.2 "$build/venv-2022/bin/python"
 more start pymeshlab-faults newest_faults
 more start meshlab-faults meshlabserver_faults
 [ -z "$all" ] || wait "$plugins"

@@ -122,8 +122,7 @@ fi
 
 # --- MeshLab sources ----------------------------------------------------------------------------------------------------
 
-# Name, suites to look in, and the SHA-256 of its tarball: any version of the package with that one will do. The first suite of
-# each system is the release that has this MeshLab, the others have had it.
+# Which suites have which MeshLab, and the SHA-256 of its tarball: any version of the package with that one will do.
 case $release in
 debian*) suites=("2020.09 bookworm" "2022.02 trixie" "2025.07 sid,forky") ;;
 *) suites=("2020.09 jammy" "2022.02 noble") ;;
@@ -231,9 +230,9 @@ done
 
 # --- Python -------------------------------------------------------------------------------------------------------------
 
-# install DIRECTORY REQUIREMENT...: by pip. A pinned release that has been withdrawn is replaced by another one of its series, or by
+# pip_install DIRECTORY REQUIREMENT...: by pip. A pinned release that has been withdrawn is replaced by another one of its series, or by
 # any: said, since what it does is not known then.
-install() {
+pip_install() {
     local directory=$1 output withdrawn other i
     shift
     local wanted=("$@")
@@ -266,7 +265,7 @@ environment() {
         # What build/venv has need not be there twice.
         [ "$directory" != "$build/venv-python" ] ||
             "$build/venv/bin/python" -c 'import site; print(site.getsitepackages()[0])' >"$(echo "$directory"/lib/python*/site-packages)/venv.pth"
-        install "$directory" "$@"
+        pip_install "$directory" "$@"
         echo "$*" >"$directory/requirements"
     fi
 }
