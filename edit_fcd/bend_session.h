@@ -199,7 +199,7 @@ class BendSession {
     /// \throw vcg::fcd::Cancelled; after either, the layer has the shape of before \return milliseconds
     double prepare(const vcg::fcd::Progress &progress = {});
     bool moves() const; ///< whether anything leads away from rest
-    int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->graph.Size()) : 0; }
+    int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
 
     /// The rest shape again, to the bit.
     void restore();

@@ -184,9 +184,9 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     watch = {};
     readMotions(param.handles);
     const Deformer::Pose pose = solve(param.deformation, progress.Slice(0.9, 1));
-    result.nodes = int(found->deformer->graph.Size());
+    result.nodes = int(found->deformer->Nodes());
     result.iterations = pose.iterations;
-    result.converged = pose.graph.converged;
+    result.converged = pose.converged;
     result.discretisationError = found->deformer->DiscretisationError(pose, param.deformation);
     result.way = pose.way;
     result.secondsSolve = watch.Seconds();

@@ -101,7 +101,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
         fitted.fitter = fitter;
     const Deformer &deformer = fitter->Surface();
     result.tags = vcg::fcd::CountTags(handles.tag, view.deleted);
-    fitted.diagonal = deformer.surface.frame.scale;
+    fitted.diagonal = deformer.frame.scale;
     fitted.landmarks = landmarks.size();
     fitted.landmarksOnly = param.landmarksOnly;
 

@@ -72,7 +72,7 @@ StraightenedShape straightened(const MeshModel &layer, LineGoal goal, const Stra
     const Deformer &deformer = *surface.prepared->deformer;
     const LineMotion motion = vcg::fcd::MotionTo(goal, deformer, world, made.report, progress.Slice(0.5, 0.65));
     result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.65, 0.75));
-    result.converged = result.pose.solved.converged;
+    result.converged = result.pose.converged;
     result.position = view.Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
     vcg::fcd::CarryPose(view, normal, surface.handles, deformer, bend, progress.Slice(0.75, 0.95), result);

@@ -127,7 +127,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["is_misplaced"] = found.IsMisplaced();
     all["steps"] = found.steps;
     all["beyond"] = found.beyond;
-    all["diagonal"] = prepared->deformer->surface.frame.scale;
+    all["diagonal"] = prepared->deformer->frame.scale;
     return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);
 }
 

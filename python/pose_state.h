@@ -25,9 +25,14 @@ void fieldsOf(vcg::fcd::GraphPose &pose, const Take &take) {
          pose.moves, pose.followed, pose.unstable);
 }
 template <class Take>
-void fieldsOf(vcg::fcd::SurfacePose &pose, const Take &take) {
+void fieldsOf(vcg::fcd::RegionPose &pose, const Take &take) {
     take(pose.given, pose.solved, pose.graph, pose.nodeMotion, pose.motion, pose.iterations, pose.way.steps,
          pose.way.jumps, pose.way.unstable);
+}
+template <class Take>
+void fieldsOf(vcg::fcd::SurfacePose &pose, const Take &take) {
+    take(pose.given, pose.region, pose.iterations, pose.way.steps, pose.way.jumps, pose.way.unstable, pose.converged,
+         pose.energy);
 }
 
 /// Which values are their bytes: numbers, and matrices of fixed size.
@@ -49,7 +54,7 @@ class StateWriter {
         (put(value), ...);
     }
 
-    static constexpr const char *mark = "fcd pose 1\n";
+    static constexpr const char *mark = "fcd pose 2\n";
 
   private:
     void raw(const void *data, std::size_t size) { text.append(static_cast<const char *>(data), size); }

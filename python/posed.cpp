@@ -25,12 +25,18 @@ Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : pr
     StateReader reader(std::string(state.c_str(), state.size()));
     reader(pose, reached, anyMoves, secondsSolve, secondsMap);
     reader.ExpectEnd();
-    const auto k = std::size_t(prepared->deformer->graph.Size());
-    for (const vcg::fcd::GraphPose *each : {&pose.solved, &pose.graph})
-        if (std::size_t(each->position.cols()) != k || each->linear.size() != k ||
-            (!each->rests.empty() && each->rests.size() != k) || pose.nodeMotion.size() != k)
-            throw vcg::fcd::BadInput("The pose is one of another surface, or of another version of this package: pose "
-                                     "the surface anew.");
+    const auto &regions = prepared->deformer->regions;
+    bool isOfIt = pose.region.size() == regions.size();
+    for (std::size_t r = 0; isOfIt && r < regions.size(); ++r) {
+        const vcg::fcd::RegionPose &its = pose.region[r];
+        const auto k = std::size_t(regions[r]->graph.Size());
+        for (const vcg::fcd::GraphPose *each : {&its.solved, &its.graph})
+            isOfIt = isOfIt && std::size_t(each->position.cols()) == k && each->linear.size() == k &&
+                     (each->rests.empty() || each->rests.size() == k) && its.nodeMotion.size() == k;
+    }
+    if (!isOfIt)
+        throw vcg::fcd::BadInput("The pose is one of another surface, or of another version of this package: pose "
+                                 "the surface anew.");
     const nb::gil_scoped_release release;
     carrier = std::make_unique<const vcg::fcd::Carrier>(*prepared->deformer, pose, prepared->threads);
 }
@@ -231,24 +237,27 @@ nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) 
 }
 
 nb::tuple Posed::nodes() const {
-    const auto k = std::size_t(prepared->deformer->graph.Size());
+    const auto k = std::size_t(prepared->deformer->Nodes());
     double *position, *linear;
     nb::object positions = newArray({k, 3}, position), maps = newArray({k, 3, 3}, linear);
-    for (std::size_t j = 0; j < k; ++j) {
-        rowOf(position, j) =
-            prepared->deformer->surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(Eigen::Index(j))));
-        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(linear + 9 * j) = pose.graph.linear[j];
+    std::size_t j = 0;
+    for (std::size_t r = 0; r < pose.region.size(); ++r) {
+        const vcg::fcd::GraphPose &graph = pose.region[r].graph;
+        const vcg::fcd::Frame &frame = prepared->deformer->regions[r]->surface.frame;
+        for (Eigen::Index own = 0; own < graph.position.cols(); ++own, ++j) {
+            rowOf(position, j) = frame.FromFrame(Eigen::Vector3d(graph.position.col(own)));
+            Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(linear + 9 * j) = graph.linear[std::size_t(own)];
+        }
     }
     return nb::make_tuple(positions, maps);
 }
 
 nb::dict Posed::info() const {
-    const double scale = prepared->deformer->surface.frame.scale;
     nb::dict all;
-    all["nodes"] = prepared->deformer->graph.Size();
+    all["nodes"] = prepared->deformer->Nodes();
     all["iterations"] = pose.iterations;
-    all["converged"] = pose.graph.converged;
-    all["energy"] = pose.graph.energy * scale * scale;
+    all["converged"] = pose.converged;
+    all["energy"] = pose.energy;
     all["moves"] = anyMoves;
     all["seconds_solve"] = secondsSolve;
     all["seconds_map"] = secondsMap;

@@ -12,7 +12,6 @@
 
 using vcg::fcd::DeformationGraph;
 using vcg::fcd::Deformer;
-using vcg::fcd::HeldNodes;
 using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
@@ -82,20 +81,25 @@ void Prepared::findStill() {
 }
 
 nb::tuple Prepared::graph() const {
-    const vcg::fcd::Frame &frame = deformer->surface.frame;
-    const DeformationGraph &graph = deformer->graph;
-    const auto k = std::size_t(graph.Size());
+    const auto k = std::size_t(deformer->Nodes());
     double *node, *center, *radius;
     nb::object nodes = newArray({k, 3}, node), centers = newArray({k, 3}, center), radii = newArray({k}, radius);
     std::vector<std::array<std::int32_t, 2>> edge;
-    for (Index j = 0; j < graph.Size(); ++j) {
-        const Index at = deformer->patches.center[std::size_t(j)];
-        rowOf(node, std::size_t(j)) = frame.FromFrame(graph.graph.position.col(j).cast<double>());
-        rowOf(center, std::size_t(j)) = frame.FromFrame(deformer->surface.graph.position.col(at).cast<double>());
-        radius[j] = double(graph.radius[std::size_t(j)]) * frame.scale;
-        for (Index i : graph.graph.adjacency[j])
-            if (j < i)
-                edge.push_back({std::int32_t(j), std::int32_t(i)});
+    std::int32_t first = 0;
+    for (const auto &region : deformer->regions) {
+        const vcg::fcd::Frame &frame = region->surface.frame;
+        const DeformationGraph &graph = region->graph;
+        for (Index j = 0; j < graph.Size(); ++j) {
+            const Index at = region->patches.center[std::size_t(j)];
+            const auto number = std::size_t(first + j);
+            rowOf(node, number) = frame.FromFrame(graph.graph.position.col(j).cast<double>());
+            rowOf(center, number) = frame.FromFrame(region->surface.graph.position.col(at).cast<double>());
+            radius[number] = double(graph.radius[std::size_t(j)]) * frame.scale;
+            for (Index i : graph.graph.adjacency[j])
+                if (j < i)
+                    edge.push_back({first + j, first + i});
+        }
+        first += graph.Size();
     }
     std::int32_t *pair;
     nb::object edges = newArray({edge.size(), 2}, pair);
@@ -108,34 +112,47 @@ nb::object Prepared::patchOf() const {
     std::int32_t *patch;
     nb::object patches = newArray({view.vertexSlots}, patch);
     const nb::gil_scoped_release release;
+    const std::vector<std::int32_t> first = firstNodes();
     for (std::size_t i = 0; i < view.vertexSlots; ++i) {
-        const Index node = deformer->surface.nodeOf[i];
-        patch[i] = node < 0 ? -1 : std::int32_t(deformer->patches.patchOf[std::size_t(node)]);
+        const auto place = deformer->At(i);
+        const Index its = place.region ? place.region->patches.patchOf[std::size_t(place.node)] : -1;
+        patch[i] = its < 0 ? -1 : first[place.number] + its;
     }
     return patches;
 }
 
+std::vector<std::int32_t> Prepared::firstNodes() const {
+    std::vector<std::int32_t> first(1, 0);
+    for (const auto &region : deformer->regions)
+        first.push_back(first.back() + region->graph.Size());
+    return first;
+}
+
 nb::tuple Prepared::weights(const nb::object &report) const {
     // The columns: nodes, held tags (0 first), landmarks.
-    const HeldNodes &held = deformer->held;
-    std::set<Index> regions{0};
-    std::map<Index, std::int32_t> column;
-    std::map<std::size_t, std::int32_t> ofPoint; // by slot
+    const std::vector<std::int32_t> first = firstNodes();
+    std::set<Index> tagged{0};
+    std::map<Index, std::int32_t> ofTag;
+    std::map<std::size_t, std::int32_t> ofPoint;                                 // by slot
+    std::vector<std::map<Index, std::int32_t>> column(deformer->regions.size()); // of each region's tags
     const auto findColumns = [&] {
         for (int tag : handles.tag)
             if (tag != 1)
-                regions.insert(std::max(0, tag));
-        std::int32_t next = std::int32_t(deformer->graph.Size());
-        for (Index tag : regions)
-            column[tag] = next++;
-        for (std::size_t p = 0; p < handles.point.size(); ++p, ++next) {
-            ofPoint[handles.point[p].vertex] = next;
-            if (HeldNodes::IsSingle(held.pointTag[p]))
-                column[held.pointTag[p]] = next;
+                tagged.insert(std::max(0, tag));
+        std::int32_t next = first.back();
+        for (Index tag : tagged)
+            ofTag[tag] = next++;
+        for (const auto &point : handles.point)
+            ofPoint[point.vertex] = next++;
+        for (std::size_t r = 0; r < column.size(); ++r) {
+            const vcg::fcd::RegionDeformer &region = deformer->Region(r);
+            column[r] = ofTag;
+            for (std::size_t p = 0; p < region.Points().size(); ++p)
+                column[r][region.held.pointTag[p]] = ofPoint.at(region.Points()[p]);
+            for (std::size_t s = 0; s < region.held.original.size(); ++s)
+                if (region.held.original[s] >= 0)
+                    column[r][-1 - Index(s)] = ofTag.at(region.held.original[s]);
         }
-        for (std::size_t s = 0; s < held.original.size(); ++s)
-            if (held.original[s] >= 0)
-                column[-1 - Index(s)] = column.at(held.original[s]);
     };
 
     constexpr std::size_t grain = 1 << 12;
@@ -145,33 +162,33 @@ nb::tuple Prepared::weights(const nb::object &report) const {
     };
     std::vector<Part> parts((view.vertexSlots + grain - 1) / grain);
     const auto of = [&](std::size_t i, vcg::fcd::GraphMapping::Influences &influences, Part &part) {
-        const Index node = deformer->surface.nodeOf[i];
+        const vcg::fcd::MovingSurface::Place place = deformer->At(i);
         const std::size_t before = part.item.size();
         const auto add = [&](std::int32_t item, float weight) {
             part.item.push_back(item);
             part.weight.push_back(weight);
         };
-        if (node >= 0 && held.tag[std::size_t(node)] == 1) {
-            deformer->mapping->InfluencesAt(node, influences);
+        if (place.region && place.region->IsFree(place.node)) {
+            place.region->mapping->InfluencesAt(place.node, influences);
             for (const auto &[j, weight] : influences.nodes)
-                add(std::int32_t(j), weight);
+                add(first[place.number] + std::int32_t(j), weight);
             for (const auto &[tag, weight] : influences.held)
-                add(column.at(tag), weight);
-        } else if (node >= 0) {
-            add(column.at(held.tag[std::size_t(node)]), 1);
+                add(column[place.number].at(tag), weight);
+        } else if (place.region) {
+            add(column[place.number].at(place.region->held.tag[std::size_t(place.node)]), 1);
         } else if (ofPoint.count(i) > 0) {
             add(ofPoint.at(i), 1);
         } else if (deformer->slotTag[i] != 1) {
-            add(column.at(std::max(0, deformer->slotTag[i])), 1);
+            add(ofTag.at(std::max(0, deformer->slotTag[i])), 1);
         }
         part.count.push_back(std::int32_t(part.item.size() - before));
     };
     Listener::Run(report, threads, [&](const Progress &progress) {
         findColumns();
-        ParallelFor(progress, "Weighing", view.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
+        ParallelFor(progress, "Weighing", view.vertexSlots, grain, [&](std::size_t begin, std::size_t end) {
             vcg::fcd::GraphMapping::Influences influences;
-            for (std::size_t i = first; i < last; ++i)
-                of(i, influences, parts[first / grain]);
+            for (std::size_t i = begin; i < end; ++i)
+                of(i, influences, parts[begin / grain]);
         });
     });
     std::size_t items = 0;
@@ -195,26 +212,26 @@ nb::tuple Prepared::weights(const nb::object &report) const {
     };
     gather();
     nb::list tagsOfColumns;
-    for (Index tag : regions)
+    for (Index tag : tagged)
         tagsOfColumns.append(int(tag));
     return nb::make_tuple(begins, indices, values, tagsOfColumns);
 }
 
 nb::dict Prepared::report() const {
-    const vcg::fcd::SurfaceReport &surface = deformer->surface.report;
+    const vcg::fcd::SurfaceReport &surface = deformer->report;
     nb::dict all;
-    all["nodes"] = deformer->graph.Size();
+    all["nodes"] = deformer->Nodes();
     all["fixed"] = tags.fixed;
     all["handle"] = tags.handle;
     all["free"] = tags.free;
     all["outside"] = tags.outside;
-    all["components"] = deformer->loose.components;
+    all["components"] = surface.components;
     all["loose_parts"] = deformer->loose.parts;
     all["welded"] = surface.welded;
     all["joined"] = surface.seams;
     all["gaps"] = surface.gaps;
     all["one_sided"] = surface.oneSided;
-    all["isolated"] = surface.isolated + deformer->loose.isolated;
+    all["isolated"] = surface.isolated;
     all["non_manifold_edges"] = surface.nonManifoldEdges;
     all["degenerate_faces"] = surface.degenerateFaces;
     all["placed_nodes"] = deformer->placedNodes;

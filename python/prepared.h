@@ -61,6 +61,7 @@ class Prepared {
   private:
     void prepare(const nb::object &report, const Make &make);
     void findStill();
+    std::vector<std::int32_t> firstNodes() const; // of each region, and how many there are
 
     mutable std::once_flag placesMade;
     mutable Eigen::Matrix3Xd rest; ///< for places

@@ -15,8 +15,7 @@ namespace fcd {
 
 namespace {
 
-GraphGeometry GeometryOf(const NormalOf &normal, const SurfaceGraph &surface, const Patches &patches,
-                         const DeformationGraph &graph, const Progress &progress) {
+GraphGeometry GeometryOf(const SurfaceGraph &surface, const Patches &patches, const DeformationGraph &graph) {
     GraphGeometry g;
     g.position.resize(3, graph.Size());
     g.normal = Eigen::Matrix3Xd::Zero(3, graph.Size());
@@ -30,20 +29,18 @@ GraphGeometry GeometryOf(const NormalOf &normal, const SurfaceGraph &surface, co
                 g.edge.push_back({i, j});
     }
     g.color = ContrastingColors(graph.graph.adjacency);
-    if (normal) {
-        std::vector<bool> isCenter(surface.graph.Size(), false);
-        for (Index c : patches.center)
-            isCenter[c] = true;
-        const std::vector<Index> atCenter = CollectInOrder(
-            progress, "Building the graph", Index(surface.slots.size()), [&](Index s, std::vector<Index> &found) {
-                const Index i = Index(surface.slots[s]);
-                if (surface.nodeOf[i] >= 0 && isCenter[surface.nodeOf[i]])
-                    found.push_back(i);
-            });
-        for (Index i : atCenter)
-            g.normal.col(patches.patchOf[surface.nodeOf[i]]) = normal(std::size_t(i));
-    }
     return g;
+}
+
+/// The normals at the centres of patches. \param vertices with the nodes that they are at
+void TakeNormals(const NormalOf &normal, const std::vector<MovingRegion::Bent> &vertices, const Patches &patches,
+                 GraphGeometry &g) {
+    if (!normal)
+        return;
+    for (const MovingRegion::Bent &vertex : vertices)
+        if (const Index patch = patches.patchOf[std::size_t(vertex.node)];
+            patch >= 0 && patches.center[std::size_t(patch)] == vertex.node)
+            g.normal.col(patch) = normal(vertex.slot);
 }
 
 /// Angle of a rotation given as a unit quaternion (w, x, y, z).
@@ -51,42 +48,52 @@ float DegreesOf(const Eigen::Vector4d &q) {
     return float(2 * detail::ArcTangent(q.tail<3>().norm(), std::abs(q[0])) * 180 / detail::pi);
 }
 
-/// The deformation graph before and after, in \p result.
-void ShowGraph(const NormalOf &normal, const Deformer &deformer, const Deformer::Pose &pose, const Progress &progress,
-               DeformationResult &result) {
-    const SurfaceGraph &surface = deformer.surface;
-    const DeformationGraph &graph = deformer.graph;
+/// Puts one graph behind another.
+void Append(const GraphGeometry &part, GraphGeometry &all) {
+    const auto first = Index(all.position.cols()), added = Index(part.position.cols());
+    all.position.conservativeResize(3, first + added);
+    all.position.rightCols(added) = part.position;
+    all.normal.conservativeResize(3, first + added);
+    all.normal.rightCols(added) = part.normal;
+    all.radius.conservativeResize(first + added);
+    all.radius.tail(added) = part.radius;
+    all.energy.conservativeResize(first + added);
+    all.energy.tail(added) = part.energy;
+    for (const auto &[i, j] : part.edge)
+        all.edge.push_back({first + i, first + j});
+    all.color.insert(all.color.end(), part.color.begin(), part.color.end());
+}
+
+/// The graph of a region before and after, behind those in \p result.
+void ShowGraph(const NormalOf &normal, const MovingRegion &region, const RegionPose &pose, DeformationResult &result) {
+    const SurfaceGraph &surface = region.surface;
+    const DeformationGraph &graph = region.graph;
     const double scale = surface.frame.scale;
-    result.rest = GeometryOf(normal, surface, deformer.patches, graph, progress);
-    result.rest.energy =
-        Eigen::Map<const Eigen::VectorXd>(pose.graph.nodeEnergy.data(), graph.Size()) * (scale * scale);
-    result.deformed = result.rest;
+    GraphGeometry rest = GeometryOf(surface, region.patches, graph);
+    for (const auto *list : {&region.bent, &region.beside})
+        TakeNormals(normal, *list, region.patches, rest);
+    rest.energy = Eigen::Map<const Eigen::VectorXd>(pose.graph.nodeEnergy.data(), graph.Size()) * (scale * scale);
+    GraphGeometry deformed = rest;
     for (Index j = 0; j < graph.Size(); ++j) {
-        const Eigen::Vector3d middle = surface.graph.position.col(deformer.patches.center[j]).cast<double>(),
+        const Eigen::Vector3d middle = surface.graph.position.col(region.patches.center[j]).cast<double>(),
                               way = middle - graph.graph.position.col(j).cast<double>();
-        result.deformed.position.col(j) =
+        deformed.position.col(j) =
             surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(j) + pose.graph.linear[j] * way));
         const Eigen::Matrix3d map =
             graph.IsHeld(j) ? Eigen::Matrix3d(pose.nodeMotion[j].linear()) : pose.graph.linear[j];
-        result.deformed.normal.col(j) = Cofactors(map) * result.rest.normal.col(j);
+        deformed.normal.col(j) = Cofactors(map) * rest.normal.col(j);
     }
+    Append(rest, result.rest);
+    Append(deformed, result.deformed);
 }
 
-} // namespace
-
-// From the edges; what they leave open is as the patch turned.
-SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
-                           const PositionsRef &position, const Progress &progress) {
-    const SurfaceGraph &surface = deformer.surface;
-    const Patches &patches = deformer.patches;
-    const std::size_t slots = surface.nodeOf.size();
+/// How a pose stretches and turns a region, at its nodes. \param posed 3 x n, frame units
+void MeasureRegion(const MovingRegion &region, const RegionPose &pose, const Eigen::Matrix3Xf &posed,
+                   std::vector<float> &stretch, std::vector<float> &rotation, const Progress &progress) {
+    const SurfaceGraph &surface = region.surface;
     const Index n = surface.graph.Size();
-    Eigen::Matrix3Xf posed(3, n); // vertices of one node share their position
-    for (std::size_t i = 0; i < slots; ++i)
-        if (surface.nodeOf[i] >= 0)
-            posed.col(surface.nodeOf[i]) =
-                surface.frame.ToFrame(Eigen::Vector3d(position.col(i))).template cast<float>();
-    std::vector<float> stretch(n), rotation(n);
+    stretch.resize(std::size_t(n));
+    rotation.resize(std::size_t(n));
     ParallelFor(progress, "Measuring the deformation", n, 1 << 12, [&](std::size_t first, std::size_t last) {
         for (std::size_t u = first; u < last; ++u) {
             Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
@@ -99,24 +106,47 @@ SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose,
                 before += e.squaredNorm();
                 after += f.squaredNorm();
             }
-            const Index at = patches.patchOf[u];
+            const Index at = region.patches.patchOf[u];
             const Eigen::Matrix3d patch =
                 at < 0 ? Eigen::Matrix3d::Identity() : detail::RotationOf(pose.graph.linear[at]);
             const double size = std::sqrt(before * after);
-            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose();
+            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose(); // what the edges leave open is as the patch turned
             const Eigen::Vector4d q = detail::FitQuaternion(s);
             stretch[u] = before > 0 ? float(std::sqrt(after / before)) : 1.f;
             rotation[u] = DegreesOf(q);
         }
     });
+}
+
+} // namespace
+
+SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose, const Carrier &carrier,
+                           const PositionsRef &position, const Progress &progress) {
+    const std::size_t slots = deformer.slotTag.size();
     SurfaceMeasure result;
     result.stretch.assign(slots, 1);
     result.rotation.assign(slots, 0);
+    std::vector<float> stretch, rotation;                     // of the nodes of a region
+    for (std::size_t r = deformer.regions.size(); r-- > 0;) { // of what holds several, the first is shown
+        const MovingRegion &region = *deformer.regions[r];
+        const auto forVertices = [&](const auto &body) {
+            for (const auto *list : {&region.beside, &region.bent})
+                for (const MovingRegion::Bent &vertex : *list)
+                    body(vertex);
+        };
+        Eigen::Matrix3Xf posed(3, region.surface.graph.Size()); // vertices of one node share their position
+        forVertices([&](const MovingRegion::Bent &vertex) {
+            posed.col(vertex.node) =
+                region.surface.frame.ToFrame(Eigen::Vector3d(position.col(vertex.slot))).template cast<float>();
+        });
+        MeasureRegion(region, pose.region[r], posed, stretch, rotation, progress);
+        forVertices([&](const MovingRegion::Bent &vertex) {
+            result.stretch[vertex.slot] = stretch[std::size_t(vertex.node)];
+            result.rotation[vertex.slot] = rotation[std::size_t(vertex.node)];
+        });
+    }
     for (std::size_t i = 0; i < slots; ++i)
-        if (surface.nodeOf[i] >= 0) {
-            result.stretch[i] = stretch[surface.nodeOf[i]];
-            result.rotation[i] = rotation[surface.nodeOf[i]];
-        } else if (deformer.slotTag[i] != noVertex) {
+        if (!deformer.At(i).region && deformer.slotTag[i] != noVertex) {
             const Eigen::Matrix3d linear = carrier.MatrixAt(i).topLeftCorner<3, 3>();
             if (linear == Eigen::Matrix3d::Identity())
                 continue;
@@ -128,16 +158,22 @@ SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose,
 
 DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
                            const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress) {
-    const SurfaceGraph &surface = deformer.surface;
     DeformationCheck check;
-    check.rigid = detail::MovesAsOne(deformer.held.tag, pose.given.motion);
-    check.overruled = detail::CountOverruled(surface, handles.tag);
-    detail::CheckEdgesBetweenHeld(mesh, surface.frame, surface.apart, position, check);
-    std::vector<Eigen::Matrix3d> turns = pose.graph.linear; // of the surface in each patch
-    for (Index j = 0; j < deformer.graph.Size(); ++j)
-        if (deformer.graph.IsHeld(j))
-            turns[j] = pose.nodeMotion[j].linear();
-    check.flipped = detail::CountFlipped(mesh, surface, deformer.patches.patchOf, turns, position, progress);
+    check.overruled = detail::CountOverruled(deformer, handles.tag);
+    detail::CheckEdgesBetweenHeld(mesh, deformer.frame, deformer.apart, position, check);
+    check.rigid = !deformer.regions.empty() || detail::MovesAsOne({}, pose.given.motion);
+    for (std::size_t r = 0; r < deformer.regions.size(); ++r) {
+        const MovingRegion &region = *deformer.regions[r];
+        const RegionPose &its = pose.region[r];
+        check.rigid = check.rigid && detail::MovesAsOne(region.held.tag, its.given.motion);
+        std::vector<Eigen::Matrix3d> turns = its.graph.linear; // of the surface in each patch
+        for (Index j = 0; j < region.graph.Size(); ++j)
+            if (region.graph.IsHeld(j))
+                turns[j] = its.nodeMotion[j].linear();
+        check.flipped += detail::CountFlipped(mesh, deformer, r, turns, position,
+                                              progress.Slice(double(r) / double(deformer.regions.size()),
+                                                             double(r + 1) / double(deformer.regions.size())));
+    }
     return check;
 }
 
@@ -151,7 +187,11 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
     const DeformationGraph graph = MakeDeformationGraph(surface.graph, {}, surface.nodeArea, patches,
                                                         GraphWeights::Border, progress.Slice(0.9, 0.95));
     CentroidalGraph result;
-    result.geometry = GeometryOf(normal, surface, patches, graph, progress.Slice(0.95, 0.98));
+    result.geometry = GeometryOf(surface, patches, graph);
+    std::vector<MovingRegion::Bent> vertices;
+    for (std::uint32_t slot : surface.slots)
+        vertices.push_back({slot, surface.nodeOf[slot]});
+    TakeNormals(normal, vertices, patches, result.geometry);
     AssignLarge(result.patchOf, mesh.vertexSlots, Index(-1));
     ParallelFor(progress.Slice(0.98, 1), "Building the graph", mesh.vertexSlots, 1 << 16,
                 [&](std::size_t first, std::size_t last) {
@@ -177,9 +217,7 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
                const DeformationParam &param, const Progress &progress, DeformationResult &result) {
     assert(mesh.vertexSlots == deformer.slotTag.size() && handles.tag.size() == mesh.vertexSlots);
     assert(result.position.cols() == Eigen::Index(mesh.vertexSlots));
-    result.surface = deformer.surface.report;
-    result.surface.components = deformer.loose.components;
-    result.surface.isolated += deformer.loose.isolated;
+    result.surface = deformer.report;
     result.looseParts = deformer.loose.parts;
     result.placedNodes = deformer.placedNodes;
 
@@ -194,7 +232,9 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
         result.rotation = std::move(measure.rotation);
     }
     result.secondsMap = watch.Seconds();
-    ShowGraph(normal, deformer, pose, progress.Slice(0.94, 1), result);
+    progress(0.94, "Building the graph");
+    for (std::size_t r = 0; r < deformer.regions.size(); ++r)
+        ShowGraph(normal, *deformer.regions[r], pose.region[r], result);
     progress(1, "Mapping to the mesh");
 }
 
@@ -204,9 +244,8 @@ void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles 
     const Stopwatch watch;
     result.pose = solve(progress.Slice(0, 0.4));
     result.iterations = result.pose.iterations;
-    result.converged = result.pose.graph.converged;
-    const double scale = deformer.surface.frame.scale;
-    result.energy = result.pose.graph.energy * scale * scale;
+    result.converged = result.pose.converged;
+    result.energy = result.pose.energy;
     result.discretisationError = deformer.DiscretisationError(result.pose, param);
     result.secondsSolve = watch.Seconds();
     CarryPose(mesh, normal, handles, deformer, param, progress.Slice(0.4, 1), result);
@@ -223,8 +262,7 @@ DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal,
     result.position = mesh.Copy(progress.threads);
     const auto solve = [&](const Progress &part) { return deformer->Solve(handles, param, part); };
     PoseSurface(mesh, normal, handles, *deformer, solve, param, progress.Slice(0.75, 1), result);
-    result.secondsGraph = seconds - deformer->secondsMap;
-    result.secondsMap += deformer->secondsMap;
+    result.secondsGraph = seconds;
     return result;
 }
 

@@ -3,25 +3,18 @@
 #define VCG_FCD_DEFORMER_H
 
 #include <vcg_ext/graph/contrasting_colors.h>
-#include <vcg_ext/graph/deformation_graph.h>
-#include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/carrier.h>
 #include <vcg_ext/map/deformation_check.h>
 #include <vcg_ext/map/moving_surface.h>
-#include <vcg_ext/patches/surface_patches.h>
-#include <vcg_ext/shape_constants.h>
-#include <vcg_ext/solve/graph_parts.h>
-#include <vcg_ext/solve/solver_param.h>
+#include <vcg_ext/region_deformer.h>
 #include <vcg_ext/surface/surface_arrays.h>
-#include <vcg_ext/surface/surface_graph.h>
 
 #include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 /// \file
@@ -30,63 +23,20 @@
 namespace vcg {
 namespace fcd {
 
-/// Which motion the components of the mesh without a handle or fixed vertex make.
-enum class LooseParts {
-    Follow, ///< that of the nearest part of the surface that is held
-    Stay    ///< none
-};
-
-/// A DiscretisationError that is seen: above it, more patches are made, or asked for.
-constexpr double coarseError = 0.01;
-
-/// How a mesh is prepared to be deformed.
-struct DeformerParam {
-    GraphParam graph;
-    Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
-    GraphWeights graphWeights = GraphWeights::Border;
-    MappingWeights weights = MappingWeights::Surface;
-    double influence = 4; ///< node radius over patch radius, > 1
-    LooseParts looseParts = LooseParts::Follow;
-    bool bendsUnheld = false; ///< components as large as a patch bend though nothing holds them, as data may move them
-    double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
-    ShapeConstants shape;
-};
-
-/// How a mesh is deformed.
-struct DeformationParam : DeformerParam, SolverParam {
-    double pose = 100;    ///< percent of the handles' motion
-    int steps = 1;        ///< >= 1; the pose is reached over at least so many, each from the one before (StepsTo)
-    bool measure = false; ///< also measure stretch and rotation of the surface
-    bool linear = false;  ///< also give the linear map of the surface around each vertex
-
-    /// \throw BadInput naming the value that is out of range
-    void Validate() const;
-};
-
-/// A surface that is prepared to be deformed: built once from the surface and its regions (tags, places of point
-/// handles, parameters), it owns patches, graph, factorisation and mapping. Then each pose is solved from the motions
-/// alone, and carried to the vertices.
-///
-/// Where neither the number of patches nor their radius is given, there are GraphParam::Patches, or sixteen times
-/// as many where those make a shape that is off by more than coarseError when what moves turns by 60 degrees
-/// (TurnError). That is decided once for all poses, so that each is part of the way to the others.
+/// A surface that is prepared to be deformed: built once from the surface and its tags (and places of point handles,
+/// parameters). It is a list of regions, the connected parts of the free surface with what holds them, each of which
+/// is prepared, solved and carried to its vertices by itself. A result is the union of the results of the regions, to
+/// the bit, whatever else is free, held or moved; loose parts follow what is near.
 class Deformer : public MovingSurface {
   public:
     using Pose = SurfacePose;
-
-    /// \param surface the free surface without its loose parts, and what holds it
-    /// \param slotTag one per vertex slot, noVertex where it is deleted \param point slots of the point handles
-    /// \param rest 3 x vertex slots, mesh units
-    /// \throw BadInput nodes that belong elsewhere \throw Cancelled
-    Deformer(SurfaceGraph surface, HeldNodes heldNodes, LooseSurface looseSurface, std::vector<int> slotTag,
-             const std::vector<std::size_t> &point, const PositionsRef &rest, const DeformerParam &param,
-             const Progress &progress = {});
 
     /// The motions of \p handles at \p percent of their way; its tags are not read, nor which vertices its points are.
     /// \throw BadInput a motion by more than 1e30 times the mesh, or a target that is not finite
     HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
-    /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest
+    /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest. A region
+    /// whose motions are the same in it stays as it is there.
     /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
@@ -97,60 +47,39 @@ class Deformer : public MovingSurface {
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
-    /// holds the free surface turns by more than 60 degrees against another.
+    /// holds a region turns by more than 60 degrees against another.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
     /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps, or in as many as
-    /// they need. It is what grows out of the surface as it is, be it stable or not
-    /// (SolverParam::follow).
+    /// each region needs. It is what grows out of the surface as it is, be it stable or not (SolverParam::follow).
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
-    /// The motions at one of so many steps of a way, from 1.
+    /// The motions at one of so many steps of a way, from 1. Called from several threads, one at a time.
     using Way = std::function<HeldMotions(int step, int steps)>;
 
     /// The same for the end of any way. \param begin the pose that it begins at, null for rest; param.pose is not read
     Pose SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
-    std::map<Index, Eigen::Vector3d> center; ///< of each handle tag: the mean of its vertices, mesh units
-    Index placedNodes = 0;                   ///< how many of the given nodes lie on the surface, and are used
-    double secondsGraph = 0;                 ///< that preparing patches and graph took ...
-    double secondsMap = 0;                   ///< ... and the mapping
+    const RegionDeformer &Region(std::size_t i) const { return static_cast<const RegionDeformer &>(*regions[i]); }
+    /// All that is free, of one that was prepared as one region (DeformerParam::IsOneRegion).
+    const RegionDeformer &Whole() const { return Region(0); }
+
+    std::map<Index, Eigen::Vector3d> center;         ///< of each handle tag: the mean of its vertices, mesh units
+    std::vector<std::size_t> point;                  ///< slots of the point handles
+    std::vector<Eigen::Vector3d> pointRest;          ///< where they are at rest, mesh units
+    Index placedNodes = 0;                           ///< how many of the given nodes lie on the surface, and are used
+    Index together = 0;                              ///< regions that share a graph, as there are so many; else 0
+    SurfaceReport report;                            ///< of all regions
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
 
   private:
-    /// What is factorised, for nodes of which some turn with what they hold.
-    struct System {
-        std::vector<bool> compliant;
-        PartsDeformer parts;
-        System(const Deformer &deformer, const NodeConstraints &given, const Progress &progress);
-    };
-
-    void BuildGraph(const PositionsRef &rest, const Progress &progress);
-    void MakeGraph(const PositionsRef &rest, const Progress &progress);
-    /// Gives a point handle its motion, mesh units. \param i which one
-    void MovePoint(HeldMotions &m, std::size_t i, const Eigen::Matrix4d &motion) const;
-    /// Gives nodes that are held alone the motion of what they belong to.
-    void HoldOriginals(HeldMotions &m) const;
-    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth
-    /// of the diagonal along it.
-    HeldMotions Probe(int axis) const;
-    /// DiscretisationError when what holds the surface moves so: the largest of the three axes.
-    double TurnError(const Progress &progress) const;
-    NodeConstraints ConstraintsOf(const Pose &pose) const;
-    /// \p solver, without what goes beyond the paper where that is not asked for.
-    SolverParam StepsOf(SolverParam solver) const;
-    std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const Progress &progress) const;
-
-    std::vector<std::size_t> point;
-    std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
-    DeformerParam param;
-    const BeyondPaper beyond;
-    double D = 0; // frame units
-    detail::SmallParts small;
-    std::vector<double> nodeArea; // k, frame units^2
-    std::vector<Index> holding;   // the tags of what holds the graph, but for point handles
-    mutable std::mutex lock;      // of what follows
-    mutable std::shared_ptr<const System> latest;
+    friend class SurfaceDivider;
+    Deformer() = default;
+    Pose SumOf(HeldMotions given, std::vector<RegionPose> regions) const;
+    /// body(i, progress) for each region, side by side.
+    void ForRegions(const Progress &progress, const char *stage,
+                    const std::function<void(std::size_t, const Progress &)> &body) const;
 };
 
 /// Counts the vertices by tag, point handles as handles.
@@ -162,8 +91,9 @@ TagCount CountHandles(const Handles &handles, std::size_t slots, const char *del
 /// \throw BadInput no vertices, a coordinate that is not finite, point handles that make no sense, or nodes that belong
 ///        elsewhere \throw Cancelled
 /// \pre one tag per vertex slot, a handle and something free (CountHandles)
+/// \param kept one of the same mesh: what it has prepared of the same region, with the same parameters, is taken over
 std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
-                                          const Progress &progress = {});
+                                          const Progress &progress = {}, const Deformer *kept = nullptr);
 
 /// Whether the nodes of the deformer's graph are at \p nodes (3 x k, mesh units), but for what files round.
 bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many patches a deformer's graph has, the graph, and how far off its poses are.
+// How many patches a region's graph has, the graph, and how far off its poses are.
 #include <vcg_ext/base/rotation_vector.h>
-#include <vcg_ext/deformer.h>
-#include <vcg_ext/patches/given_nodes.h>
+#include <vcg_ext/region_deformer.h>
 #include <vcg_ext/solve/discretisation_error.h>
 
 #include <algorithm>
@@ -22,27 +21,28 @@ constexpr Index mostNodes = 200000;
 
 } // namespace
 
-double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress) const {
+double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &solver,
+                                           const Progress &progress) const {
     NodeConstraints given = ConstraintsOf(pose);
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
     steps.follow = true;
     const double error = vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights,
                                                        StepsOf(steps), param.shape, progress);
-    if (!(error > 0)) // also without any nodes
-        return error;
-    const Eigen::Matrix3Xf &rest = graph.graph.position;
-    return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
+    return error;
 }
 
-void Deformer::MakeGraph(const PositionsRef &rest, const Progress &progress) {
-    D = TargetRadius(surface, param.graph, param.shape.patchRadius);
-    if (param.nodes.cols() == 0)
+double DiagonalOf(const DeformationGraph &graph) {
+    const Eigen::Matrix3Xf &rest = graph.graph.position;
+    return rest.cols() > 0 ? double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm()) : 0;
+}
+
+void RegionDeformer::MakeGraph(const ReadRegion &read, const Progress &progress) {
+    D = vcg::fcd::TargetRadius(surface, param.graph, param.shape.patchRadius);
+    if (!read.hasGivenNodes)
         patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
     else {
-        const std::vector<Index> nodes =
-            detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
-        patches = GrowPatches(surface.graph, held.tag, nodes, progress.Slice(0, 0.9));
+        patches = GrowPatches(surface.graph, held.tag, read.center, progress.Slice(0, 0.9));
         D = 0;
         for (float radius : patches.radius)
             D = std::max(D, double(radius));
@@ -57,40 +57,35 @@ void Deformer::MakeGraph(const PositionsRef &rest, const Progress &progress) {
                        "hold regions rather than many single vertices.");
     graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
                                  progress.Slice(0.9, 1), param.shape);
-    holding.clear();
-    for (Index j = 0; j < graph.Size(); ++j)
-        if (const Index t = held.tag[patches.center[j]];
-            t != 1 && (!HeldNodes::IsSingle(t) || held.original[-1 - t] >= 0))
-            holding.push_back(HeldNodes::IsSingle(t) ? held.original[-1 - t] : t);
-    std::sort(holding.begin(), holding.end());
-    holding.erase(std::unique(holding.begin(), holding.end()), holding.end());
     nodeArea.assign(graph.Size(), 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (patches.patchOf[u] >= 0)
             nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
 }
 
-HeldMotions Deformer::Probe(int axis) const {
+HeldMotions RegionDeformer::Probe(int axis) const {
     const double turn = double(EIGEN_PI) / 3, way = 0.1; // as far as one step leads; a tenth of the diagonal
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
     const Eigen::Affine3d move(Eigen::Translation3d(way * along));
     HeldMotions m;
     m.motion[0].setIdentity();
-    for (const auto &[tag, middle] : center) {
-        const Eigen::Vector3d about = surface.frame.ToFrame(middle);
+    for (const auto &[tag, about] : holding) {
+        if (tag == 0)
+            continue;
         Eigen::Affine3d moved(detail::RotationBy(turn, along));
         moved.translation() = about - moved.linear() * about;
         m.motion[tag] = surface.frame.FromFrame(move * moved);
         m.rotates[tag] = true;
     }
-    for (std::size_t i = 0; i < point.size(); ++i)
-        MovePoint(m, i, surface.frame.FromFrame(move));
+    for (Index tag : held.pointTag)
+        m.motion[tag] = surface.frame.FromFrame(move);
     HoldOriginals(m);
     return m;
 }
 
-double Deformer::TurnError(const Progress &progress) const {
+double RegionDeformer::TurnError(const Progress &progress) const {
     std::array<double, 3> error{};
+    const double diagonal = DiagonalOf(graph);
     SolverParam solver;
     solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
     solver.maxIterations = 100;
@@ -98,7 +93,7 @@ double Deformer::TurnError(const Progress &progress) const {
     ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
         try {
             const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));
-            error[axis] = DiscretisationError(probe, solver, each.Slice(0.5, 1));
+            error[axis] = DiscretisationError(probe, solver, each.Slice(0.5, 1)) / diagonal;
         } catch (const Unsolvable &) { // for whoever poses it
         }
     });
@@ -108,17 +103,18 @@ double Deformer::TurnError(const Progress &progress) const {
     return most;
 }
 
-void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
-    if (param.graph.initialPatches > 0 || !beyond.refinement || param.nodes.cols() > 0 ||
-        param.graph.targetRadius > 0) {
-        MakeGraph(rest, progress);
+void RegionDeformer::BuildGraph(const ReadRegion &read, const Progress &progress) {
+    if (param.graph.initialPatches > 0 && read.share < 1)
+        param.graph.initialPatches = std::max(1, int(std::lround(read.share * param.graph.initialPatches)));
+    if (param.graph.initialPatches > 0 || !beyond.refinement || read.hasGivenNodes || param.graph.targetRadius > 0) {
+        MakeGraph(read, progress);
         return;
     }
     // Whether so few are enough is asked once for all seeds: shapes of few and of many patches may differ by more than
     // those of two seeds.
     const unsigned seed = param.graph.randomSeed;
     param.graph.randomSeed = GraphParam().randomSeed;
-    MakeGraph(rest, progress.Slice(0, 0.3));
+    MakeGraph(read, progress.Slice(0, 0.3));
     const bool isCoarse = TurnError(progress.Slice(0.3, 0.4)) > coarseError;
     if (!isCoarse && seed == param.graph.randomSeed)
         return;
@@ -126,7 +122,7 @@ void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
         param.graph.initialPatches = finer * param.graph.Patches();
     param.graph.randomSeed = seed;
     latest = nullptr;
-    MakeGraph(rest, progress.Slice(0.4, 1));
+    MakeGraph(read, progress.Slice(0.4, 1));
 }
 
 } // namespace fcd

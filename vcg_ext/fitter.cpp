@@ -24,19 +24,19 @@ namespace {
 /// count as what they are.
 bool IsInParts(const SurfaceView &source, const Deformer &deformer) {
     std::vector<Index> componentOf;
-    const Index parts = ConnectedComponents(deformer.surface.graph.adjacency, componentOf);
+    const Index parts = ConnectedComponents(deformer.Whole().surface.graph.adjacency, componentOf);
     std::vector<double> area(std::size_t(parts), 0);
     double all = 0;
     for (std::size_t f = 0; f < source.faces; ++f) {
         if (!source.IsFace(f) || deformer.slotTag[source.corner[3 * f]] != 1)
             continue;
         const auto at = [&](std::size_t k) {
-            return deformer.surface.frame.ToFrame(Eigen::Vector3d(source.At(source.corner[3 * f + k])));
+            return deformer.Whole().surface.frame.ToFrame(Eigen::Vector3d(source.At(source.corner[3 * f + k])));
         };
         const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p;
         const double each = a.cross(b).norm();
         all += each;
-        if (const Index node = deformer.surface.nodeOf[source.corner[3 * f]]; node >= 0) // else a loose part
+        if (const Index node = deformer.nodeOf[source.corner[3 * f]]; node >= 0) // else a loose part
             area[std::size_t(componentOf[std::size_t(node)])] += each;
     }
     return !area.empty() && 3 * *std::max_element(area.begin(), area.end()) < all;
@@ -114,24 +114,26 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
         points.isCloud = true;
         deformer = PrepareDeformer(points, handles, param, progress.Slice(0.7, 0.9));
     }
-    sample = EvenSample(*deformer, std::size_t(param.samples));
+    sample = EvenSample(deformer->Whole(), std::size_t(param.samples));
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
     progress(1, "Preparing the fit");
 }
 
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                              const Progress &progress) const {
-    const SurfaceGraph &surface = deformer->surface;
+    const RegionDeformer &region = deformer->Whole();
+    const SurfaceGraph &surface = region.surface;
     const Frame &frame = surface.frame;
-    Deformer::Pose pose = deformer->Solve(handles, param, progress.Slice(0, 0.05));
+    Deformer::Pose all = deformer->Solve(handles, param, progress.Slice(0, 0.05));
+    RegionPose &pose = all.region[0];
     pose.solved.moves = true;
     GraphPose &graph = pose.graph;
     graph = pose.solved;
-    graph.rests.assign(std::size_t(deformer->graph.Size()), 0);
+    graph.rests.assign(std::size_t(region.graph.Size()), 0);
 
     FitSamples samples;
     for (Index node : sample)
-        samples.Add(*deformer, pose, node);
+        samples.Add(region, pose, node);
     samples.normal = sampleNormal;
     const std::size_t matched = samples.Size();
     std::vector<Eigen::Vector3d> place; // of each landmark
@@ -139,19 +141,19 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     for (const Landmark &each : landmark) {
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
             throw BadInput("Landmark " + std::to_string(place.size() + 1) + " is no vertex, or belongs nowhere.");
-        const Index node = surface.nodeOf[each.vertex];
+        const Index node = deformer->nodeOf[each.vertex];
         place.push_back(frame.ToFrame(handles.world.inverse() * each.target));
-        if (node < 0 || deformer->held.tag[std::size_t(node)] != 1)
+        if (node < 0 || region.held.tag[std::size_t(node)] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
         if (std::exchange(hasLandmark[std::size_t(node)], char(1)))
             throw BadInput("Landmark " + std::to_string(place.size()) +
                            " is at the place of another one. Leave one of the two out.");
-        samples.Add(*deformer, pose, node);
+        samples.Add(region, pose, node);
     }
 
-    std::vector<char> isFree(std::size_t(deformer->graph.Size()));
-    for (Index j = 0; j < deformer->graph.Size(); ++j)
-        isFree[std::size_t(j)] = deformer->held.tag[std::size_t(deformer->patches.center[std::size_t(j)])] == 1;
+    std::vector<char> isFree(std::size_t(region.graph.Size()));
+    for (Index j = 0; j < region.graph.Size(); ++j)
+        isFree[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
     const bool isAlone = FollowsAlone();
     if (!isAlone) {
         std::vector<Eigen::Vector3d> at; // where they are before the start
@@ -162,7 +164,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     }
     if (param.start != FitStart::AsItLies || report.fromAfar) {
         const Eigen::Affine3d start = Start(target, samples, matched, place, report, progress.threads);
-        for (Index j = 0; j < deformer->graph.Size(); ++j) {
+        for (Index j = 0; j < region.graph.Size(); ++j) {
             graph.position.col(j) = start * graph.position.col(j).eval();
             graph.linear[std::size_t(j)] = start.linear() * graph.linear[std::size_t(j)];
         }
@@ -170,11 +172,11 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
 
     FitSamples drawn = samples; // the landmarks are behind those that are matched
     samples.Shrink(matched);
-    FitSystem system(*deformer, isFree, drawn, param.smoothness);
+    FitSystem system(region, isFree, drawn, param.smoothness);
     MatchParam how;
     how.farthest = param.largestDistance / frame.scale;
     how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
-    how.spacing = std::sqrt(std::max(deformer->surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)));
+    how.spacing = std::sqrt(std::max(region.surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)));
     const double tolerance = param.landmarkTolerance / frame.scale;
     std::unique_ptr<FitMatches> matches;
     std::vector<char> leads(landmark.size(), 1); // the landmarks that it follows
@@ -238,7 +240,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
                 report = before;
             }
         }
-        const FitGaps gaps(*deformer, *matches, samples);
+        const FitGaps gaps(region, *matches, samples);
         const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
         const GraphPose without = graph;
         bool isStiff = !gaps.Any();
@@ -293,10 +295,12 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;
     graph.converged = report.converged;
-    MeasureEnergy(deformer->graph, param.smoothness * surface.area, graph);
+    MeasureEnergy(region.graph, param.smoothness * surface.area, graph);
+    all.converged = report.converged;
+    all.energy = graph.energy * frame.scale * frame.scale;
     Measure(*matches, report);
     progress(1, "Fitting");
-    return pose;
+    return all;
 }
 
 } // namespace fcd

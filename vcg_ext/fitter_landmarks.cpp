@@ -31,7 +31,7 @@ constexpr double mostGivingWay = 10, unseen = 0.01;
 
 /// From the world. The frame has the source's matrix without its translation.
 Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
-    const Frame &frame = deformer->surface.frame;
+    const Frame &frame = deformer->Whole().surface.frame;
     return Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) *
            Eigen::Affine3d(frame.metric) * handles.world.inverse() * world;
 }
@@ -59,13 +59,14 @@ Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &
 }
 
 bool Fitter::IsAllFree() const {
-    return std::all_of(deformer->held.tag.begin(), deformer->held.tag.end(), [](Index tag) { return tag == 1; });
+    return std::all_of(deformer->Whole().held.tag.begin(), deformer->Whole().held.tag.end(),
+                       [](Index tag) { return tag == 1; });
 }
 
 bool Fitter::FollowsAlone() const { return param.largestDistance <= std::numeric_limits<double>::min(); }
 
 void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool isLed, FitReport &report) const {
-    const double scale = deformer->surface.frame.scale;
+    const double scale = deformer->Whole().surface.frame.scale;
     report.notFinite = target.LeftOut();
     report.apart = placement.apart * scale;
     report.larger = placement.larger;
@@ -86,14 +87,15 @@ std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t 
     if (!param.judgesLandmarks || place.empty())
         return {};
     const FitSamples marks = drawn.From(first);
-    return Contradictions(*deformer, isFree, marks, place, FollowsAlone() ? tornStrain : tornStrain / 2,
-                          param.landmarkTolerance / deformer->surface.frame.scale, param.smoothness, pose, progress);
+    return Contradictions(deformer->Whole(), isFree, marks, place, FollowsAlone() ? tornStrain : tornStrain / 2,
+                          param.landmarkTolerance / deformer->Whole().surface.frame.scale, param.smoothness, pose,
+                          progress);
 }
 
 void Fitter::Arrive(const FitSamples &drawn, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                     const std::vector<char> &leads, const std::vector<char> &isFree, GraphPose &graph,
                     FitReport &report, const Progress &progress) const {
-    const double scale = deformer->surface.frame.scale, tolerance = param.landmarkTolerance / scale;
+    const double scale = deformer->Whole().surface.frame.scale, tolerance = param.landmarkTolerance / scale;
     std::vector<Eigen::Vector3d> goal = place;
     double off = 0;
     for (std::size_t l = 0; l < place.size(); ++l) {
@@ -127,7 +129,7 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
     const bool byAxes = param.start == FitStart::TriedAxes || report.fromAfar;
     const auto &node = samples.surfaceNode;
     for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
-        from.emplace_back(deformer->surface.graph.position.col(node[s]).cast<double>());
+        from.emplace_back(deformer->Whole().surface.graph.position.col(node[s]).cast<double>());
     if (report.fromAfar)
         return StartFromAfar(from, sampleNormal, target, threads, report.isSureFromAfar);
     if (byAxes)
@@ -138,18 +140,18 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
 void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const {
     if (param.landmarkTolerance > 0)
         return;
-    const double rounding = 1e-5 * deformer->surface.frame.scale;
+    const double rounding = 1e-5 * deformer->Whole().surface.frame.scale;
     std::map<Index, Eigen::Vector3d> at;
     for (const Landmark &each : landmark) {
         const Eigen::Vector3d target = handles.world.inverse() * each.target;
         const Eigen::Vector3d off = target - position.col(Eigen::Index(each.vertex));
         if ((handles.world.linear() * off).norm() <= rounding)
-            at[deformer->surface.nodeOf[each.vertex]] = target;
+            at[deformer->nodeOf[each.vertex]] = target;
     }
     if (at.empty())
         return;
     for (std::size_t i = 0; i < source.vertexSlots; ++i)
-        if (const auto found = at.find(deformer->surface.nodeOf[i]); found != at.end())
+        if (const auto found = at.find(deformer->nodeOf[i]); found != at.end())
             position.col(Eigen::Index(i)) = found->second;
 }
 

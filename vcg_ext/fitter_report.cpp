@@ -13,7 +13,7 @@ namespace vcg {
 namespace fcd {
 
 void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
-    const double scale = deformer->surface.frame.scale;
+    const double scale = deformer->Whole().surface.frame.scale;
     std::vector<double> distance, near;
     for (std::size_t s = 0; s < matches.Size(); ++s)
         distance.push_back(matches.Distance(s));
@@ -103,7 +103,7 @@ std::vector<std::string> FitReport::TargetRemarks() const {
 
 void Fitter::Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
                      std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress) const {
-    const Frame &frame = deformer->surface.frame;
+    const Frame &frame = deformer->Whole().surface.frame;
     distance.assign(source.vertexSlots, 0.f);
     liesOn.assign(source.vertexSlots, 0);
     ParallelFor(progress, "Measuring the distance", source.vertexSlots, 1 << 12,

@@ -75,9 +75,9 @@ void ListReleased(const std::vector<double> &place, const std::vector<bool> &con
 }
 
 /// How far the surface is from where its cross-sections went, in report.rms and report.largest.
-void MeasureDifference(const Deformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
-                       const std::vector<double> &place, const std::vector<bool> &constrained,
-                       const Deformer::Pose &pose, const Progress &progress, StraightenReport &report) {
+void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
+                       const std::vector<double> &place, const std::vector<bool> &constrained, const RegionPose &pose,
+                       const Progress &progress, StraightenReport &report) {
     progress(0, "Following the line");
     const GraphMapping::Posed mapped = deformer.mapping->At(pose.graph, pose.motion, {}, progress.threads);
     double squares = 0;
@@ -106,7 +106,7 @@ SteadyPoints Steady(const Eigen::Matrix3Xd &points, double smoothing, double thi
 }
 
 /// \throw BadInput where less than half of the line lies in the box of the surface
-void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen::Affine3d &world) {
+void ExpectInside(const FramedLine &line, const RegionDeformer &deformer, const Eigen::Affine3d &world) {
     const ToWorld toWorld(deformer.surface.frame, world);
     Eigen::AlignedBox3d box;
     for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
@@ -126,8 +126,9 @@ void ExpectInside(const FramedLine &line, const Deformer &deformer, const Eigen:
 
 } // namespace
 
-Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
+Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &prepared, const Eigen::Affine3d &world,
                         const Progress &progress, StraightenReport *report) {
+    const RegionDeformer &deformer = prepared.Whole();
     const FramedLine given(goal.line, goal.smoothing);
     ExpectInside(given, deformer, world);
     if (goal.isFound)
@@ -152,9 +153,10 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Ei
     return isBetter ? middle : steady.point;
 }
 
-LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
+LineMotion MotionTo(LineGoal goal, const Deformer &prepared, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress) {
-    goal.line = LineOf(goal, deformer, world, progress, &report);
+    const RegionDeformer &deformer = prepared.Whole();
+    goal.line = LineOf(goal, prepared, world, progress, &report);
     if (goal.target.cols() > 0)
         goal.target =
             Steady(goal.target, goal.smoothing,
@@ -170,8 +172,9 @@ LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine
     return motion;
 }
 
-Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
+Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress) {
+    const RegionDeformer &deformer = prepared.Whole();
     const DeformationGraph &graph = deformer.graph;
     const FramedLine &line = motion.From();
     const Index k = graph.Size();
@@ -211,7 +214,8 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
             given.constrained[std::size_t(j)] = false;
     ConstrainComponents(graph.graph.adjacency, line, rest, place, given.constrained);
 
-    Deformer::Pose pose = deformer.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
+    Deformer::Pose all = prepared.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
+    RegionPose &pose = all.region[0];
     report.released = Index(std::count(given.constrained.begin(), given.constrained.end(), false));
     report.following = k - report.released;
     GraphPose solved;
@@ -222,7 +226,7 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
                 area[std::size_t(j)] += double(deformer.surface.nodeArea[std::size_t(u)]);
         solved = PartsDeformer(graph, area, given, param.shape.heldDepth, progress.Slice(0.1, 0.1))
                      .Solve(given, param, progress.Slice(0.1, 0.8));
-        pose.iterations = solved.iterations;
+        all.iterations = pose.iterations = solved.iterations;
     } else {
         solved = pose.solved;
         for (Index j = 0; j < k; ++j) {
@@ -244,11 +248,14 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
 
     ListReleased(place, given.constrained, graph, toWorld.scale, report);
     MeasureDifference(deformer, toWorld, motion, place, given.constrained, pose, progress.Slice(0.8, 1), report);
-    return pose;
+    all.converged = solved.converged;
+    all.energy = solved.energy * toWorld.scale * toWorld.scale;
+    return all;
 }
 
-std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
+std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &prepared, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress) {
+    const RegionDeformer &deformer = prepared.Whole();
     const ToWorld toWorld(deformer.surface.frame, world);
     const std::vector<double> place =
         detail::PlacesAlong(line, deformer.graph.graph.adjacency, detail::NodesOf(deformer, toWorld));
@@ -258,7 +265,7 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &def
             if (mesh.IsDeleted(i))
                 continue;
             const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
-            const Index node = deformer.surface.nodeOf[i];
+            const Index node = prepared.nodeOf[i];
             const bool isLoose = node < 0 || deformer.patches.patchOf[std::size_t(node)] < 0;
             places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));

@@ -38,9 +38,13 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
 /// CountFlipped where all is one patch that \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
     const std::vector<int> free(mesh.vert.size(), 1);
-    const SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, {}, Eigen::Matrix3d::Identity(), {});
-    const std::vector<Index> patchOf(surface.graph.Size(), 0);
-    return vcg::fcd::detail::CountFlipped(Read(mesh), surface, patchOf, {linear}, position, {});
+    SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, {}, Eigen::Matrix3d::Identity(), {});
+    vcg::fcd::MovingSurface moving;
+    moving.nodeOf = surface.nodeOf;
+    auto region = std::make_shared<vcg::fcd::MovingRegion>(std::move(surface), vcg::fcd::HeldNodes());
+    region->patches.patchOf.assign(std::size_t(region->surface.graph.Size()), 0);
+    moving.regions.push_back(region);
+    return vcg::fcd::detail::CountFlipped(Read(mesh), moving, 0, {linear}, position, {});
 }
 
 TEST(DeformationCheck, CountsTrianglesThatTurnedOver) {

@@ -196,11 +196,12 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     rig.param.graph.measure = PatchMeasure::Vertices;
     rig.deformer = PrepareDeformer(Read(rig.mesh), rig.bend.handles, rig.param);
     const Deformer &deformer = *rig.deformer;
-    const SurfaceGraph &surface = deformer.surface;
-    const DeformationGraph &graph = deformer.graph;
+    const RegionDeformer &region = deformer.Whole();
+    const SurfaceGraph &surface = region.surface;
+    const DeformationGraph &graph = region.graph;
     const Csr &adjacency = graph.graph.adjacency;
     for (Index j = 0; j < graph.Size(); ++j) { // a node is the centre of its patch, an edge leads from node to node
-        EXPECT_EQ(graph.graph.position.col(j), surface.graph.position.col(deformer.patches.center[j]));
+        EXPECT_EQ(graph.graph.position.col(j), surface.graph.position.col(region.patches.center[j]));
         for (std::uint32_t e = adjacency.begin[j]; e < adjacency.begin[j + 1]; ++e) {
             EXPECT_EQ(graph.weight[e], 1);
             const Eigen::Vector3f way = graph.graph.position.col(j) - graph.graph.position.col(adjacency.item[e]);
@@ -209,8 +210,9 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     }
     Matrix3Xd position = rig.rest;
     std::vector<Eigen::Matrix3f> linear;
-    const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);
-    Carrier(deformer, pose).Apply(position, &linear);
+    const Deformer::Pose posed = rig.deformer->Solve(rig.bend.handles, rig.param);
+    const RegionPose &pose = posed.region[0];
+    Carrier(deformer, posed).Apply(position, &linear);
     ASSERT_TRUE(pose.graph.converged);
     for (Index j = 0; j < graph.Size(); ++j) { // rotations, and of what is held those that are given
         EXPECT_TRUE((pose.graph.linear[j] * pose.graph.linear[j].transpose()).isIdentity(1e-9));
@@ -220,8 +222,8 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     }
     int blended = 0, open = 0;
     for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i) { // Eqs. 7 and 8
-        const Index node = surface.nodeOf[i];
-        if (node < 0 || deformer.held.tag[node] != 1)
+        const Index node = deformer.nodeOf[i];
+        if (node < 0 || region.held.tag[node] != 1)
             continue;
         const Vector3d p = surface.graph.position.col(node).cast<double>();
         Vector3d sum = Vector3d::Zero();

@@ -689,14 +689,14 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     FitParam param;
     param.graph.initialPatches = 12;
     const Fitter fitter(arrays.View(), {}, handles, param);
-    const Deformer &deformer = fitter.Surface();
-    const Deformer::Pose rest = deformer.Solve(handles, param);
+    const RegionDeformer &region = fitter.Surface().Whole();
+    const RegionPose rest = fitter.Surface().Solve(handles, param).region[0];
     FitSamples samples;
-    for (Index u : EvenSample(deformer, 100))
-        samples.Add(deformer, rest, u);
+    for (Index u : EvenSample(region, 100))
+        samples.Add(region, rest, u);
     GraphPose pose = rest.solved;
     std::mt19937 random(5);
-    for (Index j = 0; j < deformer.graph.Size(); ++j) {
+    for (Index j = 0; j < region.graph.Size(); ++j) {
         pose.position.col(j) += 0.03 * RandomVector(random);
         pose.linear[std::size_t(j)] = Eigen::AngleAxisd(0.2, RandomVector(random).normalized()).toRotationMatrix();
     }
@@ -708,33 +708,33 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
         pull[s].form = form / double(samples.Size());
         pull[s].gradient = pull[s].form * (samples.At(s, pose) - place[s]);
     }
-    const double stiffness = 0.01, smoothness = 0.05, area = deformer.surface.area;
+    const double stiffness = 0.01, smoothness = 0.05, area = region.surface.area;
     const auto energy = [&](const GraphPose &at) {
         double sum = 0;
         for (std::size_t s = 0; s < samples.Size(); ++s) {
             const Vector3d way = samples.At(s, at) - place[s];
             sum += way.dot(pull[s].form * way);
         }
-        for (Index i = 0; i < deformer.graph.Size(); ++i)
-            for (std::uint32_t item = deformer.graph.graph.adjacency.begin[std::size_t(i)];
-                 item < deformer.graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
-                const Index j = deformer.graph.graph.adjacency.item[item];
+        for (Index i = 0; i < region.graph.Size(); ++i)
+            for (std::uint32_t item = region.graph.graph.adjacency.begin[std::size_t(i)];
+                 item < region.graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+                const Index j = region.graph.graph.adjacency.item[item];
                 const Vector3d e =
-                    (deformer.graph.graph.position.col(j) - deformer.graph.graph.position.col(i)).cast<double>();
-                const double w = stiffness * double(deformer.graph.weight[item]) / area;
+                    (region.graph.graph.position.col(j) - region.graph.graph.position.col(i)).cast<double>();
+                const double w = stiffness * double(region.graph.weight[item]) / area;
                 sum += w * (at.position.col(i) + at.linear[std::size_t(i)] * e - at.position.col(j)).squaredNorm();
                 sum +=
                     0.5 * w * smoothness * area * (at.linear[std::size_t(i)] - at.linear[std::size_t(j)]).squaredNorm();
             }
         return sum;
     };
-    std::vector<char> isFree(std::size_t(deformer.graph.Size()), 1);
-    FitSystem system(deformer, isFree, samples, smoothness);
+    std::vector<char> isFree(std::size_t(region.graph.Size()), 1);
+    FitSystem system(region, isFree, samples, smoothness);
     const std::vector<double> stiff(isFree.size(), stiffness);
     const auto step = system.Step(pose, pull, stiff);
     const auto moved = [&](double t) {
         GraphPose at = pose;
-        for (Index j = 0; j < deformer.graph.Size(); ++j) {
+        for (Index j = 0; j < region.graph.Size(); ++j) {
             const Vector3d w = t * step.col(j).head<3>();
             if (w.norm() > 0)
                 at.linear[std::size_t(j)] =

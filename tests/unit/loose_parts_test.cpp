@@ -294,7 +294,8 @@ TEST(FollowNearest, ListsEachPlaceOnce) {
     std::fill_n(loose.partOf.begin(), body.Size(), -1);
     loose.parts = 1;
     const LooseFollowing following = FollowNearest(
-        PositionsOf(MeshD(both)), std::vector<int>(std::size_t(both.Size()), 1), Frame(), loose, 0.1, Threads(1));
+        PositionsOf(MeshD(both)), std::vector<int>(std::size_t(both.Size()), 1), Frame(), loose,
+        [](std::size_t) { return 0.1; }, Threads(1));
     ASSERT_EQ(following.vertex.size(), std::size_t(sleeve.Size()));
     const std::set<std::size_t> places(following.place.begin(), following.place.end());
     EXPECT_EQ(places.size(), following.place.size());
@@ -331,8 +332,8 @@ TEST(LooseParts, FollowASingleHeldVertexOrNothing) {
     const Handles free{{1, 1, 1, 1}, {}, {}};
     const LooseSurface all = LooseOf(MeshD(c.shape), free, surface);
     EXPECT_EQ(all.parts, 2);
-    const LooseFollowing nothing =
-        FollowNearest(PositionsOf(MeshD(c.shape)), free.tag, surface.frame, all, 1, Threads(1));
+    const LooseFollowing nothing = FollowNearest(
+        PositionsOf(MeshD(c.shape)), free.tag, surface.frame, all, [](std::size_t) { return 1.0; }, Threads(1));
     EXPECT_EQ(nothing.leader, std::vector<std::size_t>(2, LooseFollowing::none));
     EXPECT_TRUE(nothing.vertex.empty());
 }

@@ -327,8 +327,8 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
     std::vector<std::size_t> keys;
     double most = -1, error = 0; // of the frame that is bent most
     const auto look = [&](const Deformer::Pose &pose) {
-        if (pose.graph.energy > most) {
-            most = pose.graph.energy;
+        if (pose.energy > most) {
+            most = pose.energy;
             error = rig.deformer->DiscretisationError(pose, rig.param);
         }
     };

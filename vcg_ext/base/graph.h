@@ -145,10 +145,12 @@ inline Csr QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, In
         .adjacency;
 }
 
-/// The connected component of each node, numbered in the order of their first nodes. Blocks of neighbouring nodes are
-/// joined in parallel, then the edges between blocks. \return the number of components
-inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
-                                 const char *stage = "Building the graph") {
+/// The connected component of each node of which takesPart(node) is true, numbered in the order of their first nodes;
+/// -1 of others. Blocks of neighbouring nodes are joined in parallel, then the edges between blocks. \return the number
+/// of components
+template <class TakesPart>
+Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vector<Index> &componentOf,
+                          const Progress &progress, const char *stage) {
     const Index n = graph.Size();
     std::vector<Index> &parent = componentOf; // of each node, towards the first node of its component
     parent.resize(n);
@@ -166,9 +168,13 @@ inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &component
     ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
         for (Index u = Index(first); u < Index(last); ++u) {
             parent[u] = u;
+            if (!takesPart(u))
+                continue;
             for (Index v : graph[u])
                 if (v >= u)
                     break; // neighbours are ascending
+                else if (!takesPart(v))
+                    continue;
                 else if (v >= Index(first))
                     join(u, v);
                 else
@@ -180,8 +186,15 @@ inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &component
             join(e.first, e.second);
     Index components = 0;
     for (Index u = 0; u < n; ++u) // ascending: the parent's number is known
-        componentOf[u] = parent[u] == u ? components++ : componentOf[parent[u]];
+        componentOf[u] = !takesPart(u) ? -1 : parent[u] == u ? components++ : componentOf[parent[u]];
     return components;
+}
+
+/// The same of all nodes.
+inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
+                                 const char *stage = "Building the graph") {
+    return ConnectedComponents(
+        graph, [](Index) { return true; }, componentOf, progress, stage);
 }
 
 } // namespace fcd

@@ -23,7 +23,7 @@ constexpr double mostStrain = 4;
 
 class Judge {
   public:
-    Judge(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &marks,
+    Judge(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &marks,
           const std::vector<Eigen::Vector3d> &place, double tolerance, double smoothness, GraphPose pose)
         : isIn(place.size(), 1), deformer(deformer), marks(marks), place(place), tolerance(tolerance),
           weight(10 / double(place.size())), pose(std::move(pose)), system(deformer, isFree, marks, smoothness),
@@ -62,7 +62,7 @@ class Judge {
     }
 
   private:
-    const Deformer &deformer;
+    const RegionDeformer &deformer;
     const FitSamples &marks;
     const std::vector<Eigen::Vector3d> &place;
     const double tolerance, weight;
@@ -74,7 +74,7 @@ class Judge {
 
 } // namespace
 
-std::vector<Contradiction> Contradictions(const Deformer &deformer, const std::vector<char> &isFree,
+std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const std::vector<char> &isFree,
                                           const FitSamples &marks, const std::vector<Eigen::Vector3d> &place,
                                           double least, double tolerance, double smoothness, GraphPose pose,
                                           const Progress &progress) {

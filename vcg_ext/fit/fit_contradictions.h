@@ -25,7 +25,7 @@ struct Contradiction {
 /// \param least strain that counts: see tornStrain \param tolerance so far off counts as there, frame units
 /// \param pose from which the surface follows them
 /// \return ascending; none of fewer than five, and a third of them at most: else nothing tells which
-std::vector<Contradiction> Contradictions(const Deformer &deformer, const std::vector<char> &isFree,
+std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const std::vector<char> &isFree,
                                           const FitSamples &marks, const std::vector<Eigen::Vector3d> &place,
                                           double least, double tolerance, double smoothness, GraphPose pose,
                                           const Progress &progress);

@@ -28,7 +28,7 @@ std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &valu
 
 } // namespace
 
-FitGaps::FitGaps(const Deformer &deformer, const FitMatches &matches, const FitSamples &samples) {
+FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, const FitSamples &samples) {
     const Graph &graph = deformer.graph.graph;
     std::vector<double> all(std::size_t(graph.Size()), 0), share = all;
     for (std::size_t s = 0; s < samples.Size(); ++s)

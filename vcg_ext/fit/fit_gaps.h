@@ -15,7 +15,7 @@ namespace fcd {
 class FitGaps {
   public:
     /// From the matches as they are.
-    FitGaps(const Deformer &deformer, const FitMatches &matches, const FitSamples &samples);
+    FitGaps(const RegionDeformer &deformer, const FitMatches &matches, const FitSamples &samples);
 
     /// Whether there is any, with something around it.
     bool Any() const { return !around.empty(); }

@@ -8,7 +8,7 @@
 namespace vcg {
 namespace fcd {
 
-void FitSamples::Add(const Deformer &deformer, const Deformer::Pose &pose, Index node) {
+void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Index node) {
     GraphMapping::Influences influences;
     deformer.mapping->InfluencesAt(node, influences);
     const Eigen::Vector3d p = deformer.surface.graph.position.col(node).cast<double>();
@@ -66,7 +66,7 @@ Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const
     return length > 0 ? Eigen::Vector3d(n / length) : n;
 }
 
-std::vector<Index> EvenSample(const Deformer &deformer, std::size_t wanted) {
+std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted) {
     const SurfaceGraph &surface = deformer.surface;
     double area = 0;
     std::size_t count = 0;
@@ -92,7 +92,7 @@ std::vector<Index> EvenSample(const Deformer &deformer, std::size_t wanted) {
 
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
                                             const std::vector<Index> &node) {
-    const SurfaceGraph &surface = deformer.surface;
+    const SurfaceGraph &surface = deformer.Whole().surface;
     std::vector<Index> number(std::size_t(surface.graph.Size()), -1);
     for (std::size_t i = 0; i < node.size(); ++i)
         number[std::size_t(node[i])] = Index(i);
@@ -100,7 +100,7 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
     if (mesh.isCloud) {
         const Eigen::Matrix3d turn = surface.frame.inverseMetric.transpose();
         for (std::size_t i = 0; normal && i < mesh.vertexSlots; ++i)
-            if (const Index u = surface.nodeOf[i]; u >= 0 && number[std::size_t(u)] >= 0)
+            if (const Index u = deformer.nodeOf[i]; u >= 0 && number[std::size_t(u)] >= 0)
                 sum[std::size_t(number[std::size_t(u)])] = turn * normal(i);
     }
     std::vector<Corners> triangle;
@@ -109,7 +109,7 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
             continue;
         Corners c;
         for (std::size_t k = 0; k < 3; ++k)
-            c[k] = surface.nodeOf[mesh.corner[3 * f + k]];
+            c[k] = deformer.nodeOf[mesh.corner[3 * f + k]];
         if (std::min({c[0], c[1], c[2]}) >= 0 && c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
             triangle.push_back(c);
     }

@@ -34,14 +34,14 @@ struct FitSamples {
     FitSamples From(std::size_t first) const;
 
     /// \param pose gives the motions of what is held
-    void Add(const Deformer &deformer, const Deformer::Pose &pose, Index node);
+    void Add(const RegionDeformer &deformer, const RegionPose &pose, Index node);
     Eigen::Vector3d At(std::size_t s, const GraphPose &pose) const;
     /// The normal in a pose, of length 1; 0 where it is not known.
     Eigen::Vector3d NormalAt(std::size_t s, const GraphPose &pose) const;
 };
 
 /// Free nodes of a surface that stand for the same area each. \param wanted how many, about
-std::vector<Index> EvenSample(const Deformer &deformer, std::size_t wanted);
+std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted);
 
 /// The normals of the surface at nodes, from the faces, or where there are none, from \p normal; in the frame.
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,

@@ -7,7 +7,7 @@
 namespace vcg {
 namespace fcd {
 
-FitSystem::FitSystem(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
+FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
                      double smoothness)
     : deformer(deformer), samples(samples), smoothness(smoothness), area(std::max(deformer.surface.area, 1e-12)) {
     const Index k = deformer.graph.Size();

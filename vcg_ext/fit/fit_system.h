@@ -27,7 +27,8 @@ class FitSystem {
     };
 
     /// \param isFree flags of the graph's nodes \param samples which the pulls will be of, in this order
-    FitSystem(const Deformer &deformer, const std::vector<char> &isFree, const FitSamples &samples, double smoothness);
+    FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
+              double smoothness);
 
     /// The step from \p pose. \param stiffness of each node of the graph \return 6 x nodes: w_k in radians, d_k in
     /// frame units; 0 for those that are not free \throw Unsolvable
@@ -48,7 +49,7 @@ class FitSystem {
                   const std::vector<Index> &place, std::vector<Matrix6> &block, Vector6 &gradient) const;
     Eigen::VectorXd Solve(const Eigen::VectorXd &right);
 
-    const Deformer &deformer;
+    const RegionDeformer &deformer;
     const FitSamples &samples;
     double smoothness, area;
     std::vector<Index> node;                ///< of each unknown

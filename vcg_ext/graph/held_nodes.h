@@ -10,6 +10,7 @@
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <string>
 #include <utility>
@@ -25,7 +26,9 @@ struct HeldNodes {
     std::vector<Index> pointTag; ///< of each point handle: that of its node, 1 where no surface is
 
     static bool IsSingle(Index t) { return t < 0; }
-    bool IsFixed(Index t) const { return t == 0 || (IsSingle(t) && original[-1 - t] == 0); }
+    bool IsFixed(Index t) const { return Original(t) == 0; }
+    /// The tag of a node of tag \p t before, -1 for a point handle.
+    Index Original(Index t) const { return IsSingle(t) ? original[std::size_t(-1 - t)] : t; }
 
     /// Holds node \p u, alone. \return its tag
     Index HoldAlone(Index u, Index tagBefore) {
@@ -48,12 +51,12 @@ struct HeldMotions {
     /// By what each tag from 0, but 1, has turned since rest, with full turns: along the axis, as long as the angle in
     /// radians.
     std::map<Index, Eigen::Vector3d> turn;
-    std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of point handles at vertices that are no surface, by slot
+    std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of each point handle, by slot
 
     bool Moves() const {
-        return !pointMotion.empty() || std::any_of(motion.begin(), motion.end(), [](const auto &each) {
-            return each.second != Eigen::Matrix4d::Identity();
-        });
+        const auto moves = [](const auto &each) { return each.second != Eigen::Matrix4d::Identity(); };
+        return std::any_of(motion.begin(), motion.end(), moves) ||
+               std::any_of(pointMotion.begin(), pointMotion.end(), moves);
     }
 };
 

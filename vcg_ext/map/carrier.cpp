@@ -5,28 +5,43 @@
 namespace vcg {
 namespace fcd {
 
+namespace {
+
+std::vector<std::unique_ptr<const GraphMapping::Posed>> MappedOf(const MovingSurface &moving, const SurfacePose &pose,
+                                                                 unsigned threads) {
+    std::vector<std::unique_ptr<const GraphMapping::Posed>> mapped(moving.regions.size());
+    ParallelFor(threads, mapped.size(), 1, [&](std::size_t r, std::size_t) {
+        const MovingRegion &region = *moving.regions[r];
+        const RegionPose &its = pose.region[r];
+        mapped[r].reset(
+            new GraphMapping::Posed(region.mapping->At(its.graph, its.motion, region.surface.frame, threads)));
+    });
+    return mapped;
+}
+
+} // namespace
+
 Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads)
-    : moving(surface), pose(pose), mapped(moving.mapping->At(pose.graph, pose.motion, moving.surface.frame, threads)),
-      looseMotion(LooseMotions()), placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {}
+    : moving(surface), pose(pose), mapped(MappedOf(surface, pose, threads)), looseMotion(LooseMotions()),
+      placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {}
 
 Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
-    const Index node = moving.surface.nodeOf[slot];
     linear.setIdentity();
     if (!moves || moving.slotTag[slot] == noVertex)
         return p;
-    if (node >= 0 && moving.held.tag[node] == 1) {
-        if (moving.weights == MappingWeights::Surface && pose.graph.rests[moving.patches.patchOf[node]])
-            return p;
-        return mapped(node, p, &linear);
-    }
-    if (node >= 0 && moving.held.IsFixed(moving.held.tag[node]))
+    const MovingSurface::Place place = moving.At(slot);
+    if (place.region && place.region->IsFree(place.node))
+        return Rests(place.number, place.region->patches.patchOf[place.node])
+                   ? p
+                   : (*mapped[place.number])(place.node, p, &linear);
+    if (place.region && place.region->held.IsFixed(place.region->held.tag[place.node]))
         return p;
     const auto told = pose.given.pointMotion.find(slot);
     const auto &follows = moving.following.vertex;
     const auto follower =
         std::lower_bound(follows.begin(), follows.end(), slot,
                          [](const LooseFollowing::Vertex &vertex, std::size_t s) { return vertex.slot < s; });
-    const Eigen::Matrix4d &matrix = node >= 0 ? pose.given.motion.at(moving.held.tag[node]) : MatrixAt(slot);
+    const Eigen::Matrix4d &matrix = place.region ? GivenAt(slot) : MatrixAt(slot);
     linear = matrix.topLeftCorner<3, 3>().cast<float>();
     if (told != pose.given.pointMotion.end())
         return p + told->second.topRightCorner<3, 1>();
@@ -68,9 +83,8 @@ const Eigen::Matrix4d &Carrier::MatrixAt(std::size_t slot) const {
 }
 
 const Eigen::Matrix4d &Carrier::GivenAt(std::size_t slot) const {
-    const Index node = moving.surface.nodeOf[slot];
-    if (node >= 0)
-        return pose.given.motion.at(moving.held.tag[node]);
+    if (const MovingSurface::Place place = moving.At(slot); place.region)
+        return pose.region[place.number].given.motion.at(place.region->held.tag[place.node]);
     return moving.slotTag[slot] == 1 ? pose.given.pointMotion.at(slot)
                                      : pose.given.motion.at(std::max(0, moving.slotTag[slot]));
 }
@@ -81,11 +95,13 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
         const std::size_t i = moving.following.leader[part];
         if (i == LooseFollowing::none)
             continue;
-        const Index node = moving.surface.nodeOf[i];
+        const MovingSurface::Place place = moving.At(i);
+        const Frame &frame = place.region ? place.region->surface.frame : moving.frame;
         Eigen::Matrix4d given = Eigen::Matrix4d::Identity();
-        if (node >= 0 && moving.surface.tag[node] == 1) { // as the surface there turns, not the patch it is in
+        if (place.region &&
+            place.region->surface.tag[place.node] == 1) { // as the surface there turns, not the patch it is in
             Eigen::Matrix3f linear;
-            const Eigen::Vector3d at = mapped(node, moving.leaderRest[part], &linear);
+            const Eigen::Vector3d at = (*mapped[place.number])(place.node, moving.leaderRest[part], &linear);
             given.topLeftCorner<3, 3>() = linear.cast<double>();
             given.topRightCorner<3, 1>() = at - given.topLeftCorner<3, 3>() * moving.leaderRest[part];
         } else {
@@ -93,12 +109,12 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
         }
         if (given.isIdentity(0))
             continue;
-        const Eigen::Vector3d p = moving.surface.frame.ToFrame(moving.leaderRest[part]);
-        const Eigen::Affine3d moved = moving.surface.frame.ToFrame(given);
+        const Eigen::Vector3d p = frame.ToFrame(moving.leaderRest[part]);
+        const Eigen::Affine3d moved = frame.ToFrame(given);
         Eigen::Affine3d there;
         there.linear() = detail::RotationOf(moved.linear());
         there.translation() = moved * p - there.linear() * p;
-        result[part] = moving.surface.frame.FromFrame(there);
+        result[part] = frame.FromFrame(there);
         result[part].row(3) << 0, 0, 0, 1;
     }
     return result;
@@ -116,20 +132,23 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
         GraphMapping::Posed::Scratch scratch;
         detail::Vertices &at = scratch.vertices;
         for (std::size_t i = first; i < last; ++i) {
-            const Index node = moving.surface.nodeOf[place[i]];
-            if (node < 0) {
+            const MovingSurface::Place there = moving.At(place[i]);
+            if (!there.region) {
                 result[i] = Eigen::Affine3d(GivenAt(place[i]));
                 continue;
             }
-            const Eigen::Vector3d own = moving.surface.graph.position.col(node).cast<double>();
+            const SurfaceGraph &surface = there.region->surface;
+            const GraphMapping::Posed &its = *mapped[there.number];
+            const Index node = there.node;
+            const Eigen::Vector3d own = surface.graph.position.col(node).cast<double>();
             for (int k = 0; k < 4; ++k)
-                at.SetRest(k, moving.surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k))));
+                at.SetRest(k, surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k))));
             const Index same[] = {node, node, node, node};
-            if (moving.held.tag[node] == 1)
-                mapped.Map(same, 4, false, scratch);
+            if (there.region->IsFree(node))
+                its.Map(same, 4, false, scratch);
             else
                 for (int k = 0; k < 4; ++k)
-                    at.SetMoved(k, mapped(node, at.Rest(k)));
+                    at.SetMoved(k, its(node, at.Rest(k)));
             Eigen::Matrix3d from, to;
             for (int k = 0; k < 3; ++k) {
                 from.col(k) = at.Rest(k + 1) - at.Rest(0);

@@ -8,6 +8,8 @@
 #include <vcg_ext/surface/nearest_place.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace vcg {
@@ -43,7 +45,7 @@ class Carrier {
     void Apply(const Rest &rest, const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
         ApplyBlocks(
             rest, maps, progress, ahead, taker,
-            [&](auto &take, const MovingSurface::Bent *vertex, int count, const detail::Vertices &moved) {
+            [&](auto &take, const MovingRegion::Bent *vertex, int count, const detail::Vertices &moved) {
                 for (int l = 0; l < count; ++l)
                     take(vertex[l].slot, moved.Moved(l), maps ? moved.Linear(l) : Eigen::Matrix3f::Identity());
             },
@@ -59,7 +61,7 @@ class Carrier {
                           const Ahead &ahead) const {
         ApplyBlocks(
             rest, true, progress, ahead, taker,
-            [&](auto &take, const MovingSurface::Bent *vertex, int count, detail::Vertices &moved) {
+            [&](auto &take, const MovingRegion::Bent *vertex, int count, detail::Vertices &moved) {
                 Eigen::Vector3d before[detail::lanes];
                 for (int l = 0; l < detail::lanes; ++l) {
                     before[l] = normal(vertex[std::min(l, count - 1)].slot);
@@ -83,33 +85,46 @@ class Carrier {
     void ApplyBlocks(const Rest &rest, bool maps, const Progress &progress, const Ahead &ahead, const Taker &taker,
                      const TakeBlock &takeBlock, const TakeOne &takeOne) const {
         const char *stage = "Mapping to the mesh";
-        const bool isSurface = moving.weights == MappingWeights::Surface; // no other part has an influence
-        const std::size_t all = moving.bent.size() + moving.carried.size(), lanes = detail::lanes;
-        const double share = all > 0 ? double(moving.bent.size()) / double(all) : 1;
-        ParallelFor(progress.Slice(0, share), stage, moving.bent.size(), 1 << 12,
-                    [&](std::size_t first, std::size_t last) {
-                        auto &&take = taker();
-                        GraphMapping::Posed::Scratch scratch;
-                        Index node[detail::lanes];
-                        for (std::size_t i = first; i < last;) {
-                            const Index patch = moving.patches.patchOf[moving.bent[i].node];
-                            int count = 0;
-                            for (std::size_t next = i + 2 * lanes; next < std::min(last, i + 3 * lanes); ++next)
-                                ahead(moving.bent[next].slot);
-                            for (; count < detail::lanes && i + count < last; ++count) {
-                                node[count] = moving.bent[i + count].node;
-                                if (moving.patches.patchOf[node[count]] != patch)
-                                    break;
-                                scratch.vertices.SetRest(count, rest(moving.bent[i + count].slot));
-                            }
-                            if (!moves || (isSurface && pose.graph.rests[patch]))
-                                scratch.vertices.Stay();
-                            else
-                                mapped.Map(node, count, maps, scratch);
-                            takeBlock(take, &moving.bent[i], count, scratch.vertices);
-                            i += count;
-                        }
-                    });
+        struct Range {
+            std::size_t region, first, last;
+        };
+        std::vector<Range> ranges; // of the free vertices
+        std::size_t bends = 0;
+        for (std::size_t r = 0; r < moving.regions.size(); ++r) {
+            const std::size_t count = moving.regions[r]->bent.size(), grain = 1 << 12;
+            for (std::size_t first = 0; first < count; first += grain)
+                ranges.push_back({r, first, std::min(count, first + grain)});
+            bends += count;
+        }
+        const std::size_t all = bends + moving.carried.size();
+        const double share = all > 0 ? double(bends) / double(all) : 1;
+        ParallelFor(progress.Slice(0, share), stage, ranges.size(), 1, [&](std::size_t at, std::size_t) {
+            auto &&take = taker();
+            GraphMapping::Posed::Scratch scratch;
+            Index node[detail::lanes];
+            const Range &range = ranges[at];
+            const MovingRegion &region = *moving.regions[range.region];
+            const std::vector<MovingRegion::Bent> &bent = region.bent;
+            constexpr std::size_t lanes = detail::lanes;
+            for (std::size_t i = range.first; i < range.last;) {
+                const Index patch = region.patches.patchOf[bent[i].node];
+                int count = 0;
+                for (std::size_t next = i + 2 * lanes; next < std::min(range.last, i + 3 * lanes); ++next)
+                    ahead(bent[next].slot);
+                for (; count < detail::lanes && i + count < range.last; ++count) {
+                    node[count] = bent[i + count].node;
+                    if (region.patches.patchOf[node[count]] != patch)
+                        break;
+                    scratch.vertices.SetRest(count, rest(bent[i + count].slot));
+                }
+                if (Rests(range.region, patch))
+                    scratch.vertices.Stay();
+                else
+                    mapped[range.region]->Map(node, count, maps, scratch);
+                takeBlock(take, &bent[i], count, scratch.vertices);
+                i += count;
+            }
+        });
         ParallelFor(progress.Slice(share, 1), stage, moving.carried.size(), 1 << 12,
                     [&](std::size_t first, std::size_t last) {
                         auto &&take = taker();
@@ -120,6 +135,12 @@ class Carrier {
                         }
                     });
         progress(1, stage);
+    }
+
+    /// Whether a patch of a region stays, to the bit.
+    bool Rests(std::size_t region, Index patch) const {
+        const RegionPose &its = pose.region[region]; // by other weights, any part has an influence
+        return !its.Moves() || (moving.regions[region]->weights == MappingWeights::Surface && its.graph.rests[patch]);
     }
 
     /// The motion of a held vertex, or of a free one at the place of one.
@@ -136,8 +157,8 @@ class Carrier {
 
     const MovingSurface &moving;
     const SurfacePose &pose;
-    const GraphMapping::Posed mapped;
-    const std::vector<Eigen::Matrix4d> looseMotion; // of each loose part, mesh units
+    const std::vector<std::unique_ptr<const GraphMapping::Posed>> mapped; // of each region
+    const std::vector<Eigen::Matrix4d> looseMotion;                       // of each loose part, mesh units
     const std::vector<Eigen::Affine3d> placeMotion; // of each of LooseFollowing::place, mesh units
     const bool moves;
 };

@@ -24,10 +24,13 @@ bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matr
     return first && !first->isIdentity(1e-9);
 }
 
-Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag) {
+Index CountOverruled(const MovingSurface &surface, const std::vector<int> &tag) {
     Index count = 0;
     for (std::size_t i = 0; i < tag.size(); ++i)
-        count += tag[i] >= 2 && surface.nodeOf[i] >= 0 && surface.tag[surface.nodeOf[i]] != tag[i];
+        if (tag[i] >= 2) {
+            const MovingSurface::Place place = surface.At(i);
+            count += (place.region ? place.region->surface.tag[std::size_t(place.node)] : surface.slotTag[i]) != tag[i];
+        }
     return count;
 }
 
@@ -46,8 +49,10 @@ void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
     }
 }
 
-Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::size_t r,
                    const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress) {
+    const SurfaceGraph &surface = moving.regions[r]->surface;
+    const std::vector<Index> &patchOf = moving.regions[r]->patches.patchOf;
     using Eigen::Vector3d;
     std::vector<Eigen::Matrix3d> turn;
     turn.reserve(linear.size());
@@ -61,7 +66,7 @@ Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const s
             for (int k = 0; k < 3; ++k) {
                 const std::size_t next =
                     mesh.corner[3 * std::size_t(surface.faces[std::min(i + 8, last - 1)]) + std::size_t(k)];
-                Prefetch(&surface.nodeOf[next]);
+                Prefetch(&moving.nodeOf[next]);
                 Prefetch(position.col(Eigen::Index(next)).data());
                 Prefetch(mesh.position + 3 * next);
             }
@@ -70,8 +75,8 @@ Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const s
             Index patch[3];
             for (int k = 0; k < 3; ++k) {
                 slot[k] = mesh.corner[3 * std::size_t(f) + std::size_t(k)];
-                const Index node = surface.nodeOf[slot[k]];
-                patch[k] = node >= 0 ? patchOf[node] : -1;
+                const MovingSurface::Place place = moving.At(slot[k]);
+                patch[k] = place.region && place.number == r ? patchOf[place.node] : -1;
             }
             const auto toWorld = [&](const Vector3d &v) { return surface.frame.ToWorld(v); };
             const auto rest = [&](int k) { return Vector3d(mesh.At(slot[k])); };

@@ -3,7 +3,7 @@
 #define VCG_FCD_DEFORMATION_CHECK_H
 
 #include <vcg_ext/handles/handles.h>
-#include <vcg_ext/surface/surface_graph.h>
+#include <vcg_ext/map/moving_surface.h>
 
 #include <map>
 
@@ -22,12 +22,12 @@ struct DeformationCheck {
 
 namespace detail {
 
-/// Whether all held nodes make the same motion, and one that moves them. \param tag n, 1 where free \param motion of
-/// each other tag; of 0 whether there is such a node or not
+/// Whether all held nodes of a region make the same motion, and one that moves them. \param tag n, 1 where free \param
+/// motion of each other tag; of 0 whether there is such a node or not
 bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matrix4d> &motion);
 
 /// \param tag one per vertex slot
-Index CountOverruled(const SurfaceGraph &surface, const std::vector<int> &tag);
+Index CountOverruled(const MovingSurface &surface, const std::vector<int> &tag);
 
 /// What lies between the ends of such an edge is the edge alone, hence nothing can make up for their motions.
 /// \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
@@ -36,8 +36,8 @@ void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
                            DeformationCheck &check);
 
 /// A triangle has turned over when its normal points away from where the patches of its corners turn it. Needles, whose
-/// normals are noise, do not count.
-Index CountFlipped(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &patchOf,
+/// normals are noise, do not count. \param r number of the region whose triangles they are \param linear of its patches
+Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::size_t r,
                    const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress);
 
 } // namespace detail

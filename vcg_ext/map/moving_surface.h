@@ -2,82 +2,81 @@
 #ifndef VCG_FCD_MOVING_SURFACE_H
 #define VCG_FCD_MOVING_SURFACE_H
 
-#include <vcg_ext/graph/deformation_graph.h>
-#include <vcg_ext/graph/held_nodes.h>
-#include <vcg_ext/map/graph_mapping.h>
-#include <vcg_ext/patches/patch_sampling.h>
-#include <vcg_ext/solve/graph_pose.h>
+#include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/surface/loose_parts.h>
-#include <vcg_ext/surface/surface_graph.h>
 
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace vcg {
 namespace fcd {
 
-/// The way on which a pose was reached.
-struct PoseWay {
-    int steps = 1;         ///< each from the one before
-    bool jumps = false;    ///< whether the shape jumps on it to another one, instead of growing
-    bool unstable = false; ///< whether it was found that it would give way at its end, left to itself
-};
-
-/// One pose of a surface.
+/// One pose of a surface: that of each of its regions.
 struct SurfacePose {
     HeldMotions given;
-    GraphPose solved;                        ///< of the graph
-    GraphPose graph;                         ///< the same with linear maps (FitLinear; rotations as printed)
-    std::vector<Eigen::Affine3d> nodeMotion; ///< k, of constrained nodes, frame units
-    /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
-    std::map<Index, Eigen::Affine3d> motion;
-    int iterations = 0; ///< of the solver, with those of the poses on the way
-    PoseWay way;
+    std::vector<RegionPose> region;
+    int iterations = 0; ///< of the solver, the most of a region, with those of the poses on the way
+    PoseWay way;        ///< the longest of a region; jumps and is unstable where one does and is
+    bool converged = true;
+    double energy = 0; ///< Eq. 2, world units^2
 
-    bool Moves() const { return given.Moves() || solved.moves; }
+    bool Moves() const {
+        return given.Moves() ||
+               std::any_of(region.begin(), region.end(), [](const RegionPose &each) { return each.Moves(); });
+    }
 };
 
-/// A surface with its deformation graph, and how each of its vertices follows the graph.
+/// A surface that deforms: its regions, its loose parts, and what moves with the handles alone.
 struct MovingSurface {
-    /// A free vertex of the surface.
-    struct Bent {
-        std::uint32_t slot;
-        Index node;
+    /// The node of a vertex.
+    struct Place {
+        const MovingRegion *region; ///< null: the vertex is in none
+        std::size_t number;         ///< of the region
+        Index node;                 ///< of its surface
     };
 
-    const SurfaceGraph surface; ///< the free surface without its loose parts, and what holds it
-    const HeldNodes held;
-    const LooseSurface loose;
-    const std::vector<int> slotTag; ///< one per vertex slot, noVertex where it is deleted
-    Patches patches;
-    DeformationGraph graph;
-    MappingWeights weights = MappingWeights::Surface;
-    std::unique_ptr<GraphMapping> mapping;
+    Frame frame; ///< that of the first region, or only the metric where there is none
+    std::vector<std::shared_ptr<const MovingRegion>> regions;
+    LooseSurface loose;
+    std::vector<int> slotTag; ///< one per vertex slot, noVertex where it is deleted; where vertices share a place that
+                              ///< no region holds or bends, that of what holds it
     LooseFollowing following;
     std::vector<Eigen::Vector3d> leaderRest; ///< of each loose part, mesh units
-    std::vector<Bent> bent;                  ///< the free vertices of the surface
     std::vector<std::uint32_t> carried;      ///< slots of handles, and of loose parts
+    /// Per vertex slot: its node, -1 for none; of a region of which several hold the vertex, the first.
+    std::vector<Index> nodeOf;
+    std::vector<std::uint32_t> regionOf; ///< per vertex slot with a node: its region; empty where there is one region
 
-    MovingSurface(SurfaceGraph surface, HeldNodes held, LooseSurface loose, std::vector<int> slotTag)
-        : surface(std::move(surface)), held(std::move(held)), loose(std::move(loose)), slotTag(std::move(slotTag)) {}
-    MovingSurface(const MovingSurface &) = delete; // its parts refer to each other
+    MovingSurface() = default;
+    MovingSurface(const MovingSurface &) = delete; // others refer to it
     MovingSurface &operator=(const MovingSurface &) = delete;
+
+    Place At(std::size_t slot) const {
+        if (nodeOf.empty() || nodeOf[slot] < 0)
+            return {nullptr, 0, -1};
+        const std::size_t number = regionOf.empty() ? 0 : regionOf[slot];
+        return {regions[number].get(), number, nodeOf[slot]};
+    }
+
+    /// How many nodes all graphs have.
+    Index Nodes() const {
+        Index all = 0;
+        for (const auto &region : regions)
+            all += region->graph.Size();
+        return all;
+    }
 
     /// body(slot) for each slot that may move in some pose, once.
     template <class Body>
     void ForMoving(const Body &body) const {
-        for (const Bent &vertex : bent)
-            body(std::size_t(vertex.slot));
+        for (const auto &region : regions)
+            for (const MovingRegion::Bent &vertex : region->bent)
+                body(std::size_t(vertex.slot));
         for (std::uint32_t i : carried)
             body(std::size_t(i));
     }
-
-    /// Lists what may move, free vertices of one patch beside each other. \param point slots of the point handles
-    void FindMoving(const std::vector<std::size_t> &point, const Progress &progress);
 };
 
 } // namespace fcd

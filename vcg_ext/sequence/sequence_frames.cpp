@@ -156,10 +156,10 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         const Deformer::Pose &pose = from.Go(weight, part.Slice(0, 0.5));
         position = surface.Positions();
         Carrier(deformer, pose, part.threads).Apply(position, nullptr, part.Slice(0.5, 0.8));
-        report.converged = report.converged && pose.graph.converged;
+        report.converged = report.converged && pose.converged;
         report.jumps = report.jumps || pose.way.jumps;
         report.unstable = report.unstable || pose.way.unstable;
-        if (farthest.graph.position.size() == 0 || pose.graph.energy > farthest.graph.energy)
+        if (farthest.region.empty() || pose.energy > farthest.energy)
             farthest = pose;
         report.folded =
             std::max(report.folded, CheckPose(surface, handles, deformer, pose, position, part.Slice(0.8, 1)).flipped);

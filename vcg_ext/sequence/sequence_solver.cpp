@@ -10,7 +10,7 @@ namespace fcd {
 SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world,
                                std::vector<std::map<int, Motion>> pose, const DeformationParam &param)
     : deformer(deformer), pose(std::move(pose)), param(param), world(world) {
-    if (!deformer.held.pointTag.empty())
+    if (!deformer.point.empty())
         throw BadInput(
             "A pose sequence moves handles, and this surface has points that are put somewhere, too. Prepare it "
             "without them.");

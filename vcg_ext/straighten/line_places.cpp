@@ -11,7 +11,7 @@ namespace vcg {
 namespace fcd {
 namespace detail {
 
-Eigen::Matrix3Xd NodesOf(const Deformer &deformer, const ToWorld &toWorld) {
+Eigen::Matrix3Xd NodesOf(const RegionDeformer &deformer, const ToWorld &toWorld) {
     Eigen::Matrix3Xd position(3, deformer.graph.Size());
     for (Index j = 0; j < deformer.graph.Size(); ++j)
         position.col(j) = toWorld(deformer.graph.graph.position.col(j).cast<double>());
@@ -75,14 +75,14 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
     return place;
 }
 
-double PlaceNear(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+double PlaceNear(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                  const std::vector<double> &place, Index node, const Eigen::Vector3d &p) {
     const auto patch = std::size_t(deformer.patches.patchOf[std::size_t(node)]);
     const double reach = mostStretch * double(deformer.graph.radius[patch]) * toWorld.scale;
     return StillBeyond(line, place[patch], line.Nearest(p, place[patch] - reach, place[patch] + reach));
 }
 
-std::vector<LineSample> SamplesAlong(const FramedLine &line, const Deformer &deformer, const ToWorld &toWorld,
+std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                                      const std::vector<double> &place, Index count, const Progress &progress) {
     const SurfaceGraph &surface = deformer.surface;
     const Index stride = std::max<Index>(1, surface.graph.Size() / count);

@@ -39,7 +39,7 @@ double AngleOf(const Complex &z) { return ArcTangent(z.imag(), z.real()); }
 
 /// Samples within the line. \param take is called with each, the frame of its place, and where it is across
 template <class Take>
-void ForSamples(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line, Index count,
+void ForSamples(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line, Index count,
                 const Progress &progress, const Take &take) {
     const ToWorld toWorld(deformer.surface.frame, world);
     const std::vector<double> place = PlacesAlong(line, deformer.graph.graph.adjacency, NodesOf(deformer, toWorld));
@@ -132,7 +132,7 @@ class Around {
 
 } // namespace
 
-double ThicknessAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+double ThicknessAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                       const Progress &progress) {
     double squares = 0, all = 0;
     ForSamples(deformer, world, line, 20000, progress,
@@ -143,7 +143,7 @@ double ThicknessAlong(const Deformer &deformer, const Eigen::Affine3d &world, co
     return all > 0 ? std::sqrt(squares / all) : 0;
 }
 
-double StretchAlong(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
+double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                     const Progress &progress) {
     double squares = 0, all = 0;
     ForSamples(deformer, world, line, 20000, progress,
@@ -155,7 +155,7 @@ double StretchAlong(const Deformer &deformer, const Eigen::Affine3d &world, cons
     return all > 0 ? squares / all : 0;
 }
 
-Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &given,
+Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &given,
                           const Progress &progress) {
     const std::size_t bins = 512; // narrower than thick, up to what is hundreds of times as long as thick
     FramedLine line = given;
@@ -217,7 +217,7 @@ Eigen::Matrix3Xd MiddleOf(const Deformer &deformer, const Eigen::Affine3d &world
     return points;
 }
 
-LineMotion::TwistAt TwistOf(const Deformer &deformer, const Eigen::Affine3d &world, const FramedLine &line) {
+LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line) {
     constexpr std::size_t bins = 128; // some hundred samples each
     struct Section {
         double weight = 0;

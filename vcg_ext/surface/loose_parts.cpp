@@ -158,8 +158,21 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
     return loose;
 }
 
+void AddLoose(const LooseSurface &part, const std::vector<std::uint32_t> &slotOf, std::size_t slots,
+              LooseSurface &whole) {
+    if (part.parts > 0 && whole.partOf.empty())
+        AssignLarge(whole.partOf, slots, Index(-1));
+    for (std::size_t i = 0; i < part.partOf.size(); ++i)
+        if (part.partOf[i] >= 0)
+            whole.partOf[slotOf.empty() ? i : slotOf[i]] = whole.parts + part.partOf[i];
+    whole.parts += part.parts;
+    whole.components += part.components;
+    whole.isolated += part.isolated;
+}
+
 LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame,
-                             const LooseSurface &loose, double large, const Progress &progress) {
+                             const LooseSurface &loose, const std::function<double(std::size_t)> &large,
+                             const Progress &progress) {
     LooseFollowing following;
     following.leader.assign(loose.parts, LooseFollowing::none);
     if (loose.parts == 0)
@@ -188,10 +201,13 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
             distance[part] = each.distance;
             following.leader[part] = each.place;
         }
-        box[part].extend(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(each.slot)))));
+        box[part].extend(frame.ToWorld(position.col(Eigen::Index(each.slot))));
     }
+    std::vector<char> isLarge(loose.parts);
+    for (Index part = 0; part < loose.parts; ++part)
+        isLarge[part] = box[part].diagonal().norm() > large(following.leader[part]);
     for (std::size_t i = 0; i < slotTag.size(); ++i)
-        if (loose.partOf[i] >= 0 && box[loose.partOf[i]].diagonal().norm() > large) {
+        if (loose.partOf[i] >= 0 && isLarge[loose.partOf[i]]) {
             following.vertex.emplace_back();
             following.vertex.back().slot = i;
         }

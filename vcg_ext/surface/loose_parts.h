@@ -6,6 +6,7 @@
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct LooseSurface {
     Index isolated = 0;           ///< loose vertices without a neighbour
     bool isPartOfSurface = false; ///< some loose part has nodes in the surface that it was found in
 };
+
+/// Adds the loose parts of a part of a mesh to those of the whole.
+/// \param slotOf of each slot of the part, that of the mesh, of \p slots; empty: the same
+void AddLoose(const LooseSurface &part, const std::vector<std::uint32_t> &slotOf, std::size_t slots,
+              LooseSurface &whole);
 
 /// The free surface of a mesh and the held vertices beside it. \param partOf of LooseSurface; what has a part is left
 /// out
@@ -49,9 +55,11 @@ struct LooseFollowing {
     std::vector<Vertex> vertex;
 };
 
-/// \param large diameter in frame units from which a part does not move as one
+/// \param frame its metric is read \param large large(leader): the diameter, world units, from which a part with that
+/// leader does not move as one
 LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame,
-                             const LooseSurface &loose, double large, const Progress &progress);
+                             const LooseSurface &loose, const std::function<double(std::size_t)> &large,
+                             const Progress &progress);
 
 } // namespace fcd
 } // namespace vcg

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/surface/loose_parts.h>
-#include <vcg_ext/surface/part_removal.h>
+#include <vcg_ext/surface/surface_regions.h>
 #include "test_support.h"
 
 #include <random>
@@ -53,19 +53,43 @@ struct Crumbs {
         }
     }
 
-    /// \return whether the parts could be taken out; then all is as if they were not read
-    bool Check(unsigned threads) const {
+    /// Each region, read by itself, is what it is where all else is held. \return how many there are
+    Index Check(unsigned threads) const {
         const Arrays arrays = Read(MeshD(shape));
         const SurfaceView view(arrays);
         const Eigen::Matrix3d metric = Vector3d(1, 1.5, 0.7).asDiagonal();
         const Progress progress = Threads(threads);
-        SurfaceGraph surface = ReadFreeSurface(view, tag, {}, metric, progress);
+        const SurfaceGraph surface = ReadFreeSurface(view, tag, {}, metric, progress);
         const LooseSurface loose = FindLoose(tag, {}, surface, surface.tag, progress);
-        EXPECT_TRUE(loose.isPartOfSurface);
-        const SurfaceGraph before = surface, again = ReadFreeSurface(view, tag, loose.partOf, metric, progress);
-        const bool removed = RemoveParts(view, loose.partOf, progress, surface);
-        ExpectSame(surface, removed ? again : before);
-        return removed;
+        const SurfaceRegions regions = FindRegions(surface, surface.tag, progress);
+        const std::vector<SubMesh> parts = TakeRegions(view, surface, surface.tag, tag, {}, regions, progress);
+        double shares = 0;
+        for (Index r = 0; r < regions.count; ++r) {
+            const SubMesh &part = parts[std::size_t(r)];
+            std::vector<int> alone = tag;
+            std::vector<Index> of;
+            for (std::size_t i = 0; i < tag.size(); ++i)
+                if (tag[i] == 1) {
+                    if (surface.nodeOf[i] >= 0)
+                        regions.Of(surface.graph, surface.nodeOf[i], of);
+                    if (surface.nodeOf[i] < 0 || std::find(of.begin(), of.end(), r) == of.end())
+                        alone[i] = 0;
+                }
+            SurfaceGraph own = ReadFreeSurface(part.arrays.View(), part.tag, {}, metric, progress);
+            const SurfaceGraph whole = ReadFreeSurface(view, alone, loose.partOf, metric, progress);
+            std::vector<Index> nodeOf(tag.size(), -1);
+            for (std::size_t i = 0; i < part.slotOf.size(); ++i)
+                nodeOf[part.slotOf[i]] = own.nodeOf[i];
+            own.nodeOf = std::move(nodeOf);
+            for (std::uint32_t &slot : own.slots)
+                slot = part.slotOf[slot];
+            for (std::uint32_t &face : own.faces)
+                face = part.faceOf[face];
+            ExpectSame(own, whole);
+            shares += regions.share[std::size_t(r)];
+        }
+        EXPECT_NEAR(shares, 1, 1e-9);
+        return regions.count;
     }
 
     static void ExpectSame(const SurfaceGraph &a, const SurfaceGraph &b) {
@@ -79,7 +103,6 @@ struct Crumbs {
         EXPECT_EQ(a.nodeOf, b.nodeOf);
         EXPECT_EQ(a.slots, b.slots);
         EXPECT_EQ(a.faces, b.faces);
-        EXPECT_EQ(a.apart, b.apart);
         EXPECT_EQ(a.tag, b.tag);
         EXPECT_EQ(a.nodeArea, b.nodeArea);
         EXPECT_EQ(a.area, b.area);
@@ -101,44 +124,57 @@ struct Crumbs {
 
 } // namespace
 
-TEST(RemoveParts, GivesTheBitsOfReadingWithoutThem) {
+TEST(TakeRegions, GivesTheBitsOfReadingEachAlone) {
     for (int rings : {20, 150}) // of one block of nodes, and of several
         for (bool spoiled : {false, true}) {
             Crumbs crumbs(Sphere(rings, rings));
-            crumbs.Scatter(rings > 100 ? 300 : 40, 0.7, unsigned(rings));
+            crumbs.Scatter(rings > 100 ? 300 : 40, 1.5, unsigned(rings));
             if (spoiled)
                 crumbs.Spoil();
             for (unsigned threads : {1u, 3u})
-                EXPECT_TRUE(crumbs.Check(threads)) << rings << " rings, " << spoiled;
+                EXPECT_EQ(std::min(crumbs.Check(threads), Index(2)), spoiled ? 2 : 1) << rings << " rings";
         }
 }
 
-TEST(RemoveParts, LeavesASurfaceOfWhichMoreWouldChange) {
-    const Crumbs whole(Sphere(20, 24));
-    Crumbs outside = whole; // the frame would be another one
-    outside.Scatter(5, 1.5, 1);
-    EXPECT_FALSE(outside.Check(2));
-    Crumbs gap = whole; // two sheets whose borders nearly touch
-    gap.Add(Moved(Grid(3, 3), Affine3d(Eigen::Scaling(0.1))));
-    gap.Add(Moved(Grid(3, 3), Eigen::Translation3d(0.205, 0, 0) * Affine3d(Eigen::Scaling(0.1))));
-    EXPECT_FALSE(gap.Check(2));
-    Crumbs seam = whole;
-    seam.Add(Moved(Grid(3, 3), Affine3d(Eigen::Scaling(0.1))));
-    seam.Add(Moved(Grid(3, 3), Eigen::Translation3d(0.2 + 1e-7, 0, 0) * Affine3d(Eigen::Scaling(0.1))));
-    EXPECT_FALSE(seam.Check(2));
-    Crumbs cloud(Points(Sphere(40, 40)));
-    cloud.Add(Moved(Points(Sphere(10, 10)), Affine3d(Eigen::Scaling(0.01))));
-    EXPECT_FALSE(cloud.Check(2));
+TEST(TakeRegions, DividesAtWhatIsHeld) {
+    for (bool spoiled : {false, true}) {
+        Crumbs crumbs(Sphere(60, 60));
+        for (std::size_t i = 0; i < crumbs.tag.size(); ++i) // belts
+            if (std::abs(crumbs.shape.position[i][2]) < 0.1)
+                crumbs.tag[i] = crumbs.shape.position[i][2] > 0 ? 3 : 0;
+        crumbs.Scatter(20, 0.7, 3);
+        if (spoiled)
+            crumbs.Spoil();
+        for (unsigned threads : {1u, 3u})
+            EXPECT_EQ(std::min(crumbs.Check(threads), Index(3)), spoiled ? 3 : 2);
+    }
 }
 
-TEST(RemoveParts, LeavesASurfaceWithHeldVerticesBesideFreeOnes) {
-    Crumbs beside(Sphere(20, 24));
-    beside.Scatter(5, 0.7, 1);
+TEST(TakeRegions, TakesSeamsAndHeldVerticesBesideFreeOnes) {
+    Crumbs seam(Sphere(20, 24));
+    seam.Add(Moved(Grid(3, 3), Affine3d(Eigen::Scaling(0.1))));
+    std::fill(seam.tag.end() - 2, seam.tag.end(), 0);
+    seam.Add(Moved(Grid(3, 3), Eigen::Translation3d(0.2 + 1e-8, 0, 0) * Affine3d(Eigen::Scaling(0.1))));
     // A fixed vertex that no face joins with a free one, but which is at the place of one.
-    const auto free = std::find(beside.tag.begin(), beside.tag.end(), 1) - beside.tag.begin();
-    Shape fixed = Moved(Triangle(), Affine3d(Eigen::Translation3d(beside.shape.position[std::size_t(free)])));
+    const auto free = std::find(seam.tag.begin(), seam.tag.end(), 1) - seam.tag.begin();
+    Shape fixed = Moved(Triangle(), Affine3d(Eigen::Translation3d(seam.shape.position[std::size_t(free)])));
     fixed.position[1] = fixed.position[2] = Vector3d::Zero();
-    beside.Add(fixed);
-    std::fill(beside.tag.end() - 3, beside.tag.end(), 0);
-    EXPECT_FALSE(beside.Check(2));
+    seam.Add(fixed);
+    std::fill(seam.tag.end() - 3, seam.tag.end(), 0);
+    EXPECT_EQ(seam.Check(2), 2);
+}
+
+TEST(FindRegions, JoinsTheSmallestWhereThereAreVeryMany) {
+    Crumbs many(Sphere(20, 24));
+    for (int i = 0; i < SurfaceRegions::most + 20; ++i) {
+        many.Add(Moved(Fan(4 + i % 3), Eigen::Translation3d(20.0 * i, 30, 0) * Eigen::Scaling(1.0 + i % 5)));
+        many.tag.back() = 2;
+    }
+    const Arrays arrays = Read(MeshD(many.shape));
+    const SurfaceGraph surface = ReadFreeSurface(SurfaceView(arrays), many.tag, {}, Eigen::Matrix3d::Identity(), {});
+    const SurfaceRegions regions = FindRegions(surface, surface.tag, {});
+    EXPECT_EQ(regions.count, SurfaceRegions::most);
+    EXPECT_EQ(regions.together, 22); // with the sphere, and the one that they become
+    for (std::size_t r = 2; r + 1 < std::size_t(regions.count); ++r)
+        EXPECT_LE(regions.share[r], regions.share[r - 1]);
 }

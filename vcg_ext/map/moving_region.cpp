@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/map/moving_surface.h>
+#include <vcg_ext/map/moving_region.h>
 
 namespace vcg {
 namespace fcd {
 
-void MovingSurface::FindMoving(const std::vector<std::size_t> &point, const Progress &progress) {
+void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress &progress) {
     const char *stage = "Preparing the mapping";
     const std::size_t grain = 1 << 14, count = surface.slots.size(), chunks = (count + grain - 1) / grain;
     std::vector<std::size_t> begin(chunks + 1, 0);
     const auto isBent = [&](std::size_t i) {
-        const Index node = surface.nodeOf[surface.slots[i]];
-        return node >= 0 && held.tag[node] == 1;
+        const Index node = nodeOf[surface.slots[i]];
+        return node >= 0 && IsFree(node);
     };
+    std::vector<std::vector<Bent>> heldOnes(chunks);
     ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
+        for (std::size_t i = first; i < last; ++i) {
+            const Index node = nodeOf[surface.slots[i]];
             begin[first / grain + 1] += isBent(i);
+            if (node >= 0 && !IsFree(node))
+                heldOnes[first / grain].push_back({surface.slots[i], node});
+        }
     });
+    beside = Together(heldOnes);
     for (std::size_t c = 0; c < chunks; ++c)
         begin[c + 1] += begin[c];
     AssignLarge(bent, begin[chunks], Bent{0, 0});
@@ -32,7 +38,7 @@ void MovingSurface::FindMoving(const std::vector<std::size_t> &point, const Prog
         };
         for (std::size_t i = first; i < last; ++i)
             if (isBent(i)) {
-                const Index node = surface.nodeOf[surface.slots[i]];
+                const Index node = nodeOf[surface.slots[i]];
                 here.push_back({patches.patchOf[node], {surface.slots[i], node}});
                 ++nextOf(here.back().first);
             }
@@ -42,25 +48,6 @@ void MovingSurface::FindMoving(const std::vector<std::size_t> &point, const Prog
         for (const auto &each : here)
             bent[nextOf(each.first)++] = each.second;
     });
-
-    std::vector<char> isPoint; // one per slot, where there is any
-    for (std::size_t i : point) {
-        isPoint.resize(slotTag.size(), 0);
-        isPoint[i] = 1;
-    }
-    const auto isCarried = [&](std::size_t i) {
-        const Index node = surface.nodeOf[i];
-        if (node >= 0)
-            return held.tag[node] != 1 && !held.IsFixed(held.tag[node]);
-        if (slotTag[i] != 1)
-            return slotTag[i] > 1;
-        return (!loose.partOf.empty() && loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
-    };
-    carried = CollectInOrder<std::uint32_t>(progress, stage, Index(slotTag.size()),
-                                            [&](Index i, std::vector<std::uint32_t> &found) {
-                                                if (isCarried(std::size_t(i)))
-                                                    found.push_back(std::uint32_t(i));
-                                            });
 }
 
 } // namespace fcd

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What bends in one region is, to the bit, what it would be if nothing else bent.
+#include <vcg_ext/deformer.h>
+#include "test_support.h"
+
+#include <random>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+using Eigen::Affine3d;
+using Eigen::Vector3d;
+
+namespace {
+
+/// A shape with random tags.
+struct Tagged {
+    Shape shape;
+    Handles handles;
+
+    /// Balls around random vertices are tagged, one after the other, each with what any vertex may have.
+    Tagged(Shape whole, unsigned seed) : shape(std::move(whole)) {
+        std::mt19937 random(seed);
+        handles.tag.assign(std::size_t(shape.Size()), 0);
+        const auto vertex = [&] { return std::size_t(random() % unsigned(shape.Size())); };
+        for (int ball = 0; ball < 12; ++ball) {
+            const Vector3d center = shape.position[vertex()];
+            const double radius = 0.2 + 0.1 * double(random() % 8);
+            const int tag = int(random() % 6) - 1;
+            for (std::size_t i = 0; i < handles.tag.size(); ++i)
+                if ((shape.position[i] - center).norm() < radius)
+                    handles.tag[i] = ball < 6 ? 1 : tag;
+        }
+        for (int tag = 2; tag <= 4; ++tag) {
+            Eigen::Affine3d motion(Eigen::AngleAxisd(0.3 * tag, RandomVector(random).normalized()));
+            motion.translation() = 0.1 * RandomVector(random);
+            handles.motion[tag] = Motion(motion.matrix());
+        }
+    }
+
+    bool HasWork() const {
+        const TagCount count = CountTags(handles.tag, nullptr);
+        return count.free > 0 && count.handle > 0;
+    }
+};
+
+struct Posed {
+    std::unique_ptr<Deformer> deformer;
+    Matrix3Xd position;
+    Deformer::Pose pose;
+};
+
+Posed PosedBy(const SurfaceView &view, const Handles &handles, const DeformationParam &param,
+              const Deformer *kept = nullptr) {
+    Posed posed;
+    posed.deformer = PrepareDeformer(view, handles, param, Threads(2), kept);
+    posed.pose = posed.deformer->Solve(handles, param, Threads(2));
+    posed.position = view.Copy();
+    Carrier(*posed.deformer, posed.pose).Apply(posed.position);
+    return posed;
+}
+
+/// The tags with all regions held but one.
+Handles Alone(const Posed &all, const Handles &handles, std::size_t region) {
+    Handles alone = handles;
+    for (std::size_t i = 0; i < alone.tag.size(); ++i)
+        if (const auto place = all.deformer->At(i);
+            alone.tag[i] == 1 && !(place.region && (place.number == region || !place.region->IsFree(place.node))))
+            alone.tag[i] = all.deformer->loose.partOf.empty() || all.deformer->loose.partOf[i] < 0 ? 0 : 1;
+    return alone;
+}
+
+/// \return how many regions were compared
+int ExpectUnion(const Tagged &each, const DeformationParam &param) {
+    const Arrays arrays = Read(MeshD(each.shape));
+    const SurfaceView view(arrays);
+    const Posed all = PosedBy(view, each.handles, param);
+    const std::size_t regions = all.deformer->regions.size();
+    int compared = 0;
+    for (std::size_t r = 0; r < regions && regions > 1; ++r) {
+        const Handles alone = Alone(all, each.handles, r);
+        const Posed one = PosedBy(view, alone, param);
+        for (const MovingRegion::Bent &vertex : all.deformer->regions[r]->bent)
+            EXPECT_EQ(all.position.col(vertex.slot), one.position.col(vertex.slot))
+                << "vertex " << vertex.slot << " of region " << r << " of " << regions;
+        ++compared;
+        if (testing::Test::HasFailure())
+            break;
+        // What is prepared is taken over, both ways.
+        const Posed kept = PosedBy(view, alone, param, all.deformer.get()),
+                    again = PosedBy(view, each.handles, param, one.deformer.get());
+        EXPECT_EQ(kept.deformer->regions[0], all.deformer->regions[r]);
+        EXPECT_EQ(again.deformer->regions[r], one.deformer->regions[0]);
+        EXPECT_TRUE(SameBits(kept.position, one.position));
+        EXPECT_TRUE(SameBits(again.position, all.position));
+    }
+    return compared;
+}
+
+} // namespace
+
+TEST(Regions, AResultIsTheUnionOfTheirResults) {
+    DeformationParam param;
+    param.graph.initialPatches = 0;
+    int compared = 0;
+    for (unsigned seed = 1; seed <= 12; ++seed)
+        for (const Shape &shape : {Sphere(40, 40), Unwelded(Sphere(30, 30)), Tube(24, 60)})
+            if (const Tagged each(shape, seed); each.HasWork())
+                compared += ExpectUnion(each, param);
+    EXPECT_GT(compared, 20);
+}
+
+TEST(Regions, AlsoOfClouds) {
+    DeformationParam param;
+    int compared = 0;
+    for (unsigned seed = 1; seed <= 8; ++seed)
+        if (const Tagged each(Points(Sphere(50, 50)), seed); each.HasWork())
+            compared += ExpectUnion(each, param);
+    EXPECT_GT(compared, 5);
+}

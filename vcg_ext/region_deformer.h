@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_REGION_DEFORMER_H
+#define VCG_FCD_REGION_DEFORMER_H
+
+#include <vcg_ext/base/content_sum.h>
+#include <vcg_ext/graph/held_nodes.h>
+#include <vcg_ext/map/moving_region.h>
+#include <vcg_ext/patches/surface_patches.h>
+#include <vcg_ext/shape_constants.h>
+#include <vcg_ext/solve/graph_parts.h>
+#include <vcg_ext/solve/solver_param.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Which motion the components of the mesh without a handle or fixed vertex make.
+enum class LooseParts {
+    Follow, ///< that of the nearest part of the surface that is held
+    Stay    ///< none
+};
+
+/// A DiscretisationError that is seen: above it, more patches are made, or asked for.
+constexpr double coarseError = 0.01;
+
+/// How a mesh is prepared to be deformed.
+struct DeformerParam {
+    GraphParam graph;
+    Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
+    GraphWeights graphWeights = GraphWeights::Border;
+    MappingWeights weights = MappingWeights::Surface;
+    double influence = 4; ///< node radius over patch radius, > 1
+    LooseParts looseParts = LooseParts::Follow;
+    bool bendsUnheld = false; ///< components as large as a patch bend though nothing holds them, as data may move them
+    double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
+    ShapeConstants shape;
+
+    /// Whether all that is free is one region, whatever it hangs together by: where data or a line move it, and where
+    /// what is near in space influences each other, too, as in the paper.
+    bool IsOneRegion() const {
+        return bendsUnheld || weights == MappingWeights::Euclidean || !BeyondPaper(graphWeights).surfaceBalls;
+    }
+};
+
+/// How a mesh is deformed.
+struct DeformationParam : DeformerParam, SolverParam {
+    double pose = 100;    ///< percent of the handles' motion
+    int steps = 1;        ///< >= 1; the pose is reached over at least so many, each from the one before (StepsTo)
+    bool measure = false; ///< also measure stretch and rotation of the surface
+    bool linear = false;  ///< also give the linear map of the surface around each vertex
+
+    /// \throw BadInput naming the value that is out of range
+    void Validate() const;
+};
+
+/// A region as it is read, and how it is to be prepared.
+struct ReadRegion {
+    SurfaceGraph surface;
+    std::vector<std::uint32_t> slotOf; ///< of each slot that \p surface has, that of the whole mesh; empty: the same
+    std::vector<std::size_t> point;    ///< point handles in it, by their slots in the whole mesh
+    HeldNodes held;                    ///< of these points
+    std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
+    bool hasGivenNodes = false;
+    double share = 1;        ///< of the area of all regions, (0, 1]
+    ContentSum::Value key{}; ///< of all that it is made of, parameters included
+};
+
+/// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. Then each pose is
+/// solved from the motions alone.
+///
+/// Where neither the number of patches nor their radius is given, there are GraphParam::Patches, or sixteen times
+/// as many where those make a shape that is off by more than coarseError when what moves turns by 60 degrees
+/// (TurnError). That is decided once for all poses, so that each is part of the way to the others.
+class RegionDeformer : public MovingRegion {
+  public:
+    using Pose = RegionPose;
+
+    /// \param nodeOf out: the node of each slot that it was read with, as of SurfaceGraph
+    /// \throw BadInput too many nodes \throw Cancelled
+    RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf, const Progress &progress);
+
+    /// Of the motions of all that is held, those of what holds the region.
+    HeldMotions OwnOf(const HeldMotions &all) const;
+
+    /// Any number of threads may solve at a time. \param motions as OwnOf gives them \param last the pose to go on
+    /// from, null to begin at rest \throw Unsolvable a graph that cannot be factorised \throw Cancelled
+    Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
+               const Progress &progress = {}) const;
+
+    /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
+    /// holds the free surface turns by more than 60 degrees against another.
+    int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
+
+    /// The motions, as OwnOf gives them, at one of so many steps of a way, from 1.
+    using Way = std::function<HeldMotions(int step, int steps)>;
+
+    /// The pose at the end of a way, in at least \p steps, or in as many as it needs.
+    /// \param begin the pose that it begins at, null for rest
+    Pose SolveAlong(const Way &way, const SolverParam &solver, int steps, const Pose *begin = nullptr,
+                    const Progress &progress = {}) const;
+
+    /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, frame units;
+    /// NaN where it cannot be told. \param solver as the pose was solved with
+    double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
+
+    double TargetRadius() const { return D; } ///< D, frame units
+    /// The slots of its point handles; held.pointTag has their tags.
+    const std::vector<std::size_t> &Points() const { return point; }
+    const ContentSum::Value key; ///< as of ReadRegion
+
+  private:
+    /// What is factorised, for nodes of which some turn with what they hold.
+    struct System {
+        std::vector<bool> compliant;
+        PartsDeformer parts;
+        System(const RegionDeformer &deformer, const NodeConstraints &given, const Progress &progress);
+    };
+
+    void FindHolding();
+    void BuildGraph(const ReadRegion &read, const Progress &progress);
+    void MakeGraph(const ReadRegion &read, const Progress &progress);
+    /// Gives nodes that are held alone the motion of what they belong to.
+    void HoldOriginals(HeldMotions &m) const;
+    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth
+    /// of the diagonal along it.
+    HeldMotions Probe(int axis) const;
+    /// DiscretisationError when what holds the surface moves so, of the diagonal: the largest of the three axes.
+    double TurnError(const Progress &progress) const;
+    NodeConstraints ConstraintsOf(const Pose &pose) const;
+    /// \p solver, without what goes beyond the paper where that is not asked for.
+    SolverParam StepsOf(SolverParam solver) const;
+    std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const Progress &progress) const;
+
+    std::vector<std::size_t> point; // as of ReadRegion
+    DeformerParam param;
+    const BeyondPaper beyond;
+    double D = 0; // frame units
+    detail::SmallParts small;
+    std::vector<double> nodeArea; // k, frame units^2
+    std::map<Index, Eigen::Vector3d>
+        holding;             // of each tag that holds it, but for points: the middle of its nodes, frame
+    mutable std::mutex lock; // of what follows
+    mutable std::shared_ptr<const System> latest;
+};
+
+/// The size that an error in frame units is compared with: the diagonal of the box of the nodes.
+double DiagonalOf(const DeformationGraph &graph);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif

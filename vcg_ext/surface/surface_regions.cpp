@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/surface_regions.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regions) const {
+    regions.clear();
+    if (regionOf[std::size_t(node)] >= 0) {
+        regions.push_back(regionOf[std::size_t(node)]);
+        return;
+    }
+    for (Index v : graph.adjacency[node])
+        if (const Index region = regionOf[std::size_t(v)]; region >= 0 && (regions.empty() || regions.back() != region))
+            regions.push_back(region);
+    std::sort(regions.begin(), regions.end());
+    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+}
+
+SurfaceRegions FindRegions(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
+    SurfaceRegions regions;
+    const auto isFree = [&](Index u) { return tag[std::size_t(u)] == 1; };
+    const Index components =
+        ConnectedComponents(surface.graph.adjacency, isFree, regions.regionOf, progress, readingStage);
+    std::vector<Index> number(std::size_t(components), -1);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (!isFree(u))
+            for (Index v : surface.graph.adjacency[u])
+                if (isFree(v))
+                    number[std::size_t(regions.regionOf[std::size_t(v)])] = 0;
+    for (Index &each : number)
+        if (each == 0)
+            each = regions.count++;
+    std::vector<double> area(std::size_t(regions.count), 0);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (Index &region = regions.regionOf[std::size_t(u)]; region >= 0) {
+            region = number[std::size_t(region)];
+            if (region >= 0)
+                area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
+        }
+    if (regions.count > SurfaceRegions::most) {
+        std::vector<Index> order(area.size()), place(area.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](Index a, Index b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
+        const Index last = SurfaceRegions::most - 1;
+        std::vector<double> merged(std::size_t(last) + 1, 0);
+        for (Index i = 0; i < regions.count; ++i) {
+            place[std::size_t(order[std::size_t(i)])] = std::min(i, last);
+            merged[std::size_t(std::min(i, last))] += area[std::size_t(order[std::size_t(i)])];
+        }
+        for (Index &region : regions.regionOf)
+            region = region < 0 ? -1 : place[std::size_t(region)];
+        regions.together = regions.count - last;
+        regions.count = SurfaceRegions::most;
+        area = std::move(merged);
+    }
+    const double all = std::accumulate(area.begin(), area.end(), 0.0);
+    for (double each : area)
+        regions.share.push_back(all > 0 ? each / all : 1 / double(area.size()));
+    return regions;
+}
+
+std::size_t SubMesh::Find(std::size_t slot) const {
+    const auto found = std::lower_bound(slotOf.begin(), slotOf.end(), slot);
+    return found != slotOf.end() && *found == slot ? std::size_t(found - slotOf.begin()) : slotOf.size();
+}
+
+namespace {
+
+/// Takes the parts of a mesh, as TakeRegions tells.
+class RegionTaker {
+  public:
+    RegionTaker(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
+                const std::vector<int> &slotTag, const SurfaceRegions &regions)
+        : mesh(mesh), surface(surface), tag(tag), slotTag(slotTag), regions(regions), parts(std::size_t(regions.count)),
+          edges(parts.size()) {}
+
+    std::vector<SubMesh> Take(const std::vector<std::size_t> &point, const Progress &progress) {
+        ListElements(progress.Slice(0, 0.4));
+        ListSlots(point);
+        ParallelTasks(progress.Slice(0.5, 1), readingStage, parts.size(),
+                      [&](std::size_t r, const Progress &part) { Fill(r, part); });
+        return std::move(parts);
+    }
+
+  private:
+    static constexpr std::size_t grain = 1 << 16;
+
+    Index NodeOf(std::size_t slot) const { return surface.nodeOf[slot]; }
+    bool IsFreeIn(std::size_t r, std::size_t slot) const {
+        const Index u = NodeOf(slot);
+        return u >= 0 && regions.regionOf[std::size_t(u)] == Index(r);
+    }
+    /// The region of an element, -1 for none: that of a free corner. \param corner its \p count slots
+    Index RegionOf(const std::uint32_t *corner, int count) const {
+        for (int k = 0; k < count; ++k)
+            if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[std::size_t(u)] >= 0)
+                return regions.regionOf[std::size_t(u)];
+        return -1;
+    }
+
+    /// The regions that an element without a free node holds, ascending: those beside its free vertices, which are at
+    /// the place of held ones.
+    std::vector<Index> HeldBy(const std::uint32_t *corner, int count) const {
+        std::vector<Index> all, of;
+        for (int k = 0; k < count; ++k)
+            if (const Index u = NodeOf(corner[k]); u >= 0 && slotTag[corner[k]] == 1) {
+                regions.Of(surface.graph, u, of);
+                all.insert(all.end(), of.begin(), of.end());
+            }
+        std::sort(all.begin(), all.end());
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+        return all;
+    }
+
+    /// The faces and edge elements of each part.
+    void ListElements(const Progress &progress) {
+        std::vector<Index> regionOf;
+        AssignLarge(regionOf, surface.faces.size(), Index(-1));
+        ParallelFor(progress, readingStage, regionOf.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t f = first; f < last; ++f)
+                regionOf[f] = RegionOf(mesh.corner + 3 * std::size_t(surface.faces[f]), 3);
+        });
+        for (std::size_t f = 0; f < regionOf.size(); ++f)
+            if (regionOf[f] >= 0)
+                parts[std::size_t(regionOf[f])].faceOf.push_back(surface.faces[f]);
+            else
+                for (Index region : HeldBy(mesh.corner + 3 * std::size_t(surface.faces[f]), 3))
+                    parts[std::size_t(region)].faceOf.push_back(surface.faces[f]);
+        for (std::size_t e = 0; e < mesh.edges; ++e)
+            if (mesh.IsEdge(e)) {
+                const std::uint32_t *end = mesh.end + 2 * e;
+                if (const Index region = RegionOf(end, 2); region >= 0)
+                    edges[std::size_t(region)].push_back(e);
+                else
+                    for (Index held : HeldBy(end, 2))
+                        edges[std::size_t(held)].push_back(e);
+            }
+    }
+
+    /// The slots of each part: the free ones, those of what holds it, and those of its elements.
+    void ListSlots(const std::vector<std::size_t> &point) {
+        std::vector<Index> of;
+        for (std::size_t i = 0; i < mesh.vertexSlots; ++i)
+            if (const Index u = NodeOf(i); u >= 0) {
+                if (tag[std::size_t(u)] == 1)
+                    of.assign(1, regions.regionOf[std::size_t(u)]);
+                else if (slotTag[i] != 1)
+                    regions.Of(surface.graph, u, of);
+                else // at the place of a held one: what it belongs to, its elements tell
+                    of.clear();
+                for (Index region : of)
+                    if (region >= 0)
+                        parts[std::size_t(region)].slotOf.push_back(std::uint32_t(i));
+            }
+        std::vector<std::vector<std::uint32_t>> more(parts.size());
+        const auto addTo = [&](std::size_t r, std::size_t slot) {
+            if (!IsFreeIn(r, slot))
+                more[r].push_back(std::uint32_t(slot));
+        };
+        for (std::size_t r = 0; r < parts.size(); ++r) {
+            for (std::uint32_t f : parts[r].faceOf)
+                for (std::size_t k = 0; k < 3; ++k)
+                    addTo(r, mesh.corner[3 * std::size_t(f) + k]);
+            for (std::size_t e : edges[r])
+                for (std::size_t k = 0; k < 2; ++k)
+                    addTo(r, mesh.end[2 * e + k]);
+        }
+        for (std::size_t i : point)
+            if (const Index u = NodeOf(i); u >= 0) {
+                regions.Of(surface.graph, u, of);
+                for (Index region : of)
+                    addTo(std::size_t(region), i);
+            }
+        for (std::size_t r = 0; r < parts.size(); ++r) {
+            std::vector<std::uint32_t> &slots = parts[r].slotOf;
+            if (more[r].empty())
+                continue;
+            slots.insert(slots.end(), more[r].begin(), more[r].end());
+            std::sort(slots.begin(), slots.end());
+            slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+        }
+    }
+
+    void Fill(std::size_t r, const Progress &progress) {
+        SubMesh &part = parts[r];
+        part.arrays = SurfaceArrays(part.slotOf.size(), part.faceOf.size(), edges[r].size(), false);
+        AssignLarge(part.tag, part.slotOf.size(), 0);
+        std::vector<std::uint32_t> local; // of slots from the first of the part to the last
+        const std::size_t from = part.slotOf.front(), span = part.slotOf.back() - from + 1;
+        const bool isDense = span < 8 * part.slotOf.size();
+        if (isDense)
+            AssignLarge(local, span, std::uint32_t(0));
+        ParallelFor(progress.threads, part.slotOf.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
+                const std::size_t slot = part.slotOf[i];
+                const Index u = NodeOf(slot);
+                // What only a face without an area joins with it is free elsewhere, and held here.
+                const bool isOfOthers = u >= 0 && tag[std::size_t(u)] == 1 && !IsFreeIn(r, slot);
+                part.tag[i] = isOfOthers ? 0 : slotTag[slot];
+                if (isDense)
+                    local[part.slotOf[i] - from] = std::uint32_t(i);
+            }
+        });
+        const auto find = [&](std::size_t slot) {
+            return isDense ? local[slot - from] : std::uint32_t(part.Find(slot));
+        };
+        ParallelFor(progress.threads, part.faceOf.size(), grain, [&](std::size_t first, std::size_t last) {
+            for (std::size_t f = first; f < last; ++f)
+                for (std::size_t k = 0; k < 3; ++k)
+                    part.arrays.Corner(f)[k] = find(mesh.corner[3 * std::size_t(part.faceOf[f]) + k]);
+        });
+        for (std::size_t e = 0; e < edges[r].size(); ++e)
+            for (std::size_t k = 0; k < 2; ++k)
+                part.arrays.End(e)[k] = find(mesh.end[2 * edges[r][e] + k]);
+    }
+
+    const SurfaceView &mesh;
+    const SurfaceGraph &surface;
+    const std::vector<Index> &tag;
+    const std::vector<int> &slotTag;
+    const SurfaceRegions &regions;
+    std::vector<SubMesh> parts;
+    std::vector<std::vector<std::size_t>> edges; // of each part
+};
+
+} // namespace
+
+std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
+                                 const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
+                                 const SurfaceRegions &regions, const Progress &progress) {
+    return RegionTaker(mesh, surface, tag, slotTag, regions).Take(point, progress);
+}
+
+} // namespace fcd
+} // namespace vcg

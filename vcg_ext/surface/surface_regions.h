@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_SURFACE_REGIONS_H
+#define VCG_FCD_SURFACE_REGIONS_H
+
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// Regions of a surface: the connected components of its free nodes that something holds.
+struct SurfaceRegions {
+    /// So many are told apart; where there are more, the smallest are one: each costs some tens of microseconds to
+    /// prepare and to pose, whatever its size.
+    static constexpr Index most = 1000;
+
+    Index count = 0;
+    Index together = 0;          ///< that are one, the last, as there are so many; else 0
+    std::vector<Index> regionOf; ///< n, of the free nodes; -1 of others, and where nothing holds them
+    std::vector<double> share;   ///< of each region, of the area of all
+
+    /// The regions that a node is free in, or holds, ascending. \param graph as of the surface
+    void Of(const Graph &graph, Index node, std::vector<Index> &regions) const;
+};
+
+/// \param tag of each node of \p surface; 1 is free
+SurfaceRegions FindRegions(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress);
+
+/// A part of a mesh, to be read by itself: all that one region is read from.
+struct SubMesh {
+    std::vector<std::uint32_t> slotOf; ///< of each of its slots, ascending: that of the mesh
+    std::vector<std::uint32_t> faceOf; ///< of each of its faces: that of the mesh
+    std::vector<int> tag;              ///< one per slot
+    SurfaceArrays arrays;
+
+    /// The slot that a slot of the mesh has, or that of none: the number of slots.
+    std::size_t Find(std::size_t slot) const;
+};
+
+/// The parts of a mesh with faces or edge elements that its regions are read from.
+/// \param surface that was read of \p mesh \param tag as of FindRegions \param slotTag one per slot
+/// \param point slots of point handles
+std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
+                                 const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
+                                 const SurfaceRegions &regions, const Progress &progress);
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
