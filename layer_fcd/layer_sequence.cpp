@@ -127,7 +127,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     }
     made.poses = int(sequence.pose.size());
     made.keyFrames = int(sequence.key.size());
-    made.nodes = int(deformer.graph.Size());
+    made.nodes = int(deformer.Nodes());
     made.tags = prepared.tags;
     made.seconds = watch.Seconds();
     return made;

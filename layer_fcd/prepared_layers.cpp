@@ -29,7 +29,10 @@ class Bytes {
         bytes.resize(at + sizeof(T));
         std::memcpy(&bytes[at], &value, sizeof(T));
     }
-    XXH128_hash_t hash() const { return XXH3_128bits(bytes.data(), bytes.size()); }
+    PreparedLayers::Key::Hash hash() const {
+        const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+        return {hash.low64, hash.high64};
+    }
 
   private:
     std::vector<unsigned char> bytes;
@@ -90,11 +93,11 @@ struct MeshRanges {
 template <class Ranges>
 PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &handles,
                                 const vcg::fcd::DeformerParam &param) {
-    Bytes bytes;
+    Bytes bytes, held;
     addHashes<double>(bytes, surface.vertexSlots, 3, [&](std::size_t first, std::size_t last, double *to) {
         return surface.positions(first, last, to);
     });
-    addHashes<int>(bytes, surface.vertexSlots, 1, [&](std::size_t first, std::size_t last, int *tag) {
+    addHashes<int>(held, surface.vertexSlots, 1, [&](std::size_t first, std::size_t last, int *tag) {
         for (std::size_t i = first; i < last; ++i)
             tag[i - first] = surface.isDeleted(i) ? vcg::fcd::noVertex : std::max(-1, handles.tag[i]);
         return tag;
@@ -104,7 +107,7 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
         return surface.ends(first, last, to);
     });
     for (const vcg::fcd::PointHandle &point : handles.point)
-        bytes.add(point.vertex);
+        held.add(point.vertex);
     for (int i = 0; i < 9; ++i)
         bytes.add(handles.world.linear()(i / 3, i % 3));
     for (Eigen::Index i = 0; i < param.nodes.size(); ++i)
@@ -120,8 +123,7 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
     bytes.add(param.influence);
     bytes.add(param.looseParts);
     bytes.add(param.weldDistance);
-    const XXH128_hash_t hash = bytes.hash();
-    return {hash.low64, hash.high64};
+    return {bytes.hash(), held.hash()};
 }
 
 } // namespace
@@ -158,11 +160,15 @@ std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument
                                               const SurfaceView &surface, const vcg::fcd::Handles &handles,
                                               const vcg::fcd::DeformerParam &param,
                                               const vcg::fcd::Progress &progress) {
+    std::shared_ptr<const vcg::fcd::Deformer> before; // of which regions may be the same
+    for (const Entry &entry : entries)
+        if (!before && entry.document == &document && entry.layer == layer.id() && entry.key.surface == key.surface)
+            before = entry.prepared->deformer;
     entries.remove_if([&](const Entry &entry) { return entry.document == &document && entry.layer == layer.id(); });
     const vcg::fcd::Stopwatch watch;
     auto prepared = std::make_shared<Prepared>();
     prepared->tags = vcg::fcd::CountHandles(handles, surface.vertexSlots, surface.deleted);
-    prepared->deformer = vcg::fcd::PrepareDeformer(surface, handles, param, progress);
+    prepared->deformer = vcg::fcd::PrepareDeformer(surface, handles, param, progress, before.get());
     prepared->moving.assign(surface.vertexSlots, 0);
     prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
     prepared->seconds = watch.Seconds();

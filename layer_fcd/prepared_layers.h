@@ -28,7 +28,13 @@ struct Prepared {
 /// by a hash of all that it was made from, so that none is ever used for anything else.
 class PreparedLayers {
   public:
-    using Key = std::array<std::uint64_t, 2>;
+    struct Key {
+        using Hash = std::array<std::uint64_t, 2>;
+        Hash surface; ///< with the parameters
+        Hash held;    ///< tags and point handles
+
+        bool operator==(const Key &o) const { return surface == o.surface && held == o.held; }
+    };
 
     /// What a surface, with the tags and point handles of \p handles, is found by.
     static Key keyOf(const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
@@ -41,8 +47,8 @@ class PreparedLayers {
 
     /// What is prepared, null where nothing is.
     std::shared_ptr<Prepared> find(const Key &key);
-    /// Prepares \p surface, which is that of \p layer; what else was prepared of the layer goes.
-    /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
+    /// Prepares \p surface, which is that of \p layer; what else was prepared of the layer goes, but for regions that
+    /// are the same. \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, const MeshModel &layer,
                                   const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                                   const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);

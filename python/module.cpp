@@ -59,8 +59,8 @@ vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
 std::shared_ptr<Prepared> prepare(const Rows &vertices, const std::optional<Corners> &faces,
                                   const Given<std::int32_t, nb::ndim<1>> &tags,
                                   const Given<std::int64_t, nb::ndim<1>> &points, const nb::dict &param,
-                                  unsigned threads, const nb::object &report) {
-    return std::make_shared<Prepared>(vertices, faces, tags, points, paramOf(param), threads, report);
+                                  unsigned threads, const nb::object &report, const std::shared_ptr<Prepared> &kept) {
+    return std::make_shared<Prepared>(vertices, faces, tags, points, paramOf(param), threads, report, kept.get());
 }
 
 std::unique_ptr<Posed> solve(const std::shared_ptr<Prepared> &prepared,
@@ -107,7 +107,7 @@ NB_MODULE(_core, module) {
         .def("discretisation_error", &Posed::discretisationError, arg("report").none())
         .def("state", &Posed::state);
     module.def("prepare", &prepare, arg("vertices"), arg("faces").none(), arg("tags"), arg("points"), arg("param"),
-               arg("threads"), arg("report").none());
+               arg("threads"), arg("report").none(), arg("kept").none());
     module.def("solve", &solve, arg("prepared"), arg("motions"), arg("targets").none(), arg("percent"), arg("steps"),
                arg("start").none(), arg("report").none());
     module.def(

@@ -18,27 +18,31 @@ using vcg::fcd::Progress;
 
 namespace {
 
-std::shared_ptr<const Deformer> deformerOf(const Prepared &prepared, const Progress &progress) {
-    return vcg::fcd::PrepareDeformer(prepared.view, prepared.handles, prepared.param, progress);
+std::shared_ptr<const Deformer> deformerOf(const Prepared &prepared, const Progress &progress,
+                                           const Deformer *kept = nullptr) {
+    return vcg::fcd::PrepareDeformer(prepared.view, prepared.handles, prepared.param, progress, kept);
 }
 
 } // namespace
 
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
                    const Given<std::int32_t, nb::ndim<1>> &tags, const Given<std::int64_t, nb::ndim<1>> &points,
-                   const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report)
+                   const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report,
+                   const Prepared *kept)
     : vertices(vertices), faces(faces), param(param), threads(threads) {
     handles.tag.assign(tags.data(), tags.data() + tags.shape(0));
     for (std::size_t k = 0; k < points.shape(0); ++k)
         handles.point.push_back({std::size_t(points.data()[k]), Eigen::Vector3d::Zero()});
-    prepare(report, deformerOf);
+    prepare(report, [kept](const Prepared &prepared, const Progress &progress) {
+        return deformerOf(prepared, progress, kept ? kept->deformer.get() : nullptr);
+    });
 }
 
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
                    unsigned threads, const nb::object &report)
     : vertices(vertices), faces(faces), param(param), threads(threads) {
     handles.tag.assign(vertices.shape(0), 1);
-    prepare(report, deformerOf);
+    prepare(report, [](const Prepared &prepared, const Progress &progress) { return deformerOf(prepared, progress); });
 }
 
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,

@@ -18,10 +18,10 @@
 /// arrays of its own, or looks before each call whether they are as they were.
 class Prepared {
   public:
-    /// \param tags one per vertex \param points vertices of the landmarks
+    /// \param tags one per vertex \param points vertices of the landmarks \param kept as of PrepareDeformer, or null
     Prepared(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
              const Given<std::int64_t, nb::ndim<1>> &points, const vcg::fcd::DeformationParam &param, unsigned threads,
-             const nb::object &report);
+             const nb::object &report, const Prepared *kept);
     /// All of it is free, to be moved by something else than handles.
     Prepared(const Rows &vertices, const std::optional<Corners> &faces, const vcg::fcd::DeformationParam &param,
              unsigned threads, const nb::object &report);

@@ -14,10 +14,7 @@ namespace fcd {
 namespace {
 
 /// Whether what holds a region moves as it does in a pose that is at rest: then the region is that pose, too.
-bool IsAsIn(const RegionPose &pose, const HeldMotions &given) {
-    return pose.graph.converged && pose.given.motion == given.motion && pose.given.turn == given.turn &&
-           pose.given.rotates == given.rotates;
-}
+bool IsAsIn(const RegionPose &pose, const HeldMotions &given) { return pose.graph.converged && pose.given == given; }
 
 const RegionPose *RegionOf(const SurfacePose *pose, std::size_t i) { return pose ? &pose->region[i] : nullptr; }
 
@@ -79,7 +76,10 @@ SurfacePose Deformer::Solve(HeldMotions motions, const SolverParam &solver, cons
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
         HeldMotions own = Region(i).OwnOf(motions);
         const RegionPose *before = RegionOf(last, i);
-        poses[i] = before && IsAsIn(*before, own) ? *before : Region(i).Solve(std::move(own), solver, before, part);
+        const auto kept = before ? nullptr : Region(i).Kept(own);
+        poses[i] = kept                             ? *kept
+                   : before && IsAsIn(*before, own) ? *before
+                                                    : Region(i).Solve(std::move(own), solver, before, part);
     });
     return SumOf(std::move(motions), std::move(poses));
 }

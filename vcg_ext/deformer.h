@@ -36,7 +36,8 @@ class Deformer : public MovingSurface {
     HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
     /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest. A region
-    /// whose motions are the same in it stays as it is there.
+    /// whose motions are the same in it, or without it in the last pose that SolveAlong found from rest, stays as it is
+    /// there.
     /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
@@ -74,7 +75,7 @@ class Deformer : public MovingSurface {
     std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
 
   private:
-    friend class SurfaceDivider;
+    friend class DeformerMaker;
     Deformer() = default;
     Pose SumOf(HeldMotions given, std::vector<RegionPose> regions) const;
     /// body(i, progress) for each region, side by side.
@@ -91,7 +92,8 @@ TagCount CountHandles(const Handles &handles, std::size_t slots, const char *del
 /// \throw BadInput no vertices, a coordinate that is not finite, point handles that make no sense, or nodes that belong
 ///        elsewhere \throw Cancelled
 /// \pre one tag per vertex slot, a handle and something free (CountHandles)
-/// \param kept one of the same mesh: what it has prepared of the same region, with the same parameters, is taken over
+/// \param kept if given: one of the same mesh, prepared with the same parameters and \p handles.world; its regions that
+///        have the same tags and points here are taken over
 std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
                                           const Progress &progress = {}, const Deformer *kept = nullptr);
 

@@ -23,12 +23,28 @@ constexpr Index mostNodes = 200000;
 
 double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &solver,
                                            const Progress &progress) const {
+    std::shared_ptr<const KeptPose> same;
+    {
+        const std::lock_guard<std::mutex> guard(lock);
+        if (kept && kept->solver == solver && kept->pose.given == pose.given &&
+            kept->pose.solved.position == pose.solved.position && kept->pose.solved.linear == pose.solved.linear)
+            same = kept;
+    }
+    if (same && same->error != -1)
+        return same->error;
     NodeConstraints given = ConstraintsOf(pose);
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
     steps.follow = true;
     const double error = vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights,
                                                        StepsOf(steps), param.shape, progress);
+    if (same) {
+        auto known = std::make_shared<KeptPose>(*same);
+        known->error = error;
+        const std::lock_guard<std::mutex> guard(lock);
+        if (kept == same)
+            kept = std::move(known);
+    }
     return error;
 }
 
@@ -104,8 +120,6 @@ double RegionDeformer::TurnError(const Progress &progress) const {
 }
 
 void RegionDeformer::BuildGraph(const ReadRegion &read, const Progress &progress) {
-    if (param.graph.initialPatches > 0 && read.share < 1)
-        param.graph.initialPatches = std::max(1, int(std::lround(read.share * param.graph.initialPatches)));
     if (param.graph.initialPatches > 0 || !beyond.refinement || read.hasGivenNodes || param.graph.targetRadius > 0) {
         MakeGraph(read, progress);
         return;

@@ -32,9 +32,10 @@ void DeformationParam::Validate() const {
 
 RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf,
                                const Progress &progress)
-    : MovingRegion(std::move(read.surface), std::move(read.held)), key(read.key), point(std::move(read.point)),
-      param(param), beyond(param.graphWeights) {
+    : MovingRegion(std::move(read.surface), std::move(read.held)), patches0(param.graph.initialPatches),
+      point(std::move(read.point)), param(param), beyond(param.graphWeights) {
     this->param.nodes = {};
+    first = read.first;
     weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
     nodeOf = std::move(surface.nodeOf);
     FindHolding();
@@ -45,11 +46,10 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
     ListVertices(nodeOf, progress.Slice(0.95, 1));
     surface.slots = {};
     const auto toMesh = [&](std::uint32_t &slot) { slot = read.slotOf[slot]; };
-    if (!read.slotOf.empty()) {
+    if (!read.slotOf.empty())
         for (std::vector<Bent> *list : {&bent, &beside})
             for (Bent &vertex : *list)
                 toMesh(vertex.slot);
-    }
 }
 
 void RegionDeformer::FindHolding() {
@@ -140,9 +140,17 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
 
 RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver, int least, const Pose *begin,
                                       const Progress &progress) const {
-    HeldMotions motions = way(1, 1);
-    const int turns = beyond.steps ? StepsTo(motions, begin ? &begin->given : nullptr) : 1,
-              steps = std::max(least, turns);
+    HeldMotions end = way(1, 1);
+    const int turns = beyond.steps ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
+    std::vector<HeldMotions> motions;
+    for (int step = 1; step < steps; ++step)
+        motions.push_back(way(step, steps));
+    motions.push_back(std::move(end));
+    if (!begin) {
+        const std::lock_guard<std::mutex> guard(lock);
+        if (kept && kept->solver == solver && kept->way == motions)
+            return kept->pose;
+    }
     SolverParam last = solver;
     last.follow = true;
     // On the way of a large turn, so few iterations for each 60 degrees of it bring what is stiff to rest, while the
@@ -156,15 +164,25 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
     Pose pose;
     for (int step = 1; step <= steps; ++step) {
         const bool isLast = step == steps, hasJumped = pose.way.jumps;
-        if (steps > 1)
-            motions = way(step, steps);
-        Pose next = Solve(motions, isLast ? last : passing, step > 1 ? &pose : begin,
+        Pose next = Solve(motions[std::size_t(step) - 1], isLast ? last : passing, step > 1 ? &pose : begin,
                           progress.Slice(double(step - 1) / steps, double(step) / steps));
         next.iterations += pose.iterations;
         pose = std::move(next);
         pose.way = {steps, hasJumped || !pose.solved.followed, pose.solved.unstable};
     }
+    if (!begin) {
+        auto found = std::make_shared<KeptPose>(KeptPose{solver, std::move(motions), pose, -1});
+        const std::lock_guard<std::mutex> guard(lock);
+        kept = std::move(found);
+    }
     return pose;
+}
+
+std::shared_ptr<const RegionPose> RegionDeformer::Kept(const HeldMotions &motions) const {
+    const std::lock_guard<std::mutex> guard(lock);
+    if (!kept || !(kept->way.back() == motions))
+        return nullptr;
+    return {kept, &kept->pose};
 }
 
 int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin) const {

@@ -2,7 +2,6 @@
 #ifndef VCG_FCD_REGION_DEFORMER_H
 #define VCG_FCD_REGION_DEFORMER_H
 
-#include <vcg_ext/base/content_sum.h>
 #include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/patches/surface_patches.h>
@@ -68,8 +67,7 @@ struct ReadRegion {
     HeldNodes held;                    ///< of these points
     std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
-    double share = 1;        ///< of the area of all regions, (0, 1]
-    ContentSum::Value key{}; ///< of all that it is made of, parameters included
+    std::uint32_t first = 0; ///< as of MovingRegion
 };
 
 /// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. Then each pose is
@@ -101,19 +99,22 @@ class RegionDeformer : public MovingRegion {
     /// The motions, as OwnOf gives them, at one of so many steps of a way, from 1.
     using Way = std::function<HeldMotions(int step, int steps)>;
 
-    /// The pose at the end of a way, in at least \p steps, or in as many as it needs.
-    /// \param begin the pose that it begins at, null for rest
+    /// The pose at the end of a way, in at least \p steps, or in as many as it needs. The last one from rest is kept,
+    /// and given again where it is asked for again. \param begin the pose that it begins at, null for rest
     Pose SolveAlong(const Way &way, const SolverParam &solver, int steps, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
+
+    /// The last pose that SolveAlong has found from rest, if its motions are these; else null.
+    std::shared_ptr<const Pose> Kept(const HeldMotions &motions) const;
 
     /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, frame units;
     /// NaN where it cannot be told. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
+    const int patches0;                       ///< GraphParam::initialPatches that it was prepared with
     double TargetRadius() const { return D; } ///< D, frame units
     /// The slots of its point handles; held.pointTag has their tags.
     const std::vector<std::size_t> &Points() const { return point; }
-    const ContentSum::Value key; ///< as of ReadRegion
 
   private:
     /// What is factorised, for nodes of which some turn with what they hold.
@@ -121,6 +122,14 @@ class RegionDeformer : public MovingRegion {
         std::vector<bool> compliant;
         PartsDeformer parts;
         System(const RegionDeformer &deformer, const NodeConstraints &given, const Progress &progress);
+    };
+
+    /// A pose from rest, and all that it depends on.
+    struct KeptPose {
+        SolverParam solver;
+        std::vector<HeldMotions> way;
+        Pose pose;
+        double error = -1; // DiscretisationError, once it is known
     };
 
     void FindHolding();
@@ -148,6 +157,7 @@ class RegionDeformer : public MovingRegion {
         holding;             // of each tag that holds it, but for points: the middle of its nodes, frame
     mutable std::mutex lock; // of what follows
     mutable std::shared_ptr<const System> latest;
+    mutable std::shared_ptr<const KeptPose> kept;
 };
 
 /// The size that an error in frame units is compared with: the diagonal of the box of the nodes.

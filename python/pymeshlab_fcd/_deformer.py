@@ -247,18 +247,8 @@ class Deformer(Unchanging):
         distances = renamed_weights(distances, weights, 3)
         lent = not _inputs.flag("copy", copy)
         self._take(vertices, faces, normals, lent, _inputs.whole("threads", threads, 0, 1024))
-        n = len(self._vertices.look())
         told = report(progress)
-        if points is not None:
-            given = _inputs.points(points, n)
-            if given.ndim == 2:
-                starts = np.asarray(given, np.float64)
-                self._starts = starts
-                self._points = _inputs.own(_core.nearest_vertices(self._vertices.look(), starts, self._threads, None), np.int64)
-            else:
-                self._points = np.asarray(given, np.int64)
-        if tags is None and len(self._points) == 0:
-            raise ValueError(f"nothing is held: give tags ({_inputs.TAGS}), points, or both")
+        held = self._hold(tags, points)
         kind, by_vertices = tuple(_GRAPH_WEIGHTS.values())[_inputs.choice("graph_weights", graph_weights, tuple(_GRAPH_WEIGHTS))]
         param: dict[str, Any] = {
             "patches": _inputs.whole("patches", patches, 0),
@@ -275,9 +265,67 @@ class Deformer(Unchanging):
             "tolerance": _inputs.number("tolerance", tolerance),
             "nodes": None if nodes is None else _inputs.finite("nodes", _inputs.rows("nodes", nodes)),
         }
-        self._plan = Plan("held", param, _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n))
+        self._plan = Plan("held", param, held)
         self._prepare(told)
         self._warn(0 if nodes is None else len(param["nodes"]))
+
+    def _hold(self, tags: ArrayLike | None, points: ArrayLike | None) -> NDArray[np.int32]:
+        """Takes the points. Returns the tags."""
+        n = len(self._vertices.look())
+        if points is not None:
+            given = _inputs.points(points, n)
+            if given.ndim == 2:
+                starts = np.asarray(given, np.float64)
+                self._starts = starts
+                self._points = _inputs.own(_core.nearest_vertices(self._vertices.look(), starts, self._threads, None), np.int64)
+            else:
+                self._points = np.asarray(given, np.int64)
+        if tags is None and len(self._points) == 0:
+            raise ValueError(f"nothing is held: give tags ({_inputs.TAGS}), points, or both")
+        return _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
+
+    def with_tags(self, tags: ArrayLike | None = None, points: ArrayLike | None = None, *, progress: Progress = None) -> Deformer:
+        """The same surface with other tags or landmarks, and the same parameters. What they leave as it was is not prepared again: of each
+        region (a connected part of the free surface, with what holds it) that is the same, all is taken over. The result has the bits of a
+        Deformer that is made anew.
+
+        Parameters
+        ----------
+        tags : array_like, optional
+            As of Deformer.
+        points : array_like, optional
+            As of Deformer.
+        progress : Progress, optional
+            Told what is being done.
+
+        Returns
+        -------
+        Deformer
+            Another one; this one stays as it is.
+
+        Raises
+        ------
+        ValueError
+            As of Deformer, or the surface was prepared to be fitted or straightened.
+
+        Warns
+        -----
+        DeformationWarning
+            As of Deformer.
+        """
+        if self._plan.kind != "held":
+            raise ValueError("this surface was prepared to be moved by something else than handles: make a Deformer of it")
+        made = type(self).__new__(type(self))
+        made._lock, made._ready, made._threads = threading.Lock(), None, self._threads
+        made._mesh, made._left_behind, made._faces = self._mesh, self._left_behind, self._faces
+        made._vertices, made._normals = self._vertices, self._normals
+        made._starts, made._points = None, _inputs.own(np.zeros(0), np.int64)
+        told = report(progress)
+        made._plan = Plan("held", self._plan.param, made._hold(tags, points))
+        made._prepare(told, self._prepared)
+        nodes = self._plan.param["nodes"]
+        made._warn(0 if nodes is None else len(nodes))
+        return made
 
     @classmethod
     def _made(cls, vertices: object, faces: object, normals: ArrayLike | None, lent: bool, threads: int, plan: Callable[[int], Plan],
@@ -301,11 +349,11 @@ class Deformer(Unchanging):
         self._starts = None
         self._points = _inputs.own(np.zeros(0), np.int64)
 
-    def _prepare(self, told: Report | None) -> tuple[_core.Prepared, _core.Fitting | None]:
+    def _prepare(self, told: Report | None, kept: _core.Prepared | None = None) -> tuple[_core.Prepared, _core.Fitting | None]:
         plan, vertices = self._plan, self._vertices.look()
         fitting: _core.Fitting | None = None
         if plan.kind == "held":
-            prepared = _core.prepare(vertices, self._faces, plan.tags, self._points, plan.param, self._threads, told)
+            prepared = _core.prepare(vertices, self._faces, plan.tags, self._points, plan.param, self._threads, told, kept)
         elif plan.kind == "free":
             prepared = _core.prepare_free(vertices, self._faces, plan.param, self._threads, told)
         else:

@@ -53,6 +53,9 @@ struct HeldMotions {
     std::map<Index, Eigen::Vector3d> turn;
     std::map<std::size_t, Eigen::Matrix4d> pointMotion; ///< of each point handle, by slot
 
+    bool operator==(const HeldMotions &o) const {
+        return motion == o.motion && rotates == o.rotates && turn == o.turn && pointMotion == o.pointMotion;
+    }
     bool Moves() const {
         const auto moves = [](const auto &each) { return each.second != Eigen::Matrix4d::Identity(); };
         return std::any_of(motion.begin(), motion.end(), moves) ||

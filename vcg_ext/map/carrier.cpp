@@ -96,7 +96,11 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
         if (i == LooseFollowing::none)
             continue;
         const MovingSurface::Place place = moving.At(i);
-        const Frame &frame = place.region ? place.region->surface.frame : moving.frame;
+        Frame frame = place.region ? place.region->surface.frame : moving.frame;
+        if (!place.region) { // one that tells of no region
+            frame.origin = frame.ToWorld(moving.leaderRest[part]);
+            frame.scale = 1;
+        }
         Eigen::Matrix4d given = Eigen::Matrix4d::Identity();
         if (place.region &&
             place.region->surface.tag[place.node] == 1) { // as the surface there turns, not the patch it is in

@@ -57,6 +57,7 @@ struct MovingRegion {
     std::unique_ptr<GraphMapping> mapping;
     std::vector<Bent> bent;   ///< the free vertices, those of one patch beside each other
     std::vector<Bent> beside; ///< the held ones
+    std::uint32_t first = 0;  ///< the smallest slot of a free one
 
     MovingRegion(SurfaceGraph surface, HeldNodes held) : surface(std::move(surface)), held(std::move(held)) {}
     MovingRegion(const MovingRegion &) = delete; // its parts refer to each other

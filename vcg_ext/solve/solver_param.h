@@ -18,6 +18,11 @@ struct SolverParam {
     /// Whether the pose comes to rest near where it begins, be that stable or not, instead of going from there to
     /// wherever the energy is less. Where it soon comes to rest, the bits are the same.
     bool follow = false;
+
+    bool operator==(const SolverParam &o) const {
+        return smoothness == o.smoothness && maxIterations == o.maxIterations && tolerance == o.tolerance &&
+               accelerated == o.accelerated && follow == o.follow;
+    }
 };
 
 } // namespace fcd

@@ -35,33 +35,25 @@ SurfaceRegions FindRegions(const SurfaceGraph &surface, const std::vector<Index>
     for (Index &each : number)
         if (each == 0)
             each = regions.count++;
+    for (Index &region : regions.regionOf)
+        region = region < 0 ? -1 : number[std::size_t(region)];
+    if (regions.count <= SurfaceRegions::most)
+        return regions;
     std::vector<double> area(std::size_t(regions.count), 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (Index &region = regions.regionOf[std::size_t(u)]; region >= 0) {
-            region = number[std::size_t(region)];
-            if (region >= 0)
-                area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
-        }
-    if (regions.count > SurfaceRegions::most) {
-        std::vector<Index> order(area.size()), place(area.size());
-        std::iota(order.begin(), order.end(), 0);
-        std::stable_sort(order.begin(), order.end(),
-                         [&](Index a, Index b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
-        const Index last = SurfaceRegions::most - 1;
-        std::vector<double> merged(std::size_t(last) + 1, 0);
-        for (Index i = 0; i < regions.count; ++i) {
-            place[std::size_t(order[std::size_t(i)])] = std::min(i, last);
-            merged[std::size_t(std::min(i, last))] += area[std::size_t(order[std::size_t(i)])];
-        }
-        for (Index &region : regions.regionOf)
-            region = region < 0 ? -1 : place[std::size_t(region)];
-        regions.together = regions.count - last;
-        regions.count = SurfaceRegions::most;
-        area = std::move(merged);
-    }
-    const double all = std::accumulate(area.begin(), area.end(), 0.0);
-    for (double each : area)
-        regions.share.push_back(all > 0 ? each / all : 1 / double(area.size()));
+        if (const Index region = regions.regionOf[std::size_t(u)]; region >= 0)
+            area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
+    std::vector<Index> order(area.size()), place(area.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index a, Index b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
+    const Index last = SurfaceRegions::most - 1;
+    for (Index i = 0; i < regions.count; ++i)
+        place[std::size_t(order[std::size_t(i)])] = std::min(i, last);
+    for (Index &region : regions.regionOf)
+        region = region < 0 ? -1 : place[std::size_t(region)];
+    regions.together = regions.count - last;
+    regions.count = SurfaceRegions::most;
     return regions;
 }
 
@@ -81,8 +73,8 @@ class RegionTaker {
           edges(parts.size()) {}
 
     std::vector<SubMesh> Take(const std::vector<std::size_t> &point, const Progress &progress) {
-        ListElements(progress.Slice(0, 0.4));
-        ListSlots(point);
+        ListElements(progress.Slice(0, 0.3));
+        ListSlots(point, progress.Slice(0.3, 0.5));
         ParallelTasks(progress.Slice(0.5, 1), readingStage, parts.size(),
                       [&](std::size_t r, const Progress &part) { Fill(r, part); });
         return std::move(parts);
@@ -118,72 +110,90 @@ class RegionTaker {
         return all;
     }
 
-    /// The faces and edge elements of each part.
+    /// The faces and edge elements of each part, and the slots that these alone bring into it.
     void ListElements(const Progress &progress) {
         std::vector<Index> regionOf;
         AssignLarge(regionOf, surface.faces.size(), Index(-1));
+        std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((regionOf.size() + grain - 1) / grain);
+        const auto addCorners = [&](Index region, const std::uint32_t *corner, int count, auto &list) {
+            for (int k = 0; k < count; ++k)
+                if (!IsFreeIn(std::size_t(region), corner[k]))
+                    list.emplace_back(region, corner[k]);
+        };
         ParallelFor(progress, readingStage, regionOf.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t f = first; f < last; ++f)
-                regionOf[f] = RegionOf(mesh.corner + 3 * std::size_t(surface.faces[f]), 3);
+            for (std::size_t f = first; f < last; ++f) {
+                const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
+                regionOf[f] = RegionOf(corner, 3);
+                if (regionOf[f] >= 0)
+                    addCorners(regionOf[f], corner, 3, found[first / grain]);
+            }
         });
+        more = Together(found);
         for (std::size_t f = 0; f < regionOf.size(); ++f)
-            if (regionOf[f] >= 0)
+            if (regionOf[f] >= 0) {
                 parts[std::size_t(regionOf[f])].faceOf.push_back(surface.faces[f]);
-            else
-                for (Index region : HeldBy(mesh.corner + 3 * std::size_t(surface.faces[f]), 3))
+            } else {
+                const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
+                for (Index region : HeldBy(corner, 3)) {
                     parts[std::size_t(region)].faceOf.push_back(surface.faces[f]);
+                    addCorners(region, corner, 3, more);
+                }
+            }
         for (std::size_t e = 0; e < mesh.edges; ++e)
             if (mesh.IsEdge(e)) {
                 const std::uint32_t *end = mesh.end + 2 * e;
-                if (const Index region = RegionOf(end, 2); region >= 0)
+                std::vector<Index> of(1, RegionOf(end, 2));
+                if (of[0] < 0)
+                    of = HeldBy(end, 2);
+                for (Index region : of) {
                     edges[std::size_t(region)].push_back(e);
-                else
-                    for (Index held : HeldBy(end, 2))
-                        edges[std::size_t(held)].push_back(e);
+                    addCorners(region, end, 2, more);
+                }
             }
     }
 
     /// The slots of each part: the free ones, those of what holds it, and those of its elements.
-    void ListSlots(const std::vector<std::size_t> &point) {
-        std::vector<Index> of;
-        for (std::size_t i = 0; i < mesh.vertexSlots; ++i)
-            if (const Index u = NodeOf(i); u >= 0) {
+    void ListSlots(const std::vector<std::size_t> &point, const Progress &progress) {
+        std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((mesh.vertexSlots + grain - 1) / grain);
+        ParallelFor(progress, readingStage, mesh.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
+            std::vector<std::pair<Index, std::uint32_t>> &list = found[first / grain];
+            std::vector<Index> of;
+            for (std::size_t i = first; i < last; ++i) {
+                const Index u = NodeOf(i);
+                if (u < 0)
+                    continue;
                 if (tag[std::size_t(u)] == 1)
                     of.assign(1, regions.regionOf[std::size_t(u)]);
                 else if (slotTag[i] != 1)
                     regions.Of(surface.graph, u, of);
                 else // at the place of a held one: what it belongs to, its elements tell
-                    of.clear();
+                    continue;
                 for (Index region : of)
                     if (region >= 0)
-                        parts[std::size_t(region)].slotOf.push_back(std::uint32_t(i));
+                        list.emplace_back(region, std::uint32_t(i));
             }
-        std::vector<std::vector<std::uint32_t>> more(parts.size());
-        const auto addTo = [&](std::size_t r, std::size_t slot) {
-            if (!IsFreeIn(r, slot))
-                more[r].push_back(std::uint32_t(slot));
-        };
-        for (std::size_t r = 0; r < parts.size(); ++r) {
-            for (std::uint32_t f : parts[r].faceOf)
-                for (std::size_t k = 0; k < 3; ++k)
-                    addTo(r, mesh.corner[3 * std::size_t(f) + k]);
-            for (std::size_t e : edges[r])
-                for (std::size_t k = 0; k < 2; ++k)
-                    addTo(r, mesh.end[2 * e + k]);
+        });
+        for (auto &list : found) {
+            for (const auto &[region, slot] : list)
+                parts[std::size_t(region)].slotOf.push_back(slot);
+            list = {};
         }
+        std::vector<Index> of;
         for (std::size_t i : point)
             if (const Index u = NodeOf(i); u >= 0) {
                 regions.Of(surface.graph, u, of);
                 for (Index region : of)
-                    addTo(std::size_t(region), i);
+                    more.emplace_back(region, std::uint32_t(i));
             }
-        for (std::size_t r = 0; r < parts.size(); ++r) {
-            std::vector<std::uint32_t> &slots = parts[r].slotOf;
-            if (more[r].empty())
-                continue;
-            slots.insert(slots.end(), more[r].begin(), more[r].end());
-            std::sort(slots.begin(), slots.end());
-            slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+        std::sort(more.begin(), more.end());
+        more.erase(std::unique(more.begin(), more.end()), more.end());
+        for (std::size_t m = 0, end; m < more.size(); m = end) {
+            SubMesh &part = parts[std::size_t(more[m].first)];
+            const auto had = std::ptrdiff_t(part.slotOf.size());
+            for (end = m; end < more.size() && more[end].first == more[m].first; ++end)
+                if (!std::binary_search(part.slotOf.begin(), part.slotOf.begin() + had, more[end].second))
+                    part.slotOf.push_back(more[end].second);
+            std::inplace_merge(part.slotOf.begin(), part.slotOf.begin() + had, part.slotOf.end());
         }
     }
 
@@ -227,7 +237,8 @@ class RegionTaker {
     const std::vector<int> &slotTag;
     const SurfaceRegions &regions;
     std::vector<SubMesh> parts;
-    std::vector<std::vector<std::size_t>> edges; // of each part
+    std::vector<std::vector<std::size_t>> edges;       // of each part
+    std::vector<std::pair<Index, std::uint32_t>> more; // parts, and slots that their elements bring into them
 };
 
 } // namespace

@@ -20,7 +20,6 @@ struct SurfaceRegions {
     Index count = 0;
     Index together = 0;          ///< that are one, the last, as there are so many; else 0
     std::vector<Index> regionOf; ///< n, of the free nodes; -1 of others, and where nothing holds them
-    std::vector<double> share;   ///< of each region, of the area of all
 
     /// The regions that a node is free in, or holds, ascending. \param graph as of the surface
     void Of(const Graph &graph, Index node, std::vector<Index> &regions) const;

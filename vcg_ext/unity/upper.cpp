@@ -13,4 +13,5 @@
 #include <vcg_ext/deformer.cpp>                // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/deformer_graph.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/region_deformer.cpp>         // NOLINT(bugprone-suspicious-include)
-#include <vcg_ext/surface_divider.cpp>         // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/deformer_maker.cpp>          // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/region_reader.cpp>           // NOLINT(bugprone-suspicious-include)

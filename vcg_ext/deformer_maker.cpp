@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Makes a Deformer of a surface.
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/region_reader.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vcg {
+namespace fcd {
+
+/// Makes a Deformer: reads its regions, and prepares them side by side.
+class DeformerMaker {
+  public:
+    DeformerMaker(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param, const Deformer *kept)
+        : mesh(mesh), param(param), metric(handles.world.linear()), kept(kept), made(new Deformer()) {
+        for (const PointHandle &p : handles.point) {
+            if (p.vertex >= mesh.vertexSlots || mesh.IsDeleted(p.vertex))
+                throw BadInput("Point handle " + std::to_string(made->point.size() + 1) + " is at vertex " +
+                               std::to_string(p.vertex) + ", which does not exist.");
+            made->point.push_back(p.vertex);
+            made->pointRest.emplace_back(mesh.At(p.vertex));
+        }
+    }
+
+    std::unique_ptr<Deformer> Make(const std::vector<int> &tag, const Progress &progress) {
+        RegionSource whole;
+        whole.mesh = mesh;
+        whole.point = made->point;
+        whole.isOne = param.IsOneRegion();
+        AssignLarge(whole.tag, mesh.vertexSlots, 0);
+        ParallelFor(progress.threads, mesh.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                whole.tag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, tag[i]);
+        });
+        same = SameAs(kept, whole);
+        LeaveOut(same, whole);
+        std::vector<std::uint32_t> leaves;
+        if (mesh.isCloud)
+            for (const auto &each : same)
+                leaves.push_back(each->first);
+        RegionReader reader(param, metric);
+        ReadRegions found = reader.Read(whole, leaves, progress.Slice(0, 0.4));
+        const bool isMany = !same.empty() && same.size() + found.regions.size() > std::size_t(SurfaceRegions::most);
+        if (isMany || !Prepare(found.regions, progress.Slice(0.4, 0.95))) { // as if nothing were kept
+            whole.leftOut.clear();
+            same.clear();
+            found = reader.Read(whole, {}, progress.Slice(0, 0.4));
+            Prepare(found.regions, progress.Slice(0.4, 0.95));
+        }
+        made->apart = std::move(found.apart);
+        made->together = found.together;
+        made->placedNodes = found.placedNodes;
+        made->slotTag = std::move(whole.tag);
+        made->center = HandleCenters(made->slotTag, [&](std::size_t i) { return Eigen::Vector3d(mesh.At(i)); });
+        for (const auto &[slot, its] : found.heldBeside)
+            made->slotTag[slot] = its;
+        made->loose = std::move(found.loose);
+        Join(same.empty() ? found.gaps : std::max(found.gaps, kept->report.gaps));
+        FollowLoose(progress.Slice(0.95, 1));
+        FindCarried(progress.Slice(1, 1));
+        return std::move(made);
+    }
+
+  private:
+    /// The regions of a deformer of the same mesh that are regions of \p whole, too: none of their vertices has got
+    /// another tag, and no point handle came or went.
+    static std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const Deformer *kept, const RegionSource &whole) {
+        std::vector<std::shared_ptr<const RegionDeformer>> same;
+        if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->together > 0 ||
+            kept->placedNodes > 0)
+            return same;
+        std::vector<char> changed(whole.tag.size(), 0);
+        for (std::size_t i = 0; i < changed.size(); ++i)
+            changed[i] = whole.tag[i] != kept->slotTag[i];
+        std::vector<char> isPoint(whole.point.empty() && kept->point.empty() ? 0 : changed.size(), 0);
+        for (const std::vector<std::size_t> *points : {&kept->point, &whole.point})
+            for (std::size_t i : *points)
+                isPoint[i] ^= 1;
+        for (std::size_t i = 0; i < isPoint.size(); ++i)
+            changed[i] |= isPoint[i];
+        for (std::size_t r = 0; r < kept->regions.size(); ++r) {
+            const MovingRegion &region = *kept->regions[r];
+            const auto isSame = [&](const MovingRegion::Bent &vertex) { return !changed[vertex.slot]; };
+            if (std::all_of(region.bent.begin(), region.bent.end(), isSame) &&
+                std::all_of(region.beside.begin(), region.beside.end(), isSame))
+                same.push_back(std::static_pointer_cast<const RegionDeformer>(kept->regions[r]));
+        }
+        return same;
+    }
+
+    static void LeaveOut(const std::vector<std::shared_ptr<const RegionDeformer>> &same, RegionSource &whole) {
+        if (same.empty() || whole.mesh.isCloud) // where any point may be a neighbour
+            return;
+        AssignLarge(whole.leftOut, whole.tag.size(), Index(-1));
+        for (const auto &region : same)
+            for (const MovingRegion::Bent &vertex : region->bent)
+                whole.leftOut[vertex.slot] = 0;
+    }
+
+    /// Prepares what was read. \return whether what is kept has as many patches as it would have now
+    bool Prepare(std::vector<ReadRegion> &read, const Progress &progress) {
+        std::vector<std::pair<std::uint32_t, double>> areas; // by the first slot, as sums depend on the order
+        for (const ReadRegion &each : read)
+            areas.emplace_back(each.first, AreaOf(each.surface));
+        for (const auto &each : same)
+            areas.emplace_back(each->first, AreaOf(each->surface));
+        std::sort(areas.begin(), areas.end());
+        double all = 0;
+        for (const auto &each : areas)
+            all += each.second;
+        const auto patchesOf = [&](const SurfaceGraph &surface) {
+            const double share = areas.size() == 1 ? 1 : all > 0 ? AreaOf(surface) / all : 1 / double(areas.size());
+            const int given = param.graph.initialPatches; // of the whole, by area
+            return given > 0 ? std::max(1, int(std::lround(share * given))) : 0;
+        };
+        if (std::any_of(same.begin(), same.end(),
+                        [&](const auto &each) { return each->patches0 != patchesOf(each->surface); }))
+            return false;
+        std::vector<std::shared_ptr<const RegionDeformer>> regions(read.size());
+        std::vector<std::vector<Index>> nodeOf(read.size());
+        const auto prepare = [&](std::size_t r, const Progress &part) {
+            DeformerParam its = param;
+            its.graph.initialPatches = patchesOf(read[r].surface);
+            regions[r] = std::make_shared<RegionDeformer>(std::move(read[r]), its, nodeOf[r], part);
+            if (areas.size() > 1)
+                nodeOf[r] = {};
+        };
+        if (read.size() == 1)
+            prepare(0, progress);
+        else
+            ParallelTasks(progress, "Building the graph", read.size(), prepare);
+        if (areas.size() == 1 && read.size() == 1 && nodeOf[0].size() == mesh.vertexSlots)
+            made->nodeOf = std::move(nodeOf[0]);
+        regions.insert(regions.end(), same.begin(), same.end());
+        std::sort(regions.begin(), regions.end(), [](const auto &a, const auto &b) { return a->first < b->first; });
+        made->regions.assign(regions.begin(), regions.end());
+        return true;
+    }
+
+    static double AreaOf(const SurfaceGraph &surface) { // world units^2
+        return surface.area * surface.frame.scale * surface.frame.scale;
+    }
+    /// Sets what is known of each vertex, and of all regions.
+    /// \param gaps between regions, too
+    void Join(Index gaps) {
+        Deformer &all = *made;
+        const std::size_t count = all.regions.size();
+        if (count > 0)
+            all.frame = all.regions[0]->surface.frame;
+        if (all.nodeOf.empty() && count > 0) {
+            AssignLarge(all.nodeOf, mesh.vertexSlots, Index(-1));
+            if (count > 1)
+                AssignLarge(all.regionOf, mesh.vertexSlots, std::uint32_t(0));
+            const auto set = [&](std::size_t r, const std::vector<MovingRegion::Bent> &list) {
+                for (const MovingRegion::Bent &vertex : list) {
+                    all.nodeOf[vertex.slot] = vertex.node;
+                    if (count > 1)
+                        all.regionOf[vertex.slot] = std::uint32_t(r);
+                }
+            };
+            for (std::size_t r = count; r-- > 0;) // of what holds several, the first is kept
+                set(r, all.regions[r]->beside);
+            for (std::size_t r = 0; r < count; ++r)
+                set(r, all.regions[r]->bent);
+        }
+        SurfaceReport &sum = all.report;
+        for (const auto &region : all.regions) {
+            const SurfaceReport &each = region->surface.report;
+            for (Index SurfaceReport::*number :
+                 {&SurfaceReport::vertices, &SurfaceReport::welded, &SurfaceReport::isolated,
+                  &SurfaceReport::nonManifoldEdges, &SurfaceReport::repeatedFaces, &SurfaceReport::degenerateFaces,
+                  &SurfaceReport::seams, &SurfaceReport::gaps, &SurfaceReport::oneSided})
+                sum.*number += each.*number;
+        }
+        sum.gaps = std::max(sum.gaps, gaps); // between regions, too
+        sum.pointCloud = mesh.isCloud;
+        sum.components = all.loose.components;
+        sum.isolated += all.loose.isolated;
+    }
+
+    void FollowLoose(const Progress &progress) {
+        Deformer &all = *made;
+        double largest = all.regions.empty() ? std::numeric_limits<double>::infinity() : 0;
+        for (std::size_t r = 0; r < all.regions.size(); ++r)
+            largest = std::max(largest, all.Region(r).TargetRadius() * all.regions[r]->surface.frame.scale);
+        const auto large = [&](std::size_t leader) { // as far as patches reach
+            const MovingSurface::Place place =
+                leader == LooseFollowing::none ? MovingSurface::Place{nullptr, 0, -1} : all.At(leader);
+            return 2 * (place.region ? all.Region(place.number).TargetRadius() * place.region->surface.frame.scale
+                                     : largest);
+        };
+        all.following = param.looseParts == LooseParts::Follow
+                            ? FollowNearest(mesh.Positions(), all.slotTag, all.frame, all.loose, large, progress)
+                            : LooseFollowing{std::vector<std::size_t>(all.loose.parts, LooseFollowing::none), {}, {}};
+        for (std::size_t i : all.following.leader)
+            all.leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero() : Eigen::Vector3d(mesh.At(i)));
+    }
+
+    /// Lists the vertices that move and are not bent.
+    void FindCarried(const Progress &progress) {
+        Deformer &all = *made;
+        std::vector<char> isPoint; // one per slot, where there is any
+        for (std::size_t i : all.point) {
+            isPoint.resize(all.slotTag.size(), 0);
+            isPoint[i] = 1;
+        }
+        const auto isCarried = [&](std::size_t i) {
+            if (const MovingSurface::Place place = all.At(i); place.region) {
+                const Index tag = place.region->held.tag[std::size_t(place.node)];
+                return tag != 1 && !place.region->held.IsFixed(tag);
+            }
+            if (all.slotTag[i] != 1)
+                return all.slotTag[i] > 1;
+            return (!all.loose.partOf.empty() && all.loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
+        };
+        all.carried = CollectInOrder<std::uint32_t>(progress, "Preparing the mapping", Index(all.slotTag.size()),
+                                                    [&](Index i, std::vector<std::uint32_t> &found) {
+                                                        if (isCarried(std::size_t(i)))
+                                                            found.push_back(std::uint32_t(i));
+                                                    });
+    }
+
+    const SurfaceView mesh;
+    const DeformerParam &param;
+    const Eigen::Matrix3d metric;
+    const Deformer *kept;
+    std::vector<std::shared_ptr<const RegionDeformer>> same; // of that one
+    std::unique_ptr<Deformer> made;
+};
+
+std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
+                                          const Progress &progress, const Deformer *kept) {
+    assert(handles.tag.size() == mesh.vertexSlots);
+    return DeformerMaker(mesh, handles, param, kept).Make(handles.tag, progress);
+}
+
+} // namespace fcd
+} // namespace vcg

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_REGION_READER_H
+#define VCG_FCD_REGION_READER_H
+
+#include <vcg_ext/region_deformer.h>
+#include <vcg_ext/surface/loose_parts.h>
+#include <vcg_ext/surface/surface_regions.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vcg {
+namespace fcd {
+
+/// What a free surface is read from: a mesh or a part of one.
+struct RegionSource {
+    SurfaceView mesh;
+    std::vector<int> tag;              ///< one per slot, noVertex where it is deleted
+    std::vector<Index> leftOut;        ///< per slot, -1 for those that are read; empty: all are
+    std::vector<std::uint32_t> slotOf; ///< of each slot, that of the whole mesh; empty: the same
+    std::vector<std::uint32_t> faceOf; ///< of each face, as slotOf
+    std::vector<std::size_t> point;    ///< slots of the point handles in it
+    bool isOne = false;                ///< one region, whatever it hangs together by
+
+    std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
+};
+
+/// The regions of a surface, and what else was met in it.
+struct ReadRegions {
+    std::vector<ReadRegion> regions;
+    LooseSurface loose;                              ///< of the slots of what was read
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
+    Index together = 0;                              ///< as of SurfaceRegions
+    Index gaps = 0; ///< between regions, too: as of SurfaceReport; 0 where there is one
+    std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices held as others at their place are: their tags
+    Index placedNodes = 0;                                 ///< how many of the given nodes lie on the surface
+};
+
+/// Reads the free surface of a mesh, divides it into regions, and reads each of these by itself, in its own frame. A
+/// region that falls apart when it is read by itself, as what is a hair in the whole is none in it, is divided again.
+class RegionReader {
+  public:
+    /// Refers to \p param. \param metric as of Frame
+    RegionReader(const DeformerParam &param, const Eigen::Matrix3d &metric) : param(param), metric(metric) {}
+
+    /// \param leaves the first free slots of regions of a cloud that need not be read
+    /// \throw BadInput a coordinate that is not finite, point handles that make no sense, nodes that belong elsewhere
+    /// \throw Cancelled
+    ReadRegions Read(const RegionSource &whole, const std::vector<std::uint32_t> &leaves, const Progress &progress);
+
+  private:
+    ReadRegions ReadPart(const RegionSource &source, const std::vector<std::uint32_t> *leaves,
+                         const Progress &progress);
+    void Divide(const RegionSource &source, SurfaceGraph surface, const HeldNodes &held, const SurfaceRegions &regions,
+                const std::vector<char> &isLeft, const Progress &progress, ReadRegions &found);
+    ReadRegion RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const;
+    void FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held, ReadRegions &found);
+
+    const DeformerParam &param;
+    const Eigen::Matrix3d metric;
+    std::vector<std::size_t> given; // slots of the nodes that are given
+};
+
+} // namespace fcd
+} // namespace vcg
+
+#endif
