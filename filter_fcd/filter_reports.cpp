@@ -18,7 +18,11 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
     mention(surface.isolated, "isolated vertices");
     mention(surface.nonManifoldEdges, "non-manifold edges");
     mention(surface.degenerateFaces, "degenerate faces");
-    return line.str() + ".";
+    line << ".";
+    if (surface.together > 0)
+        line << " There are so many regions that " << surface.together
+             << " of them, the smallest, share one deformation graph, and depend on each other a little.";
+    return line.str();
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface) {

@@ -390,6 +390,18 @@ def deform_logged(ms, capfd, **parameters):
     return result, capfd.readouterr().err
 
 
+def test_very_many_regions_share_a_graph_and_the_log_says_so(capfd):
+    triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
+    points = (triangle + np.stack([np.arange(1100.0) * 3, np.zeros(1100), np.zeros(1100)], 1)[:, None]).reshape(-1, 3)
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, np.arange(3300).reshape(-1, 3), v_scalar_array=np.tile([0.0, 1, 2], 1100)))
+    _, log = deform_logged(ms, capfd, transforms="2: translate 0 0 1")
+    assert "so many regions that 101 of them, the smallest, share one deformation graph" in log
+    moved = ms.current_mesh().vertex_matrix()
+    assert (moved[::3] == points[::3]).all() and np.abs(moved[2::3] - points[2::3] - [0, 0, 1]).max() < 1e-6
+    assert np.abs(moved[1::3] - points[1::3] - (moved[1] - points[1])).max() < 1e-4
+
+
 def slender(around=24, along=67):
     """A tube of length 11 and radius 1 along z, its ends tagged 0 and 2."""
     angle, z = (a.ravel() for a in np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(0, 11, along), indexing="ij"))
@@ -1641,6 +1653,41 @@ def test_a_dirty_mesh_bends_alike_for_any_seed(shared, tmp_path, name):
     apart = [100 * np.linalg.norm(a - b, axis=1) / np.linalg.norm(size) for i, a in enumerate(shapes) for b in shapes[:i]]
     assert max(way.max() for way in apart) < 2
     assert max(np.sqrt((way ** 2).mean()) for way in apart) < 0.7
+
+
+@pytest.mark.parametrize("name", ["scans/armadillo_43k.ply", "cloud: scans/armadillo_43k.ply", "attr/cycloidal.ply", "dirty/office_chair.obj",
+                                  "dirty/elephant_with_holes.off", "dirty/rangemap_lato315_63k.ply", "cloud: points/duplicated_pcloud.ply"])
+def test_what_bends_in_one_ball_is_what_bends_in_it_alone(shared, tmp_path, name):
+    """Balls that are free, each with a handle in its middle, wherever they are."""
+    ms = open_shared(shared / "meshes" / name.split()[-1], tmp_path)
+    rest = ms.current_mesh().vertex_matrix()
+    faces = {} if name.startswith("cloud") else {"face_matrix": ms.current_mesh().face_matrix()}
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    random = np.random.default_rng(1)
+    balls = []
+    while len(balls) < 4:
+        middle, radius = rest[random.integers(len(rest))], diagonal * random.uniform(0.05, 0.12)
+        if all(np.linalg.norm(middle - other) > 1.05 * (radius + its) + 0.02 * diagonal for other, its in balls):
+            balls.append((middle, radius))
+    motions = [f"{2 + k}: rotate {' '.join(map(str, random.normal(size=3)))} 40 translate {0.03 * diagonal} 0 0" for k in range(4)]
+
+    def bent(which):
+        tags = np.zeros(len(rest))
+        for k in which:
+            away = np.linalg.norm(rest - balls[k][0], axis=1)
+            tags[away < balls[k][1]] = 1
+            tags[away < 0.3 * balls[k][1]] = 2 + k
+        ms.clear()
+        ms.add_mesh(pymeshlab.Mesh(rest, **faces, v_scalar_array=tags))
+        result = ms.apply_filter(DEFORM, transforms="; ".join(motions[k] for k in which), graph_layers=False)
+        return ms.current_mesh().vertex_matrix(), result["nodes"]
+
+    together, nodes = bent(range(4))
+    each = [bent([k]) for k in range(4)]
+    for k, (alone, _) in enumerate(each):
+        here = np.linalg.norm(rest - balls[k][0], axis=1) < balls[k][1]
+        assert (together[here] == alone[here]).all() and (alone[here] != rest[here]).any()
+    assert nodes <= sum(count for _, count in each)
 
 
 SCANS = ["scans/armadillo_43k.ply"] + ([] if IS_2022 else LARGE_SCANS)  # large ones in one host

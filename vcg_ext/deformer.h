@@ -70,7 +70,6 @@ class Deformer : public MovingSurface {
     std::vector<std::size_t> point;                  ///< slots of the point handles
     std::vector<Eigen::Vector3d> pointRest;          ///< where they are at rest, mesh units
     Index placedNodes = 0;                           ///< how many of the given nodes lie on the surface, and are used
-    Index together = 0;                              ///< regions that share a graph, as there are so many; else 0
     SurfaceReport report;                            ///< of all regions
     std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
 

@@ -53,7 +53,7 @@ class DeformerMaker {
             Prepare(found.regions, progress.Slice(0.4, 0.95));
         }
         made->apart = std::move(found.apart);
-        made->together = found.together;
+        made->report.together = found.together;
         made->placedNodes = found.placedNodes;
         made->slotTag = std::move(whole.tag);
         made->center = HandleCenters(made->slotTag, [&](std::size_t i) { return Eigen::Vector3d(mesh.At(i)); });
@@ -71,7 +71,7 @@ class DeformerMaker {
     /// another tag, and no point handle came or went.
     static std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const Deformer *kept, const RegionSource &whole) {
         std::vector<std::shared_ptr<const RegionDeformer>> same;
-        if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->together > 0 ||
+        if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->report.together > 0 ||
             kept->placedNodes > 0)
             return same;
         std::vector<char> changed(whole.tag.size(), 0);

@@ -311,6 +311,66 @@ def test_other_ways_to_deform(bent, graph_weights):
 # --- what is told ---
 
 
+def limbs():
+    """A bumpy bar with three parts that bend, each with a handle, between held ones."""
+    vertices, faces, _, _ = bar(301)
+    x = vertices[:, 0]
+    tags = np.zeros(len(vertices), int)
+    for k, middle in enumerate((1.5, 5, 8.5)):
+        tags[abs(x - middle) < 1.2] = 1
+        tags[abs(x - middle) < 0.2] = 2 + k
+    return vertices, faces, tags, {2 + k: Motion.rotate([0, 1, k], 30).then(Motion.translate([0, 0.1 * k, 0.4])) for k in range(3)}
+
+
+@pytest.mark.parametrize("kind", ["mesh", "cloud", "unwelded"])
+def test_what_bends_in_one_place_does_not_depend_on_what_bends_elsewhere(kind):
+    vertices, faces, tags, motions = limbs()
+    faces = None if kind == "cloud" else faces
+    if kind == "unwelded":
+        vertices, tags, faces = vertices[faces.ravel()], tags[faces.ravel()], np.arange(faces.size).reshape(-1, 3)
+    together = Deformer(vertices, faces, tags)
+    pose = together.pose(motions)
+    nodes = 0
+    for k, middle in enumerate((1.5, 5, 8.5)):
+        here = abs(vertices[:, 0] - middle) < 1.3
+        alone = Deformer(vertices, faces, np.where(here, tags, 0))
+        one = alone.pose({2 + k: motions[2 + k]})
+        nodes += one.info.nodes
+        assert same(one.vertices[here], pose.vertices[here])
+    assert pose.info.nodes == nodes == len(together.graph.nodes) == len(pose.nodes)
+    assert together.patch_of.max() == nodes - 1
+    weights = together.weights()
+    assert weights.nodes == nodes and weights.indices.max() < weights.shape[1]
+
+
+def test_other_tags_prepare_what_they_change_alone():
+    vertices, faces, tags, motions = limbs()
+    without = np.where(tags == 4, 1, tags)
+    first = Deformer(vertices, faces, without, smoothness=0.01)
+    for other in (tags, np.where(vertices[:, 0] > 7, 0, tags), np.where(vertices[:, 0] < 3, 1, tags), without):
+        kept, anew = first.with_tags(other), Deformer(vertices, faces, other, smoothness=0.01)
+        moved = {tag: motions[tag] for tag in kept.handles}
+        a, b = kept.pose(moved), anew.pose(moved)
+        assert same(a.vertices, b.vertices) and same(kept.graph.nodes, anew.graph.nodes) and kept.handles == anew.handles
+        assert a.info.energy == b.info.energy and a.info.iterations == b.info.iterations
+        again = first.pose({tag: motions[tag] for tag in first.handles})
+        assert same(again.vertices, Deformer(vertices, faces, without, smoothness=0.01).pose({2: motions[2], 3: motions[3]}).vertices)
+    point = int(np.argmin(abs(vertices[:, 0] - 1)))
+    kept, anew = first.with_tags(without, [point]), Deformer(vertices, faces, without, [point], smoothness=0.01)
+    target = vertices[[point]] + [0, 0, 0.2]
+    assert same(kept.pose(motions_of(kept, motions), landmarks=target).vertices, anew.pose(motions_of(anew, motions), landmarks=target).vertices)
+    with pytest.raises(ValueError, match="There is no handle"):
+        first.with_tags(np.minimum(tags, 1))
+    with pytest.raises(ValueError, match="nothing is held"):
+        first.with_tags()
+    with pytest.raises(ValueError, match="moved by something else than handles"):
+        fcd.straighten(vertices, faces, [[0, 0.5, 0], [10, 0.5, 0]]).deformer.with_tags(tags)
+
+
+def motions_of(deformer, motions):
+    return {tag: motions[tag] for tag in deformer.handles}
+
+
 def test_what_is_probably_not_meant_is_told():
     vertices, faces, tags, _ = bar()
     flat, onto = vertices * [1, 1, 0], np.eye(4)

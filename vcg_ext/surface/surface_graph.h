@@ -31,6 +31,7 @@ struct SurfaceReport {
     Index seams = 0;            ///< nodes on open borders that are joined with one of another, a hair apart
     Index gaps = 0;             ///< nodes on open borders nearer to another than a tenth of their edges, not joined
     Index oneSided = 0;         ///< points of a cloud that see others along a line alone, as in lines far apart
+    Index together = 0;         ///< regions, the smallest, that share a graph, as there are so many (SurfaceRegions)
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points on all sides
 };
 

@@ -75,6 +75,7 @@ class RegionTaker {
     std::vector<SubMesh> Take(const std::vector<std::size_t> &point, const Progress &progress) {
         ListElements(progress.Slice(0, 0.3));
         ListSlots(point, progress.Slice(0.3, 0.5));
+        AssignLarge(local, mesh.vertexSlots, std::uint32_t(-1));
         ParallelTasks(progress.Slice(0.5, 1), readingStage, parts.size(),
                       [&](std::size_t r, const Progress &part) { Fill(r, part); });
         return std::move(parts);
@@ -201,11 +202,6 @@ class RegionTaker {
         SubMesh &part = parts[r];
         part.arrays = SurfaceArrays(part.slotOf.size(), part.faceOf.size(), edges[r].size(), false);
         AssignLarge(part.tag, part.slotOf.size(), 0);
-        std::vector<std::uint32_t> local; // of slots from the first of the part to the last
-        const std::size_t from = part.slotOf.front(), span = part.slotOf.back() - from + 1;
-        const bool isDense = span < 8 * part.slotOf.size();
-        if (isDense)
-            AssignLarge(local, span, std::uint32_t(0));
         ParallelFor(progress.threads, part.slotOf.size(), grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
                 Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
@@ -214,12 +210,12 @@ class RegionTaker {
                 // What only a face without an area joins with it is free elsewhere, and held here.
                 const bool isOfOthers = u >= 0 && tag[std::size_t(u)] == 1 && !IsFreeIn(r, slot);
                 part.tag[i] = isOfOthers ? 0 : slotTag[slot];
-                if (isDense)
-                    local[part.slotOf[i] - from] = std::uint32_t(i);
+                if (IsFreeIn(r, slot))
+                    local[slot] = std::uint32_t(i);
             }
         });
         const auto find = [&](std::size_t slot) {
-            return isDense ? local[slot - from] : std::uint32_t(part.Find(slot));
+            return IsFreeIn(r, slot) ? local[slot] : std::uint32_t(part.Find(slot));
         };
         ParallelFor(progress.threads, part.faceOf.size(), grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t f = first; f < last; ++f)
@@ -238,6 +234,7 @@ class RegionTaker {
     const SurfaceRegions &regions;
     std::vector<SubMesh> parts;
     std::vector<std::vector<std::size_t>> edges;       // of each part
+    std::vector<std::uint32_t> local;                  // of each slot that is free: its place in its part
     std::vector<std::pair<Index, std::uint32_t>> more; // parts, and slots that their elements bring into them
 };
 
