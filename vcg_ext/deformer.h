@@ -22,6 +22,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 /// \file
@@ -36,7 +37,7 @@ enum class LooseParts {
     Stay    ///< none
 };
 
-/// A DiscretisationError that is seen: above it, more patches are made, or asked for.
+/// A DiscretisationError that is seen: above it, more patches are asked for.
 constexpr double coarseError = 0.01;
 
 /// How a mesh is prepared to be deformed.
@@ -67,9 +68,9 @@ struct DeformationParam : DeformerParam, SolverParam {
 /// handles, parameters), it owns patches, graph, factorisation and mapping. Then each pose is solved from the motions
 /// alone, and carried to the vertices.
 ///
-/// Where neither the number of patches nor their radius is given, there are GraphParam::Patches, or sixteen times
-/// as many where those make a shape that is off by more than coarseError when what moves turns by 60 degrees
-/// (TurnError). That is decided once for all poses, so that each is part of the way to the others.
+/// Where neither the number of patches nor their radius is given, there are as many as the surface is worth
+/// (PatchesFor), as a rough graph of few tells: how far it is off when what moves turns by 60 degrees (TurnError). That
+/// is decided once for all poses, so that each is part of the way to the others.
 class Deformer : public MovingSurface {
   public:
     using Pose = SurfacePose;
@@ -126,15 +127,17 @@ class Deformer : public MovingSurface {
     };
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
-    void MakeGraph(const PositionsRef &rest, const Progress &progress);
+    /// \param count of patches to begin with \param rough as in PatchParam
+    void MakeGraph(const PositionsRef &rest, int count, bool rough, const Progress &progress);
     /// Gives a point handle its motion, mesh units. \param i which one
     void MovePoint(HeldMotions &m, std::size_t i, const Eigen::Matrix4d &motion) const;
     /// Gives nodes that are held alone the motion of what they belong to.
     void HoldOriginals(HeldMotions &m) const;
-    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth
-    /// of the diagonal along it.
+    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, but for single
+    /// vertices, and moved by a tenth of the diagonal along it.
     HeldMotions Probe(int axis) const;
-    /// DiscretisationError when what holds the surface moves so: the largest of the three axes.
+    /// DiscretisationError when what holds the surface moves so: the geometric mean over the three axes, of which one
+    /// may be far off where the surface gives way; NaN where it cannot be told for any.
     double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     /// \p solver, without what goes beyond the paper where that is not asked for.
@@ -145,7 +148,8 @@ class Deformer : public MovingSurface {
     std::vector<Eigen::Vector3d> pointRest; // of each point handle, mesh units
     DeformerParam param;
     const BeyondPaper beyond;
-    double D = 0; // frame units
+    double D = 0;         // frame units
+    std::set<Index> lone; // handles of one vertex, as points are
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
     std::vector<Index> holding;   // the tags of what holds the graph, but for point handles

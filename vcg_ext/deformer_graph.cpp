@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How many patches a deformer's graph has, the graph, and how far off its poses are.
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/patches/given_nodes.h>
 #include <vcg_ext/solve/discretisation_error.h>
+#include <vcg_ext/solve/patch_number.h>
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 namespace vcg {
@@ -14,9 +17,6 @@ namespace fcd {
 
 namespace {
 
-// So many times the patches: the error falls eightfold, with their number to the power of 3 / 4 (DiscretisationError).
-// That is what an estimate which is low by three, as it may be where the surface is thin or torn, leaves room for.
-constexpr int finer = 16;
 // Its systems take some hundred numbers a node, and a pose of so many takes minutes.
 constexpr Index mostNodes = 200000;
 
@@ -35,10 +35,15 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
 }
 
-void Deformer::MakeGraph(const PositionsRef &rest, const Progress &progress) {
-    D = TargetRadius(surface, param.graph, param.shape.patchRadius);
+void Deformer::MakeGraph(const PositionsRef &rest, int count, bool rough, const Progress &progress) {
+    GraphParam p = param.graph;
+    p.initialPatches = count;
+    if (rough) // asked once for all seeds, so that they have as many
+        p.randomSeed = GraphParam().randomSeed;
+    latest = nullptr;
+    D = TargetRadius(surface, p, param.shape.patchRadius);
     if (param.nodes.cols() == 0)
-        patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
+        patches = SampleSurface(surface, held.tag, p, D, progress.Slice(0, 0.9), rough);
     else {
         const std::vector<Index> nodes =
             detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
@@ -80,8 +85,9 @@ HeldMotions Deformer::Probe(int axis) const {
         const Eigen::Vector3d about = surface.frame.ToFrame(middle);
         Eigen::Affine3d moved(detail::RotationBy(turn, along));
         moved.translation() = about - moved.linear() * about;
-        m.motion[tag] = surface.frame.FromFrame(move * moved);
-        m.rotates[tag] = true;
+        const bool turns = lone.count(tag) == 0;
+        m.motion[tag] = surface.frame.FromFrame(turns ? move * moved : move);
+        m.rotates[tag] = turns;
     }
     for (std::size_t i = 0; i < point.size(); ++i)
         MovePoint(m, i, surface.frame.FromFrame(move));
@@ -92,7 +98,7 @@ HeldMotions Deformer::Probe(int axis) const {
 double Deformer::TurnError(const Progress &progress) const {
     std::array<double, 3> error{};
     SolverParam solver;
-    solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
+    solver.tolerance = coarseError / 200; // at rest to a small part of what most surfaces are off
     solver.maxIterations = 100;
     solver.follow = true;
     ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
@@ -102,31 +108,38 @@ double Deformer::TurnError(const Progress &progress) const {
         } catch (const Unsolvable &) { // for whoever poses it
         }
     });
-    double most = 0;
+    double product = 1;
+    int told = 0;
     for (double e : error)
-        most = e > most ? e : most; // not a number: it cannot be told
-    return most;
+        if (e >= 0) {
+            product *= e;
+            ++told;
+        }
+    const double mean = product > 0 ? detail::Power(product, 1.0 / std::max(told, 1)) : 0;
+    return told > 0 ? mean : std::numeric_limits<double>::quiet_NaN();
 }
 
 void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
     if (param.graph.initialPatches > 0 || !beyond.refinement || param.nodes.cols() > 0 ||
         param.graph.targetRadius > 0) {
-        MakeGraph(rest, progress);
+        MakeGraph(rest, param.graph.Patches(), false, progress);
         return;
     }
-    // Whether so few are enough is asked once for all seeds: shapes of few and of many patches may differ by more than
-    // those of two seeds.
-    const unsigned seed = param.graph.randomSeed;
-    param.graph.randomSeed = GraphParam().randomSeed;
-    MakeGraph(rest, progress.Slice(0, 0.3));
-    const bool isCoarse = TurnError(progress.Slice(0.3, 0.4)) > coarseError;
-    if (!isCoarse && seed == param.graph.randomSeed)
+    std::map<Index, Index> vertices;
+    for (const int tag : slotTag)
+        if (tag > 1)
+            ++vertices[tag];
+    for (const auto &[tag, count] : vertices)
+        if (count == 1)
+            lone.insert(tag);
+    MakeGraph(rest, fewPatches, true, progress.Slice(0, 0.2));
+    const int patches = PatchesFor(fewPatches, TurnError(progress.Slice(0.2, 0.3)));
+    MakeGraph(rest, patches, false, progress.Slice(0.3, 0.6));
+    if (patches <= believedPatches * fewPatches)
         return;
-    if (isCoarse)
-        param.graph.initialPatches = finer * param.graph.Patches();
-    param.graph.randomSeed = seed;
-    latest = nullptr;
-    MakeGraph(rest, progress.Slice(0.4, 1));
+    const int more = PatchesFor(patches, TurnError(progress.Slice(0.6, 0.7)));
+    if (more > patches)
+        MakeGraph(rest, more, false, progress.Slice(0.7, 1));
 }
 
 } // namespace fcd

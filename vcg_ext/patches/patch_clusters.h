@@ -226,6 +226,8 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     // The last step of the iteration may have added centres; they come with the nodes' own iteration.
     lloyd.center.resize(1 + *std::max_element(patchOfCluster.begin(), patchOfCluster.end()));
     lloyd.UpdateCenters();
+    if (param.rough)
+        return converged ? bits : 0;
     const std::vector<Index> front = ClearBorders(lloyd, clusters, patchOfCluster, progress.Slice(0.65, 0.7));
     lloyd.grower.GrowFrom(front, lloyd.center, param.targetRadius / 128, progress.Slice(0.7, 1));
     progress(1, samplingStage);

@@ -17,6 +17,8 @@ struct PatchParam {
     int maxIterations = 100;  ///< >= 1
     double tolerance = 1e-3;  ///< converged when an iteration lowers the cost (Eq. 1) by less than this fraction of it
     unsigned randomSeed = 1;  ///< of the first seeds
+    bool rough = false; ///< where many nodes are in a patch, the last steps are left out: borders are those of clusters
+                        ///< of nodes, some patches are larger than D, and it takes a third of the time
 };
 
 /// One iteration of the sampling.
