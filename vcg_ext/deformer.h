@@ -127,8 +127,8 @@ class Deformer : public MovingSurface {
     };
 
     void BuildGraph(const PositionsRef &rest, const Progress &progress);
-    /// \param count of patches to begin with \param rough as in PatchParam
-    void MakeGraph(const PositionsRef &rest, int count, bool rough, const Progress &progress);
+    /// \param count of patches to begin with \param rough as in PatchParam \param kept from one to the next
+    void MakeGraph(const PositionsRef &rest, int count, bool rough, KeptClusters &kept, const Progress &progress);
     /// Gives a point handle its motion, mesh units. \param i which one
     void MovePoint(HeldMotions &m, std::size_t i, const Eigen::Matrix4d &motion) const;
     /// Gives nodes that are held alone the motion of what they belong to.

@@ -35,7 +35,8 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     return error / double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm());
 }
 
-void Deformer::MakeGraph(const PositionsRef &rest, int count, bool rough, const Progress &progress) {
+void Deformer::MakeGraph(const PositionsRef &rest, int count, bool rough, KeptClusters &kept,
+                         const Progress &progress) {
     GraphParam p = param.graph;
     p.initialPatches = count;
     if (rough) // asked once for all seeds, so that they have as many
@@ -43,7 +44,7 @@ void Deformer::MakeGraph(const PositionsRef &rest, int count, bool rough, const 
     latest = nullptr;
     D = TargetRadius(surface, p, param.shape.patchRadius);
     if (param.nodes.cols() == 0)
-        patches = SampleSurface(surface, held.tag, p, D, progress.Slice(0, 0.9), rough);
+        patches = SampleSurface(surface, held.tag, p, D, progress.Slice(0, 0.9), rough, &kept);
     else {
         const std::vector<Index> nodes =
             detail::NearestNodes(rest, surface, slotTag, held.tag, param.nodes, placedNodes);
@@ -120,9 +121,10 @@ double Deformer::TurnError(const Progress &progress) const {
 }
 
 void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
+    KeptClusters kept;
     if (param.graph.initialPatches > 0 || !beyond.refinement || param.nodes.cols() > 0 ||
         param.graph.targetRadius > 0) {
-        MakeGraph(rest, param.graph.Patches(), false, progress);
+        MakeGraph(rest, param.graph.Patches(), false, kept, progress);
         return;
     }
     std::map<Index, Index> vertices;
@@ -132,14 +134,14 @@ void Deformer::BuildGraph(const PositionsRef &rest, const Progress &progress) {
     for (const auto &[tag, count] : vertices)
         if (count == 1)
             lone.insert(tag);
-    MakeGraph(rest, fewPatches, true, progress.Slice(0, 0.2));
+    MakeGraph(rest, fewPatches, true, kept, progress.Slice(0, 0.2));
     const int patches = PatchesFor(fewPatches, TurnError(progress.Slice(0.2, 0.3)));
-    MakeGraph(rest, patches, false, progress.Slice(0.3, 0.6));
+    MakeGraph(rest, patches, false, kept, progress.Slice(0.3, 0.6));
     if (patches <= believedPatches * fewPatches)
         return;
     const int more = PatchesFor(patches, TurnError(progress.Slice(0.6, 0.7)));
     if (more > patches)
-        MakeGraph(rest, more, false, progress.Slice(0.7, 1));
+        MakeGraph(rest, more, false, kept, progress.Slice(0.7, 1));
 }
 
 } // namespace fcd

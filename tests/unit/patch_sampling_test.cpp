@@ -244,7 +244,13 @@ TEST(SamplePatches, RoughOnesAreLikeTheOthers) {
         PatchParam param = SamplingParam(0.1, 30);
         const Patches fine = SamplePatches(s.graph, {}, s.nodeArea, param);
         param.rough = true;
-        const Patches rough = SamplePatches(s.graph, {}, s.nodeArea, param);
+        KeptClusters kept;
+        const Patches rough = SamplePatches(s.graph, {}, s.nodeArea, param, {}, &kept);
+        for (int patches : {30, 120}) { // what is kept changes nothing
+            PatchParam next = SamplingParam(patches == 30 ? 0.1 : 0.05, patches);
+            EXPECT_EQ(SamplePatches(s.graph, {}, s.nodeArea, next, {}, &kept).patchOf,
+                      SamplePatches(s.graph, {}, s.nodeArea, next).patchOf);
+        }
         ExpectPartition(s.graph, {}, rough, s.nodeArea);
         if (shape.Size() < 1000) { // too few nodes for clusters
             EXPECT_EQ(rough.patchOf, fine.patchOf);

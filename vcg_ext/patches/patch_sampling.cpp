@@ -31,7 +31,7 @@ Patches TakePatches(detail::Lloyd &lloyd) {
 } // namespace
 
 Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass,
-                      const PatchParam &param, const Progress &progress) {
+                      const PatchParam &param, const Progress &progress, KeptClusters *kept) {
     assert(tag.empty() || Index(tag.size()) == graph.Size());
     assert(mass.empty() || Index(mass.size()) == graph.Size());
     assert(param.targetRadius > 0 && param.initialPatches >= 1 && param.maxIterations >= 1);
@@ -42,8 +42,8 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
     const double coarsest =
         detail::BinaryLogarithm(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
     const int leastBits = std::max(1, int(std::ceil(coarsest))),
-              bits = param.rough ? leastBits : std::min(leastBits + 1, 10);
-    const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7));
+              bits = std::min(leastBits + (param.rough ? 2 : 1), 10); // those of twice to eight times as many patches
+    const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7), kept);
     const bool isEnough = param.rough && !lloyd.center.empty();
     bool converged = used > (isEnough ? 0 : leastBits);
     if (used && !isEnough) {

@@ -34,8 +34,9 @@ struct GraphParam {
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius);
 
 /// The patches of the nodes of tag 1 (no tags: of all). \param D frame units, > 0 \param rough as in PatchParam
+/// \param kept as SamplePatches takes it
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
-                      const Progress &progress, bool rough = false);
+                      const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 
 } // namespace fcd
 } // namespace vcg
