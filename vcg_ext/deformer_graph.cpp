@@ -97,7 +97,8 @@ HeldMotions Deformer::Probe(int axis) const {
 }
 
 double Deformer::TurnError(const Progress &progress) const {
-    std::array<double, 3> error{};
+    std::array<double, 3> error;
+    error.fill(std::numeric_limits<double>::quiet_NaN()); // what cannot be solved cannot be told
     SolverParam solver;
     solver.tolerance = coarseError / 200; // at rest to a small part of what most surfaces are off
     solver.maxIterations = 100;
@@ -106,7 +107,7 @@ double Deformer::TurnError(const Progress &progress) const {
         try {
             const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));
             error[axis] = DiscretisationError(probe, solver, each.Slice(0.5, 1));
-        } catch (const Unsolvable &) { // for whoever poses it
+        } catch (const Unsolvable &) { // said to whoever poses it
         }
     });
     double product = 1;
