@@ -78,7 +78,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     form->addRow("Smoothness", smoothnessValue);
     patchCount = new QSpinBox;
     patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "
-                           "Automatic (0): 300, or 4800 where the surface is so thin or torn that it needs them");
+                           "Automatic (0): 100 to 1500, as many as the surface is worth");
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Initial patches", patchCount);

@@ -34,9 +34,8 @@ void addInitialPatches(RichParameterList &list, int initialPatches) {
         list, Shown::Always, "initial_patches", initialPatches, "Initial patches",
         QString("Number of patches to start from, all of them where the surface is free; splitting adds to it. ") +
             (initialPatches == 0
-                 ? "<b>0</b> (the default): 300, which is enough for most scans, whatever their number "
-                   "of vertices, and 4800 where a surface that is bent is so thin or torn that 300 would bend it "
-                   "otherwise. "
+                 ? "<b>0</b> (the default): as many as the surface is worth, whatever its number of vertices: some 300 "
+                   "for most scans, 100 where little bends, and up to 1500 where it is thin, folded or torn. "
                  : "A few hundred are enough for most scans, whatever their number of vertices. ") +
             "<b>Raising it</b> lets the deformation bend in finer detail, and takes longer.");
 }

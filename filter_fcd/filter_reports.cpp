@@ -22,6 +22,9 @@ std::string describe(const vcg::fcd::SurfaceReport &surface) {
     if (surface.together > 0)
         line << " There are so many regions that " << surface.together
              << " of them, the smallest, share one deformation graph, and depend on each other a little.";
+    if (surface.limited > 0)
+        line << " There are so many regions that " << surface.limited
+             << " of them have fewer patches than they would have alone.";
     return line.str();
 }
 

@@ -550,7 +550,7 @@ def tagged_and_posed():
         ms.compute_selection_by_condition_per_vertex(condselect=condition)
         ms.apply_filter("compute_fcd_tags_from_selection", role=role)
     ms.apply_filter("set_selection_none")
-    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter(POSE, initial_patches=300, **BEND)  # where a remesher puts vertices, and mixes tags, hangs on the shape
     return ms, {tuple(p): tuple(c) for p, c in zip(rest, color)}
 
 

@@ -2192,7 +2192,7 @@ def test_what_is_pressed_beyond_what_it_carries_is_the_same_for_every_seed(perce
     for seed in range(1, 5):
         ms = slender(60, 180)  # fine enough that seeds differ little at rest
         diagonal = np.linalg.norm(np.ptp(ms.current_mesh().vertex_matrix(), axis=0))
-        result = ms.apply_filter(DEFORM, translation=[0, 0, -percent / 100 * diagonal], random_seed=seed)
+        result = ms.apply_filter(DEFORM, translation=[0, 0, -percent / 100 * diagonal], random_seed=seed, initial_patches=300)
         assert result["converged"] and not result["jumps"] and result["iterations"] < 110
         shapes.append(ms.current_mesh().vertex_matrix())
         stable.append(result["stable"])

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How many patches a region's graph has, the graph, and how far off its poses are.
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/solve/discretisation_error.h>
+#include <vcg_ext/solve/patch_number.h>
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 namespace vcg {
@@ -13,9 +16,6 @@ namespace fcd {
 
 namespace {
 
-// So many times the patches: the error falls eightfold, with their number to the power of 3 / 4 (DiscretisationError).
-// That is what an estimate which is low by three, as it may be where the surface is thin or torn, leaves room for.
-constexpr int finer = 16;
 // Its systems take some hundred numbers a node, and a pose of so many takes minutes.
 constexpr Index mostNodes = 200000;
 
@@ -53,10 +53,16 @@ double DiagonalOf(const DeformationGraph &graph) {
     return rest.cols() > 0 ? double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm()) : 0;
 }
 
-void RegionDeformer::MakeGraph(const ReadRegion &read, const Progress &progress) {
-    D = vcg::fcd::TargetRadius(surface, param.graph, param.shape.patchRadius);
+void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, KeptClusters &clusters,
+                               const Progress &progress) {
+    GraphParam p = param.graph;
+    p.initialPatches = count;
+    if (rough) // asked once for all seeds, so that they have as many
+        p.randomSeed = GraphParam().randomSeed;
+    latest = nullptr;
+    D = vcg::fcd::TargetRadius(surface, p, param.shape.patchRadius);
     if (!read.hasGivenNodes)
-        patches = SampleSurface(surface, held.tag, param.graph, D, progress.Slice(0, 0.9));
+        patches = SampleSurface(surface, held.tag, p, D, progress.Slice(0, 0.9), rough, &clusters);
     else {
         patches = GrowPatches(surface.graph, held.tag, read.center, progress.Slice(0, 0.9));
         D = 0;
@@ -85,13 +91,14 @@ HeldMotions RegionDeformer::Probe(int axis) const {
     const Eigen::Affine3d move(Eigen::Translation3d(way * along));
     HeldMotions m;
     m.motion[0].setIdentity();
-    for (const auto &[tag, about] : holding) {
+    for (const auto &[tag, its] : holding) {
         if (tag == 0)
             continue;
-        Eigen::Affine3d moved(detail::RotationBy(turn, along));
-        moved.translation() = about - moved.linear() * about;
+        const bool turns = its.count > 1; // a single vertex does not, as a point does not
+        Eigen::Affine3d moved(turns ? detail::RotationBy(turn, along) : Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+        moved.translation() = its.middle - moved.linear() * its.middle;
         m.motion[tag] = surface.frame.FromFrame(move * moved);
-        m.rotates[tag] = true;
+        m.rotates[tag] = turns;
     }
     for (Index tag : held.pointTag)
         m.motion[tag] = surface.frame.FromFrame(move);
@@ -100,43 +107,53 @@ HeldMotions RegionDeformer::Probe(int axis) const {
 }
 
 double RegionDeformer::TurnError(const Progress &progress) const {
-    std::array<double, 3> error{};
+    std::array<double, 3> error;
+    error.fill(std::numeric_limits<double>::quiet_NaN()); // what cannot be solved cannot be told
     const double diagonal = DiagonalOf(graph);
     SolverParam solver;
-    solver.tolerance = coarseError / 200; // at rest to a twentieth of what is looked for
+    solver.tolerance = coarseError / 200; // at rest to a small part of what most surfaces are off
     solver.maxIterations = 100;
     solver.follow = true;
     ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
         try {
             const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));
-            error[axis] = DiscretisationError(probe, solver, each.Slice(0.5, 1)) / diagonal;
-        } catch (const Unsolvable &) { // for whoever poses it
+            const double off = DiscretisationError(probe, solver, each.Slice(0.5, 1));
+            error[axis] = off > 0 ? off / diagonal : off;
+        } catch (const Unsolvable &) { // said to whoever poses it
         }
     });
-    double most = 0;
+    double product = 1;
+    int told = 0;
     for (double e : error)
-        most = e > most ? e : most; // not a number: it cannot be told
-    return most;
+        if (e >= 0) {
+            product *= e;
+            ++told;
+        }
+    const double mean = product > 0 ? detail::Power(product, 1.0 / std::max(told, 1)) : 0;
+    return told > 0 ? mean : std::numeric_limits<double>::quiet_NaN();
 }
 
 void RegionDeformer::BuildGraph(const ReadRegion &read, const Progress &progress) {
+    KeptClusters clusters;
     if (param.graph.initialPatches > 0 || !beyond.refinement || read.hasGivenNodes || param.graph.targetRadius > 0) {
-        MakeGraph(read, progress);
+        MakeGraph(read, param.graph.Patches(), false, clusters, progress);
+        reach = D;
         return;
     }
-    // Whether so few are enough is asked once for all seeds: shapes of few and of many patches may differ by more than
-    // those of two seeds.
-    const unsigned seed = param.graph.randomSeed;
-    param.graph.randomSeed = GraphParam().randomSeed;
-    MakeGraph(read, progress.Slice(0, 0.3));
-    const bool isCoarse = TurnError(progress.Slice(0.3, 0.4)) > coarseError;
-    if (!isCoarse && seed == param.graph.randomSeed)
+    const auto patchesFor = [&](int made, double error) {
+        const int wanted = PatchesFor(made, error);
+        isLimited = isLimited || wanted > read.most;
+        return std::min(wanted, read.most);
+    };
+    MakeGraph(read, fewPatches, true, clusters, progress.Slice(0, 0.2));
+    const int count = patchesFor(fewPatches, TurnError(progress.Slice(0.2, 0.3)));
+    MakeGraph(read, count, false, clusters, progress.Slice(0.3, 0.6));
+    reach = D;
+    if (count <= believedPatches * fewPatches)
         return;
-    if (isCoarse)
-        param.graph.initialPatches = finer * param.graph.Patches();
-    param.graph.randomSeed = seed;
-    latest = nullptr;
-    MakeGraph(read, progress.Slice(0.4, 1));
+    const int more = patchesFor(count, TurnError(progress.Slice(0.6, 0.7)));
+    if (more > count)
+        MakeGraph(read, more, false, clusters, progress.Slice(0.7, 1));
 }
 
 } // namespace fcd

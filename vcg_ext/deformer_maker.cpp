@@ -118,14 +118,17 @@ class DeformerMaker {
             const int given = param.graph.initialPatches; // of the whole, by area
             return given > 0 ? std::max(1, int(std::lround(share * given))) : 0;
         };
-        if (std::any_of(same.begin(), same.end(),
-                        [&](const auto &each) { return each->patches0 != patchesOf(each->surface); }))
+        const int most = MostOf(read);
+        if (std::any_of(same.begin(), same.end(), [&](const auto &each) {
+                return each->patches0 != patchesOf(each->surface) || each->most != most;
+            }))
             return false;
         std::vector<std::shared_ptr<const RegionDeformer>> regions(read.size());
         std::vector<std::vector<Index>> nodeOf(read.size());
         const auto prepare = [&](std::size_t r, const Progress &part) {
             DeformerParam its = param;
             its.graph.initialPatches = patchesOf(read[r].surface);
+            read[r].most = most;
             regions[r] = std::make_shared<RegionDeformer>(std::move(read[r]), its, nodeOf[r], part);
             if (areas.size() > 1)
                 nodeOf[r] = {};
@@ -139,9 +142,31 @@ class DeformerMaker {
         regions.insert(regions.end(), same.begin(), same.end());
         std::sort(regions.begin(), regions.end(), [](const auto &a, const auto &b) { return a->first < b->first; });
         made->regions.assign(regions.begin(), regions.end());
+        made->report.limited =
+            Index(std::count_if(regions.begin(), regions.end(), [](const auto &each) { return each->IsLimited(); }));
         return true;
     }
 
+    /// How many patches a region may have at most, where it decides itself: fewer where all of them could have more
+    /// than poses of which take about a second.
+    int MostOf(const std::vector<ReadRegion> &read) const {
+        const std::int64_t mostOfAll = 30000;
+        std::vector<Index> nodes; // no region has more patches
+        for (const ReadRegion &each : read)
+            nodes.push_back(each.surface.graph.Size());
+        for (const auto &each : same)
+            nodes.push_back(each->surface.graph.Size());
+        int most = mostPatches;
+        const auto all = [&] {
+            std::int64_t sum = 0;
+            for (Index each : nodes)
+                sum += std::min(each, Index(most));
+            return sum;
+        };
+        while (most > fewPatches && all() > mostOfAll)
+            --most;
+        return most;
+    }
     static double AreaOf(const SurfaceGraph &surface) { // world units^2
         return surface.area * surface.frame.scale * surface.frame.scale;
     }
@@ -187,12 +212,11 @@ class DeformerMaker {
         Deformer &all = *made;
         double largest = all.regions.empty() ? std::numeric_limits<double>::infinity() : 0;
         for (std::size_t r = 0; r < all.regions.size(); ++r)
-            largest = std::max(largest, all.Region(r).TargetRadius() * all.regions[r]->surface.frame.scale);
+            largest = std::max(largest, all.Region(r).Reach() * all.regions[r]->surface.frame.scale);
         const auto large = [&](std::size_t leader) { // as far as patches reach
             const MovingSurface::Place place =
                 leader == LooseFollowing::none ? MovingSurface::Place{nullptr, 0, -1} : all.At(leader);
-            return 2 * (place.region ? all.Region(place.number).TargetRadius() * place.region->surface.frame.scale
-                                     : largest);
+            return 2 * (place.region ? all.Region(place.number).Reach() * place.region->surface.frame.scale : largest);
         };
         all.following = param.looseParts == LooseParts::Follow
                             ? FollowNearest(mesh.Positions(), all.slotTag, all.frame, all.loose, large, progress)

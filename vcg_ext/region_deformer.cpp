@@ -33,7 +33,7 @@ void DeformationParam::Validate() const {
 RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf,
                                const Progress &progress)
     : MovingRegion(std::move(read.surface), std::move(read.held)), patches0(param.graph.initialPatches),
-      point(std::move(read.point)), param(param), beyond(param.graphWeights) {
+      most(read.most), point(std::move(read.point)), param(param), beyond(param.graphWeights) {
     this->param.nodes = {};
     first = read.first;
     weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
@@ -53,16 +53,14 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
 }
 
 void RegionDeformer::FindHolding() {
-    std::map<Index, double> count;
-    for (Index u = 0; u < surface.graph.Size(); ++u) {
-        const Index tag = held.Original(held.tag[std::size_t(u)]);
-        if (tag == 1 || tag < 0)
-            continue;
-        holding.emplace(tag, Eigen::Vector3d::Zero()).first->second += surface.graph.position.col(u).cast<double>();
-        ++count[tag];
-    }
-    for (auto &[tag, middle] : holding)
-        middle /= count[tag];
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (const Index tag = held.Original(held.tag[std::size_t(u)]); tag != 1 && tag >= 0) {
+            Holding &its = holding[tag];
+            its.middle += surface.graph.position.col(u).cast<double>();
+            ++its.count;
+        }
+    for (auto &each : holding)
+        each.second.middle /= each.second.count;
 }
 
 HeldMotions RegionDeformer::OwnOf(const HeldMotions &all) const {

@@ -7,6 +7,7 @@
 #include <vcg_ext/patches/surface_patches.h>
 #include <vcg_ext/shape_constants.h>
 #include <vcg_ext/solve/graph_parts.h>
+#include <vcg_ext/solve/patch_number.h>
 #include <vcg_ext/solve/solver_param.h>
 
 #include <cstddef>
@@ -26,7 +27,7 @@ enum class LooseParts {
     Stay    ///< none
 };
 
-/// A DiscretisationError that is seen: above it, more patches are made, or asked for.
+/// A DiscretisationError that is seen: above it, more patches are asked for.
 constexpr double coarseError = 0.01;
 
 /// How a mesh is prepared to be deformed.
@@ -68,14 +69,15 @@ struct ReadRegion {
     std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
     std::uint32_t first = 0; ///< as of MovingRegion
+    int most = mostPatches;  ///< patches, where their number is not given
 };
 
 /// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. Then each pose is
 /// solved from the motions alone.
 ///
-/// Where neither the number of patches nor their radius is given, there are GraphParam::Patches, or sixteen times
-/// as many where those make a shape that is off by more than coarseError when what moves turns by 60 degrees
-/// (TurnError). That is decided once for all poses, so that each is part of the way to the others.
+/// Where neither the number of patches nor their radius is given, there are as many as the region is worth
+/// (PatchesFor), as a rough graph of few tells: how far it is off when what moves turns by 60 degrees (TurnError). That
+/// is decided once for all poses, so that each is part of the way to the others.
 class RegionDeformer : public MovingRegion {
   public:
     using Pose = RegionPose;
@@ -111,8 +113,10 @@ class RegionDeformer : public MovingRegion {
     /// NaN where it cannot be told. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
-    const int patches0;                       ///< GraphParam::initialPatches that it was prepared with
-    double TargetRadius() const { return D; } ///< D, frame units
+    const int patches0;                          ///< GraphParam::initialPatches that it was prepared with
+    const int most;                              ///< as of ReadRegion
+    bool IsLimited() const { return isLimited; } ///< whether it would have more patches than that
+    double Reach() const { return reach; }       ///< D, frame units, or what is about that, and the same for all seeds
     /// The slots of its point handles; held.pointTag has their tags.
     const std::vector<std::size_t> &Points() const { return point; }
 
@@ -134,13 +138,15 @@ class RegionDeformer : public MovingRegion {
 
     void FindHolding();
     void BuildGraph(const ReadRegion &read, const Progress &progress);
-    void MakeGraph(const ReadRegion &read, const Progress &progress);
+    /// \param count of patches to begin with \param rough as in PatchParam \param clusters from one to the next
+    void MakeGraph(const ReadRegion &read, int count, bool rough, KeptClusters &clusters, const Progress &progress);
     /// Gives nodes that are held alone the motion of what they belong to.
     void HoldOriginals(HeldMotions &m) const;
-    /// All that moves turned by 60 degrees about an axis of the frame, each about its own middle, and moved by a tenth
-    /// of the diagonal along it.
+    /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, but for
+    /// single ones, and moved by a tenth of the diagonal along it.
     HeldMotions Probe(int axis) const;
-    /// DiscretisationError when what holds the surface moves so, of the diagonal: the largest of the three axes.
+    /// DiscretisationError when what holds the surface moves so, of the diagonal: the geometric mean over the three
+    /// axes, of which one may be far off where the surface gives way; NaN where it cannot be told for any.
     double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     /// \p solver, without what goes beyond the paper where that is not asked for.
@@ -150,12 +156,16 @@ class RegionDeformer : public MovingRegion {
     std::vector<std::size_t> point; // as of ReadRegion
     DeformerParam param;
     const BeyondPaper beyond;
-    double D = 0; // frame units
+    bool isLimited = false;
+    double D = 0, reach = 0; // frame units
     detail::SmallParts small;
     std::vector<double> nodeArea; // k, frame units^2
-    std::map<Index, Eigen::Vector3d>
-        holding;             // of each tag that holds it, but for points: the middle of its nodes, frame
-    mutable std::mutex lock; // of what follows
+    struct Holding {
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero(); // of its nodes, frame units
+        int count = 0;                                    // of these
+    };
+    std::map<Index, Holding> holding; // the tags that hold it, but for points
+    mutable std::mutex lock;          // of what follows
     mutable std::shared_ptr<const System> latest;
     mutable std::shared_ptr<const KeptPose> kept;
 };

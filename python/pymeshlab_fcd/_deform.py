@@ -71,7 +71,7 @@ def deform(
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
     patches : int, default 0
-        How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
+        How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
         How far a patch may reach; 0: automatic.
     seed : int, default 1
@@ -175,7 +175,7 @@ def deformation(
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
     patches : int, default 0
-        How many patches to begin with; 0: 300, or 4800 where the surface is so thin or torn that it needs them.
+        How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
         How far a patch may reach; 0: automatic.
     seed : int, default 1

@@ -169,8 +169,8 @@ class Deformer(Unchanging):
     smoothness : float, default 0.0058
         How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the paper).
     patches : int, default 0
-        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: 300, or 4800 where the surface is
-        so thin or torn that 300 would bend it otherwise.
+        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface is
+        worth, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
     target_radius : float, default 0.0
         How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches and the area that can
         bend (D of sec. 2.1).

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/graph/coarse_graph.h>
+#include <vcg_ext/solve/patch_number.h>
 #include "test_support.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -141,15 +145,53 @@ TEST(AutomaticPatches, AreMoreWhereFewBendTheSurfaceOtherwise) {
     EXPECT_LT(ErrorOf(c, 0).first, ErrorOf(c, GraphParam().Patches()).first / 3);
 }
 
-TEST(AutomaticPatches, AreFewWhereThatIsEnough) {
+TEST(AutomaticPatches, AreFewWhereNothingBends) {
+    const Case held = CaseOf(Tube(50, 40), [](const Vector3d &p) { return p[2] > 5.3 ? 2 : 1; }),
+               bent = CaseOf(Tube(50, 40), [](const Vector3d &p) { return p[2] < 0.7   ? 0
+                                                                          : p[2] > 5.3 ? 2
+                                                                                       : 1; });
+    DeformationParam few, many;
+    few.graph.initialPatches = fewPatches;
+    many.graph.initialPatches = mostPatches;
+    EXPECT_EQ(NodesOf(held, {}), NodesOf(held, few)); // one motion moves all of it
+    EXPECT_GT(NodesOf(bent, {}), NodesOf(bent, few));
+    EXPECT_LT(NodesOf(bent, {}), NodesOf(bent, many));
+}
+
+/// \p n rows of a wavy sheet, its ends held.
+static Case SheetCase(int n) {
+    Shape sheet = Grid(8 * n / 5, n, 5.0 / n);
+    for (Vector3d &p : sheet.position)
+        p[2] = 0.03 * std::sin(2 * p[0] + p[1]);
+    return CaseOf(sheet, [](const Vector3d &p) { return p[0] < 0.4 ? 0 : p[0] > 7.6 ? 2 : 1; });
+}
+
+TEST(AutomaticPatches, AreAsManyHoweverDenselyASurfaceIsSampled) {
+    std::vector<double> nodes;
+    for (int n : Rounds({80, 160, 320}))
+        nodes.push_back(double(NodesOf(SheetCase(n), {})));
+    const auto [least, most] = std::minmax_element(nodes.begin(), nodes.end());
+    EXPECT_LT(*most, 1.6 * *least); // estimates of graphs of a hundred nodes differ by a third
+}
+
+static int samplings = 0;
+static std::string stageBefore;
+
+static bool CountSamplings(const int, const char *stage) {
+    samplings += stage != stageBefore && stage == std::string("Sampling patches");
+    stageBefore = stage;
+    return true;
+}
+
+TEST(AutomaticPatches, AreSampledAsOftenForAnySeed) {
     const Case c = CaseOf(Tube(50, 40), [](const Vector3d &p) { return p[2] < 0.7 ? 0 : p[2] > 5.3 ? 2 : 1; });
-    DeformationParam param, few;
-    few.graph.initialPatches = GraphParam().Patches();
     for (unsigned seed : {1, 5}) {
-        param.graph.randomSeed = few.graph.randomSeed = seed;
-        const MeshD mesh(c.shape);
-        EXPECT_EQ(vcg::tri::DeformCentroidal(mesh, c.handles, param).position,
-                  vcg::tri::DeformCentroidal(mesh, c.handles, few).position);
+        DeformationParam param;
+        param.graph.randomSeed = seed;
+        samplings = 0;
+        stageBefore.clear();
+        vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param, Progress(CountSamplings));
+        EXPECT_EQ(samplings, 2) << "few, and as many as are wanted";
     }
 }
 

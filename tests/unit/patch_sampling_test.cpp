@@ -238,6 +238,30 @@ TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
     EXPECT_LT(sum, 1.02) << "mean over the meshes";
 }
 
+TEST(SamplePatches, RoughOnesAreLikeTheOthers) {
+    for (const Shape &shape : {Jittered(Grid(200, 200), 0.3), Sphere(200, 300), Jittered(Grid(20, 20), 0.3)}) {
+        const SurfaceGraph s = SurfaceOf(shape);
+        PatchParam param = SamplingParam(0.1, 30);
+        const Patches fine = SamplePatches(s.graph, {}, s.nodeArea, param);
+        param.rough = true;
+        KeptClusters kept;
+        const Patches rough = SamplePatches(s.graph, {}, s.nodeArea, param, {}, &kept);
+        for (int patches : {30, 120}) { // what is kept changes nothing
+            PatchParam next = SamplingParam(patches == 30 ? 0.1 : 0.05, patches);
+            EXPECT_EQ(SamplePatches(s.graph, {}, s.nodeArea, next, {}, &kept).patchOf,
+                      SamplePatches(s.graph, {}, s.nodeArea, next).patchOf);
+        }
+        ExpectPartition(s.graph, {}, rough, s.nodeArea);
+        if (shape.Size() < 1000) { // too few nodes for clusters
+            EXPECT_EQ(rough.patchOf, fine.patchOf);
+            continue;
+        }
+        EXPECT_NE(rough.patchOf, fine.patchOf);
+        EXPECT_NEAR(rough.Size(), fine.Size(), 0.2 * fine.Size());
+        EXPECT_LT(rough.cost * rough.Size(), 1.25 * fine.cost * fine.Size()); // of some 25 clusters each
+    }
+}
+
 TEST(SamplePatches, IsNearlyUniform) {
     const SurfaceGraph s = SurfaceOf(Jittered(Grid(317, 317), 0.3));
     for (unsigned seed : Rounds({1u, 2u, 3u})) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -185,16 +186,21 @@ inline std::vector<Index> ClearBorders(Lloyd &lloyd, const Clusters &clusters, c
 /// \param bits the finest cells tried have a side of 2^-bits, the coarsest of 2^-leastBits
 /// \return the bits of the finest cells used where the iteration has converged, else 0
 inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const PatchParam &param, int bits,
-                          int leastBits, std::vector<SamplingStep> &history, const Progress &progress) {
+                          int leastBits, std::vector<SamplingStep> &history, const Progress &progress,
+                          KeptClusters *kept = nullptr) {
     if (bits < leastBits)
         return 0;
     const Graph &graph = lloyd.graph;
-    const Clusters clusters = MakeClusters(lloyd, bits, progress.Slice(0, 0.3));
+    KeptClusters own;
+    KeptClusters &used = kept ? *kept : own;
+    if (used.bits != bits)
+        used = {bits, std::make_shared<const Clusters>(MakeClusters(lloyd, bits, progress.Slice(0, 0.3)))};
+    const Clusters &clusters = *used.clusters;
     const Index count = clusters.graph.Size();
     if (count == 0 || count < 8 * Index(seed.size()))
         return 0;
     if (count > graph.Size() / 3)
-        return SampleClusters(lloyd, seed, param, bits - 1, leastBits, history, progress.Slice(0.3, 1));
+        return SampleClusters(lloyd, seed, param, bits - 1, leastBits, history, progress.Slice(0.3, 1), kept);
     progress(0.3, samplingStage);
     std::vector<Index> clusterSeed;
     const std::vector<Index> allTakePart;
@@ -208,11 +214,14 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
             taken[clusters.clusterOf[s]] = true;
             clusterSeed.push_back(clusters.clusterOf[s]);
         }
-    SampleClusters(coarse, clusterSeed, param, bits - 1, leastBits, history, progress.Slice(0.3, 0.5));
+    const int coarser =
+        SampleClusters(coarse, clusterSeed, param, param.rough ? std::min(bits - 1, leastBits) : bits - 1, leastBits,
+                       history, progress.Slice(0.3, 0.5));
+    const bool isEnough = param.rough && !coarse.center.empty();
     if (coarse.center.empty())
         for (Index s : clusterSeed)
             coarse.center.push_back({s, clusters.graph.position.col(s)});
-    const bool converged = coarse.Iterate(param, history, progress.Slice(0.5, 0.6));
+    const bool converged = isEnough ? coarser > 0 : coarse.Iterate(param, history, progress.Slice(0.5, 0.6));
 
     // On to the nodes: the one nearest each patch's barycentre.
     const std::vector<Index> &patchOfCluster = coarse.grower.patchOf;
@@ -226,6 +235,8 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     // The last step of the iteration may have added centres; they come with the nodes' own iteration.
     lloyd.center.resize(1 + *std::max_element(patchOfCluster.begin(), patchOfCluster.end()));
     lloyd.UpdateCenters();
+    if (param.rough)
+        return converged ? bits : 0;
     const std::vector<Index> front = ClearBorders(lloyd, clusters, patchOfCluster, progress.Slice(0.65, 0.7));
     lloyd.grower.GrowFrom(front, lloyd.center, param.targetRadius / 128, progress.Slice(0.7, 1));
     progress(1, samplingStage);

@@ -31,7 +31,7 @@ Patches TakePatches(detail::Lloyd &lloyd) {
 } // namespace
 
 Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass,
-                      const PatchParam &param, const Progress &progress) {
+                      const PatchParam &param, const Progress &progress, KeptClusters *kept) {
     assert(tag.empty() || Index(tag.size()) == graph.Size());
     assert(mass.empty() || Index(mass.size()) == graph.Size());
     assert(param.targetRadius > 0 && param.initialPatches >= 1 && param.maxIterations >= 1);
@@ -41,17 +41,19 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
     detail::Lloyd lloyd(graph, tag, each, progress.threads);
     const double coarsest =
         detail::BinaryLogarithm(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
-    const int leastBits = std::max(1, int(std::ceil(coarsest))), bits = std::min(leastBits + 1, 10);
-    const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7));
-    bool converged = used > leastBits;
-    if (used) {
+    const int leastBits = std::max(1, int(std::ceil(coarsest))),
+              bits = std::min(leastBits + (param.rough ? 2 : 1), 10); // those of twice to eight times as many patches
+    const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7), kept);
+    const bool isEnough = param.rough && !lloyd.center.empty();
+    bool converged = used > (isEnough ? 0 : leastBits);
+    if (used && !isEnough) {
         lloyd.Measure();
         const std::vector<detail::Center> added = lloyd.Splits(param.targetRadius);
         converged &= added.empty();
         if (int(history.size()) < param.maxIterations)
             lloyd.center.insert(lloyd.center.end(), added.begin(), added.end());
     }
-    if (!converged) {
+    if (!converged && !isEnough) {
         if (lloyd.center.empty())
             for (Index u : seed)
                 lloyd.center.push_back({u, graph.position.col(u)});

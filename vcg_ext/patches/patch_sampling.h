@@ -5,10 +5,21 @@
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
 
+#include <memory>
 #include <vector>
 
 namespace vcg {
 namespace fcd {
+
+namespace detail {
+struct Clusters;
+}
+
+/// The clusters of nodes that a sampling made, for the next one of the same graph, tags and masses: it gives the same.
+struct KeptClusters {
+    int bits = 0; ///< of the side of their cells; 0: none yet
+    std::shared_ptr<const detail::Clusters> clusters;
+};
 
 /// How the patches are chosen (paper, sec. 2.1).
 struct PatchParam {
@@ -17,6 +28,8 @@ struct PatchParam {
     int maxIterations = 100;  ///< >= 1
     double tolerance = 1e-3;  ///< converged when an iteration lowers the cost (Eq. 1) by less than this fraction of it
     unsigned randomSeed = 1;  ///< of the first seeds
+    bool rough = false; ///< where many nodes are in a patch, the last steps are left out: borders are those of clusters
+                        ///< of nodes, some patches are larger than D, and it takes a third of the time
 };
 
 /// One iteration of the sampling.
@@ -46,9 +59,9 @@ struct Patches {
 /// the nodes themselves.
 /// \param tag n values, nodes of tag 1 take part; empty: all do
 /// \param mass n values, >= 0: what each node counts in Eq. 1 and for the seeds; empty: 1 each (the paper's)
-/// \pre the nodes are in Morton order (BuildSurfaceGraph)
+/// \param kept read and written, null: none \pre the nodes are in Morton order (BuildSurfaceGraph)
 Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass,
-                      const PatchParam &param, const Progress &progress = {});
+                      const PatchParam &param, const Progress &progress = {}, KeptClusters *kept = nullptr);
 
 /// Patches around given centres (different nodes that take part), which stay where they are; a part that no centre
 /// leads to gets its own.

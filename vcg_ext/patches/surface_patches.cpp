@@ -30,16 +30,17 @@ double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double
 }
 
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
-                      const Progress &progress) {
+                      const Progress &progress, bool rough, KeptClusters *kept) {
     PatchParam p;
     p.targetRadius = D;
     p.initialPatches = param.Patches();
     p.maxIterations = param.maxIterations;
     p.tolerance = param.tolerance;
     p.randomSeed = param.randomSeed;
+    p.rough = rough;
     static const std::vector<float> none;
-    return SamplePatches(surface.graph, tag, param.measure == PatchMeasure::Area ? surface.nodeArea : none, p,
-                         progress);
+    return SamplePatches(surface.graph, tag, param.measure == PatchMeasure::Area ? surface.nodeArea : none, p, progress,
+                         kept);
 }
 
 } // namespace fcd

@@ -23,7 +23,7 @@ struct GraphParam {
     unsigned randomSeed = 1;
     PatchMeasure measure = PatchMeasure::Area;
 
-    /// How many to begin with: 300 where no number is given.
+    /// How many to begin with: 300 where no number is given, and nothing asks for more or fewer.
     int Patches() const { return initialPatches > 0 ? initialPatches : 300; }
 
     /// \throw BadInput naming the value that is out of range
@@ -33,9 +33,10 @@ struct GraphParam {
 /// D in frame units. \param patchRadius as in ShapeConstants
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius);
 
-/// The patches of the nodes of tag 1 (no tags: of all). \param D frame units, > 0
+/// The patches of the nodes of tag 1 (no tags: of all). \param D frame units, > 0 \param rough as in PatchParam
+/// \param kept as SamplePatches takes it
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
-                      const Progress &progress);
+                      const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 
 } // namespace fcd
 } // namespace vcg

@@ -124,10 +124,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         ++nodes;
         groups += coarse.leader[g] == i;
     }
-    // The error falls with the square of the distance of the nodes where the shape is smooth, and with that distance
-    // itself beside borders and creases: half-way. Nodes lie on a surface, so that it goes with their number.
-    const double order = 1.5;
-    const double coarser = detail::Power(nodes / groups, order / 2); // so many times the error of the finer one
+    const double coarser = detail::Power(nodes / groups, errorOrder / 2); // so many times the error of the finer one
     return weight > 0 && coarser > 1 ? std::sqrt(sum / weight) / (coarser - 1) : unknown;
 }
 

@@ -13,6 +13,11 @@
 namespace vcg {
 namespace fcd {
 
+/// The error falls with the distance of the nodes to this power: with the square of it where the shape is smooth, and
+/// with the distance itself beside borders and creases; half-way. Nodes lie on a surface, so that the distance goes
+/// with the inverse root of their number.
+constexpr double errorOrder = 1.5;
+
 /// An estimate of how far a pose is from the one with a node at every vertex, because there are so few: a graph of a
 /// quarter of the nodes (Coarsen) makes something else of the same motions, and the error that is left follows from
 /// that difference and the order in which it falls (Richardson's extrapolation). \param area k values: of the patches,

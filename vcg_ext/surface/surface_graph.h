@@ -32,6 +32,7 @@ struct SurfaceReport {
     Index gaps = 0;             ///< nodes on open borders nearer to another than a tenth of their edges, not joined
     Index oneSided = 0;         ///< points of a cloud that see others along a line alone, as in lines far apart
     Index together = 0;         ///< regions, the smallest, that share a graph, as there are so many (SurfaceRegions)
+    Index limited = 0;          ///< regions that have fewer patches than they are worth, as there are so many
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points on all sides
 };
 

@@ -12,3 +12,4 @@
 #include <vcg_ext/solve/discretisation_error.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/graph_parts.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/graph_pose.cpp>           // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/solve/patch_number.cpp>         // NOLINT(bugprone-suspicious-include)
