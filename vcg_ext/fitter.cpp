@@ -15,8 +15,7 @@
 #include <memory>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -299,5 +298,4 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     return pose;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -10,8 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 StraightenParam::StraightenParam() {
     bendsUnheld = true;
@@ -267,5 +266,4 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &def
     return places;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

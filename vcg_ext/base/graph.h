@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_H
-#define VCG_FCD_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/lists.h>
@@ -13,8 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Index of a vertex, node or patch; -1 means none.
 using Index = std::int32_t;
@@ -184,7 +182,4 @@ inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &component
     return components;
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

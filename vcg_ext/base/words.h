@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_WORDS_H
-#define VCG_FCD_WORDS_H
+#pragma once
 
 #include <vcg_ext/base/error.h>
 
@@ -22,9 +21,7 @@
 /// \file
 /// Numbers and words of texts, whatever the locale.
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 bool IsSpace(char c);
 
@@ -152,8 +149,4 @@ std::string ToText(Number value) {
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

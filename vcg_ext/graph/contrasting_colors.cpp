@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/graph/contrasting_colors.h>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 std::vector<Rgba> ContrastingColors(const Csr &adjacency) {
     // Twelve hues that stay apart from each other, the qualitative palette "Paired" of ColorBrewer in an order in which
@@ -28,5 +27,4 @@ std::vector<Rgba> ContrastingColors(const Csr &adjacency) {
     return color;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

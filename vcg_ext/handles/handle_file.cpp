@@ -5,8 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 namespace detail {} // namespace detail
 
 std::string ReadFile(const std::string &path, std::size_t most) {
@@ -140,5 +139,4 @@ void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix
     detail::WriteFile(path, TransformText(matrix));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

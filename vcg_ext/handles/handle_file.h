@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_HANDLE_FILE_H
-#define VCG_FCD_HANDLE_FILE_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 
@@ -8,8 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 /// The bytes of a file. \param most how many there may be; of a larger file no more are read \throw BadInput naming it
 std::string ReadFile(const std::string &path, std::size_t most = std::string::npos);
 
@@ -63,7 +61,4 @@ void WriteTagFile(const std::string &path, const std::vector<int> &tag);
 /// Writes what ReadTransformFile reads, to the bit. \throw BadInput
 void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MOTION_TEXT_H
-#define VCG_FCD_MOTION_TEXT_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 
@@ -9,8 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// One step of a motion. World units.
 struct MotionStep {
@@ -78,7 +76,4 @@ std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion
 /// that axis; else it takes the shortest way. \throw BadInput when the motion is not finite, mirrors or flattens
 Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &barycenter);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

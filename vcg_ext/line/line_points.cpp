@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <map>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std::string &name) {
     for (std::array<Index, 2> &each : edge)
@@ -76,5 +75,4 @@ Eigen::Matrix3Xd ReadLineText(const std::string &text, const std::string &name) 
     return Eigen::Map<const Eigen::Matrix3Xd>(number.data(), 3, Eigen::Index(number.size() / 3));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

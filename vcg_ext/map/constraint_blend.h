@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CONSTRAINT_BLEND_H
-#define VCG_FCD_CONSTRAINT_BLEND_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/base/point_tree.h>
@@ -15,8 +14,7 @@
 #include <numeric>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Where the blend of the nodes' motions runs over into the motions of held regions: the free nodes of the surface near
 /// them.
@@ -303,7 +301,4 @@ class ConstraintBlend {
     const ShapeConstants shape;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -9,8 +9,7 @@
 #include <set>
 #include <sstream>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -314,5 +313,4 @@ std::vector<double> FrameTimes(const PoseSequence &sequence, double rate) {
     return time;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_HESSIAN_H
-#define VCG_FCD_GRAPH_HESSIAN_H
+#pragma once
 
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/base/sparse_factor.h>
@@ -12,9 +11,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Gradient and Hessian of the energy, factorised. The unknowns, node after node: how its position moves, and by what
 /// vector its rotation turns further (along the axis, as long as the angle); what is given is left out.
@@ -153,8 +150,4 @@ class GraphHessian {
     SparseFactor factor;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

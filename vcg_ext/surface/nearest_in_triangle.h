@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_NEAREST_IN_TRIANGLE_H
-#define VCG_FCD_NEAREST_IN_TRIANGLE_H
+#pragma once
 
 #include <Eigen/Core>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
 /// Detection, 5.1.5).
@@ -34,8 +31,4 @@ inline Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::V
     return {va / sum, vb / sum, vc / sum};
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SEAMS_H
-#define VCG_FCD_SEAMS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -14,8 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Open borders of a surface that run along each other.
 struct Seams {
@@ -132,7 +130,4 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     return seams;
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -16,8 +16,7 @@
 #include <numeric>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 namespace detail {
 
 /// The tag of a place where vertices have two: held where one is, by the smaller one.
@@ -288,5 +287,4 @@ SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Progress &progress
     return BuildSurfaceGraph(mesh, nullptr, {}, Eigen::Matrix3d::Identity(), progress);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_BOXES_H
-#define VCG_FCD_TRIANGLE_BOXES_H
+#pragma once
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/graph.h>
@@ -19,9 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The boxes of a TriangleTree, around four boxes or triangles each.
 struct TriangleBoxes {
@@ -285,8 +282,4 @@ class TriangleBoxing {
     std::mutex lock; ///< of its spaces
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

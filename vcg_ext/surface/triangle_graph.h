@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_GRAPH_H
-#define VCG_FCD_TRIANGLE_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -19,9 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Triangles of a graph's nodes. One with a repeated corner counts as the edge that is left of it, and one with three
 /// equal corners not at all.
@@ -282,8 +279,4 @@ inline double SumOfEdges(const Eigen::Matrix3Xf &position, const Csr &adjacency,
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

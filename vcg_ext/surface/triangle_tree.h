@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_TREE_H
-#define VCG_FCD_TRIANGLE_TREE_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -17,9 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The triangle nearest to a point, of those with the least square of its distance, as computed, the first one. A tree
 /// of boxes around four boxes or triangles each, which are looked at together, in single precision; they only tell what
@@ -196,8 +193,4 @@ class TriangleTree {
     const TriangleBoxes boxes;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

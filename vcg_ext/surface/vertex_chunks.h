@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_VERTEX_CHUNKS_H
-#define VCG_FCD_VERTEX_CHUNKS_H
+#pragma once
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
@@ -12,9 +11,7 @@
 #include <limits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// How many of a mesh's vertices are read, in chunks of slots, and the box that they fill.
 struct VertexChunks {
@@ -82,8 +79,4 @@ void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart 
     frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail
