@@ -4,7 +4,7 @@
 #include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/morton.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/cloud_places.h>
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
@@ -19,8 +19,7 @@
 #include <memory>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -269,7 +268,7 @@ class RegionFinder {
         Eigen::Matrix3Xd position(3, there.size());
         for (std::size_t k = 0; k < there.size(); ++k)
             position.col(Eigen::Index(k)) = point.col(Eigen::Index(there[k]));
-        const PointBlocks<double> blocks(position, progress.threads);
+        const PointTree<double> blocks(position, progress.threads);
         ParallelFor(progress.Slice(0.4, 1), detail::findingNeighbours, blocks.Blocks(), 64,
                     [&](std::size_t first, std::size_t last) {
                         detail::CloudNeighbourhood<double> neighbourhood(blocks);
@@ -334,5 +333,4 @@ Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const st
     return finder.TakeRegion(progress.Slice(0.9, 1));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_POINT_CLOUD_H
-#define VCG_FCD_POINT_CLOUD_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/sort_short.h>
@@ -23,9 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// What Progress calls the time in which the points of a cloud are joined.
 constexpr const char *findingNeighbours = "Finding neighbours";
@@ -55,7 +52,7 @@ struct CloudPairs {
 /// \pre points that are near have numbers that are close (Morton order), for speed \param hair units of positions
 /// \param clumps as CloudNeighbourhood finds them are at one place, of any number of points
 inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, bool clumps, const Progress &progress) {
-    const PointBlocks<float> points(position, progress.threads);
+    const PointTree<float> points(position, progress.threads);
     const std::size_t n = points.Size(), grain = 1 << 8;
     CloudPairs pairs;
     pairs.each = std::min<std::size_t>(cloudNeighbours, n - 1);
@@ -211,8 +208,4 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
     return same;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail
