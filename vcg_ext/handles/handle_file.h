@@ -8,15 +8,9 @@
 #include <vector>
 
 namespace vcg::fcd {
+
 /// The bytes of a file. \param most how many there may be; of a larger file no more are read \throw BadInput naming it
 std::string ReadFile(const std::string &path, std::size_t most = std::string::npos);
-
-namespace detail {
-
-/// Writes \p text to a file, over what is there. \throw BadInput naming it
-void WriteFile(const std::string &path, const std::string &text);
-
-} // namespace detail
 
 /// Reads the text of a `.sel` file: one tag per vertex in vertex order (0 fixed, 1 free, >= 2 handle, negative =
 /// outside), whitespace or line breaks between them, comments from '#' to the end of the line. \param name what
@@ -54,11 +48,5 @@ std::string TagText(const std::vector<int> &tag);
 
 /// What ReadTransformText reads, to the bit.
 std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix);
-
-/// Writes what ReadTagFile reads. \throw BadInput
-void WriteTagFile(const std::string &path, const std::vector<int> &tag);
-
-/// Writes what ReadTransformFile reads, to the bit. \throw BadInput
-void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix);
 
 } // namespace vcg::fcd

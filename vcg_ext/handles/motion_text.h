@@ -17,32 +17,15 @@ struct MotionStep {
     Kind kind = Translation;
     Eigen::Vector3d vector = Eigen::Vector3d::Zero(); ///< translation; axis, any length but 0; or factors, > 0
     double degrees = 0;                               ///< Rotation: any angle, counterclockwise seen against the axis
-    std::optional<Eigen::Vector3d> about; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
+    std::optional<Eigen::Vector3d> about =
+        {}; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< Matrix: affine
 
-    static MotionStep Translate(const Eigen::Vector3d &by) {
-        MotionStep step;
-        step.vector = by;
-        return step;
-    }
-    static MotionStep Rotate(const Eigen::Vector3d &axis, double degrees) {
-        MotionStep step;
-        step.kind = Rotation;
-        step.vector = axis;
-        step.degrees = degrees;
-        return step;
-    }
-    static MotionStep Scale(const Eigen::Vector3d &factors) {
-        MotionStep step;
-        step.kind = Scaling;
-        step.vector = factors;
-        return step;
-    }
+    static MotionStep Translate(const Eigen::Vector3d &by) { return {Translation, by}; }
+    static MotionStep Rotate(const Eigen::Vector3d &axis, double degrees) { return {Rotation, axis, degrees}; }
+    static MotionStep Scale(const Eigen::Vector3d &factors) { return {Scaling, factors}; }
     static MotionStep Affine(const Eigen::Matrix4d &matrix) {
-        MotionStep step;
-        step.kind = Matrix;
-        step.matrix = matrix;
-        return step;
+        return {Matrix, Eigen::Vector3d::Zero(), 0, std::nullopt, matrix};
     }
 };
 

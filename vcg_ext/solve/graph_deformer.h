@@ -56,11 +56,6 @@ class GraphDeformer {
 
     /// Whether node \p i is in a component with a constrained node.
     bool HasConstraint(Index i) const { return unknown.HasConstraint(i); }
-    Index Components() const { return Index(unknown.hasConstraint.size()); }
-    Index LooseComponents() const {
-        return Index(std::count(unknown.hasConstraint.begin(), unknown.hasConstraint.end(), false));
-    }
-
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
     /// \param last a pose of this graph to go on from, such as the last one of an animation, so that the shape changes

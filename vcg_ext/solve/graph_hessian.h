@@ -120,27 +120,27 @@ class GraphHessian {
         }
     }
     double LargestTurn(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            most = std::max(most, step.segment<3>(rotation[i]).norm());
-        return most;
+        return Largest(step, unknown.rotation, rotation, [](Index) { return true; });
     }
     /// Of nodes whose position is given.
     double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            if (unknown.constrained[i])
-                most = std::max(most, step.segment<3>(rotation[i]).norm());
-        return most;
+        return Largest(step, unknown.rotation, rotation, [&](Index i) { return unknown.constrained[i] != 0; });
     }
     double LargestMove(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.position)
-            most = std::max(most, step.segment<3>(position[i]).norm());
-        return most;
+        return Largest(step, unknown.position, position, [](Index) { return true; });
     }
 
   private:
+    template <class Counts>
+    static double Largest(const Eigen::VectorXd &step, const std::vector<Index> &node, const std::vector<Index> &at,
+                          const Counts &counts) {
+        double most = 0;
+        for (Index i : node)
+            if (counts(i))
+                most = std::max(most, step.segment<3>(at[i]).norm());
+        return most;
+    }
+
     const GraphUnknowns &unknown;
     std::vector<Index> position, rotation; // k, where those of a node begin; -1 where they are given
     Index size = 0;

@@ -150,19 +150,15 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                                                      const std::vector<Index> &componentOf, Index components,
                                                      const Progress &progress) {
     const Index n = Index(position.cols());
-    std::vector<Index> first(n), firstOf(components, -1); // the first point of its component
+    std::vector<Index> firstOf(components, -1); // the first point of its component
     if (firstOf.size() < 2)
         return {};
+    DisjointSets joined(n);
     for (Index u = 0; u < n; ++u) {
         Index &begins = firstOf[componentOf[u]];
         begins = begins < 0 ? u : begins;
-        first[u] = begins;
+        joined.Join(begins, u);
     }
-    const auto root = [&](Index u) {
-        while (first[u] != u)
-            u = first[u] = first[first[u]];
-        return u;
-    };
     std::vector<std::pair<Index, Index>> same;
     std::vector<Eigen::AlignedBox3f> box;
     std::vector<Index> alone; // the first node of each component
@@ -170,9 +166,9 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
         alone.clear();
         box.assign(n, Eigen::AlignedBox3f());
         for (Index u = 0; u < n; ++u) {
-            if (root(u) == u)
+            if (joined.Root(u) == u)
                 alone.push_back(u);
-            box[root(u)].extend(Eigen::Vector3f(position.col(u)));
+            box[joined.Root(u)].extend(Eigen::Vector3f(position.col(u)));
         }
         if (alone.size() < 2)
             return same;
@@ -189,8 +185,8 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                     continue;
                 const double sizes = double(box[u].diagonal().norm()) + double(box[v].diagonal().norm());
                 isClump[u] = sizes * CloudNeighbourhood<float>::apart <= std::sqrt(double(each.square));
-                if (std::sqrt(double(each.square)) <= sizes && root(u) != root(v)) { // two halves of one
-                    first[std::max(root(u), root(v))] = std::min(root(u), root(v));
+                if (std::sqrt(double(each.square)) <= sizes && joined.Root(u) != joined.Root(v)) { // two halves of one
+                    joined.Join(u, v);
                     isNew = true;
                 }
             }
@@ -201,7 +197,7 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                     box[u].setEmpty();
     }
     for (Index u = 0; u < n; ++u)
-        if (const Index a = root(u); a != u && box[a].isEmpty())
+        if (const Index a = joined.Root(u); a != u && box[a].isEmpty())
             same.emplace_back(a, u);
     if (2 * same.size() < std::size_t(n))
         same.clear();

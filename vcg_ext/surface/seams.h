@@ -102,31 +102,21 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         });
     if (pairs.empty())
         return seams;
-    std::vector<Index> into(graph.Size());
-    std::iota(into.begin(), into.end(), 0);
-    const auto root = [&](Index u) {
-        while (into[u] != u)
-            u = into[u] = into[into[u]];
-        return u;
-    };
+    DisjointSets joined(graph.Size());
     for (const Pair &p : pairs)
-        if (p.same) {
-            const Index a = root(p.u), b = root(p.v);
-            into[std::max(a, b)] = std::min(a, b);
-        }
+        if (p.same)
+            joined.Join(p.u, p.v);
+    std::vector<Index> into = joined.TakeRoots();
     std::vector<char> gap(graph.Size(), 0);
     for (const Pair &p : pairs)
-        if (!p.same && root(p.u) != root(p.v))
+        if (!p.same && into[p.u] != into[p.v])
             gap[p.u] = gap[p.v] = 1;
     for (Index u = 0; u < graph.Size(); ++u) {
-        seams.joined += root(u) != u;
-        seams.gaps += gap[u] && root(u) == u;
+        seams.joined += into[u] != u;
+        seams.gaps += gap[u] && into[u] == u;
     }
-    if (seams.joined > 0) {
-        for (Index u = 0; u < graph.Size(); ++u)
-            into[u] = root(u);
+    if (seams.joined > 0)
         seams.into = std::move(into);
-    }
     return seams;
 }
 

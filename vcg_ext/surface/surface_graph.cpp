@@ -208,21 +208,12 @@ class SurfaceReader {
                     return edgeLengths;
                 }
             }
-            std::vector<Index> into(std::size_t(s.graph.position.cols()));
-            std::iota(into.begin(), into.end(), 0);
-            const auto root = [&](Index u) {
-                while (into[u] != u)
-                    u = into[u] = into[into[u]];
-                return u;
-            };
-            for (const auto &each : pairs.same) {
-                const Index a = root(each.first), b = root(each.second);
-                into[std::max(a, b)] = std::min(a, b);
-            }
-            for (Index u = 0; u < Index(into.size()); ++u) {
-                into[u] = root(u);
+            DisjointSets joined(Index(s.graph.position.cols()));
+            for (const auto &each : pairs.same)
+                joined.Join(each.first, each.second);
+            std::vector<Index> into = joined.TakeRoots();
+            for (Index u = 0; u < Index(into.size()); ++u)
                 s.report.welded += into[u] != u;
-            }
             JoinNodes(std::move(into), {});
         }
     }
