@@ -55,37 +55,19 @@ class RegionFinder {
     /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
     /// looked at to find them. Points at one place, or a hair from it, are one.
     void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
-        struct Chunk {
-            Eigen::AlignedBox3d box, ofFree;
-            std::size_t live = 0;
-        };
-        std::vector<Chunk> chunks((slots + grain - 1) / grain);
-        ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
-            Chunk here;
-            for (std::size_t i = first; i < last; ++i)
-                if (Is(i, live)) {
-                    const Eigen::Vector3d p = metric * mesh.At(i);
-                    here.box.extend(p);
-                    if (Is(i, free))
-                        here.ofFree.extend(p);
-                    ++here.live;
-                }
-            chunks[first / grain] = here;
-        });
-        Eigen::AlignedBox3d box, ofFree;
-        std::vector<std::size_t> begin{0}; // of each chunk's points in the order
-        for (const Chunk &chunk : chunks) {
-            box.extend(chunk.box);
-            ofFree.extend(chunk.ofFree);
-            begin.push_back(begin.back() + chunk.live);
-        }
-        const std::size_t n = begin.back();
+        Frame world;
+        world.SetMetric(metric);
+        const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
+        const auto isFree = [&](std::size_t i) { return isLive(i) && Is(i, free); };
+        const detail::VertexChunks chunks = detail::FindVertices(mesh, isLive, world, progress.Slice(0, 0));
+        Eigen::AlignedBox3d ofFree = detail::FindVertices(mesh, isFree, world, progress.Slice(0, 0)).box;
+        const std::size_t n = chunks.Live();
         if (n < 2 || ofFree.isEmpty())
             return;
         // Strays are left to the cells at the ends: else all others would be in a few.
-        const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
-        box = detail::WithoutStrays(
-            box, n, [&](std::size_t k) { return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, begin, isLive))); });
+        const Eigen::AlignedBox3d box = detail::WithoutStrays(chunks.box, n, [&](std::size_t k) {
+            return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, chunks.begin, isLive)));
+        });
         if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
             ofFree = near;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
@@ -94,7 +76,7 @@ class RegionFinder {
         const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
         std::unique_ptr<std::uint64_t[]> order = LargeArray<std::uint64_t>(n);
         ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
-            std::size_t k = begin[first / grain];
+            std::size_t k = chunks.begin[first / grain];
             for (std::size_t i = first; i < last; ++i)
                 if (Is(i, live)) {
                     const Eigen::Vector3d p = (metric * mesh.At(i) - (box.min() * 0.5 + box.max() * 0.5));
