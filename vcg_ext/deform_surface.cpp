@@ -3,7 +3,6 @@
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/deformer.h>
-#include <vcg_ext/graph/contrasting_colors.h>
 #include <vcg_ext/map/normals.h>
 
 #include <cassert>
@@ -29,7 +28,6 @@ GraphGeometry GeometryOf(const NormalOf &normal, const SurfaceGraph &surface, co
             if (i < j)
                 g.edge.push_back({i, j});
     }
-    g.color = ContrastingColors(graph.graph.adjacency);
     if (normal) {
         std::vector<bool> isCenter(surface.graph.Size(), false);
         for (Index c : patches.center)

@@ -2,7 +2,6 @@
 #ifndef VCG_FCD_DEFORMER_H
 #define VCG_FCD_DEFORMER_H
 
-#include <vcg_ext/graph/contrasting_colors.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/handles/handles.h>
@@ -174,7 +173,6 @@ struct GraphGeometry {
     Eigen::Matrix3Xd normal;                ///< 3 x k, that of a vertex there; 0 where the mesh has no normals
     Eigen::VectorXd radius;                 ///< k, mesh units
     std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
-    std::vector<Rgba> color;                ///< k, neighbours differ
     Eigen::VectorXd energy;                 ///< k, each node's share of Eq. 2, mesh units^2; empty: not deformed
 };
 
