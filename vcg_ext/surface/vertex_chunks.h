@@ -27,6 +27,8 @@ struct VertexChunks {
 template <class IsPart>
 std::size_t SlotOf(std::size_t k, const std::vector<std::size_t> &begin, const IsPart &isPart) {
     const std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
+    if (begin[c + 1] - begin[c] == VertexChunks::grain) // all of them
+        return c * VertexChunks::grain + (k - begin[c]);
     for (std::size_t i = c * VertexChunks::grain, at = begin[c];; ++i)
         if (isPart(i) && at++ == k)
             return i;
