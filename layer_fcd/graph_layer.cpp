@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "contrasting_colors.h"
 #include "graph_layer.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
@@ -10,6 +11,10 @@
 #include <cmath>
 
 using vcg::fcd::Error;
+
+static std::vector<vcg::Color4b> colorsOf(const vcg::fcd::GraphGeometry &graph) {
+    return contrastingColors(std::size_t(graph.position.cols()), graph.edge);
+}
 
 bool isGraph(const MeshModel &layer) {
     Scalarm least = 0, greatest = 0;
@@ -61,7 +66,7 @@ vcg::fcd::CentroidalGraph addGraphLayers(MeshDocument &document, MeshModel &laye
     if (param.surfaceLayer)
         layers.addGraphSurface("graph surface", graph.geometry);
     if (param.patchesLayer) {
-        MeshModel &patches = layers.addPatches("patches", graph.patchOf, graph.geometry.color);
+        MeshModel &patches = layers.addPatches("patches", graph.patchOf, colorsOf(graph.geometry));
         if (host::inWindow() && layer.cm.fn > 0)
             patches.clearDataMask(MeshModel::MM_VERTCOLOR); // which it would show, with borders that are blurred
     }
@@ -118,6 +123,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
             from, length > 0 ? Eigen::Vector3d(way / length) : Eigen::Vector3d::UnitZ(), 2,
             [&](int r) { return std::pair<double, double>(r * length, tube * radius); }, vcg::Color4b(60, 60, 60, 255));
     }
+    const std::vector<vcg::Color4b> color = colorsOf(graph);
     for (std::size_t i = 0; i < nodes; ++i)
         addRings(
             graph.position.col(Eigen::Index(i)), Eigen::Vector3d::UnitZ(), along + 1,
@@ -125,7 +131,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                 const double angle = double(EIGEN_PI) * r / along;
                 return std::pair<double, double>(-ball * radius * std::cos(angle), ball * radius * std::sin(angle));
             },
-            toColor(graph.color[i]));
+            color[i]);
     computeBoxAndNormals(layer.cm);
     return layer;
 }
@@ -135,12 +141,13 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
     vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(graph.position.cols()));
+    const std::vector<vcg::Color4b> color = colorsOf(graph);
     for (Eigen::Index i = 0; i < graph.position.cols(); ++i) {
         CVertexO &vertex = mesh.vert[std::size_t(i)];
         vertex.P() = toPoint(graph.position.col(i));
         vertex.N() = toPoint(graph.normal.col(i)).Normalize(); // without a normal, MeshLab draws it black
         vertex.Q() = CVertexO::QualityType(graph.radius[i]);
-        vertex.C() = toColor(graph.color[std::size_t(i)]);
+        vertex.C() = color[std::size_t(i)];
     }
     if (graph.energy.size() > 0) {
         auto energy = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, "energy");

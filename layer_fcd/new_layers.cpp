@@ -191,7 +191,7 @@ std::vector<MeshModel *> NewLayers::addResult(const QString &what, const vcg::fc
 }
 
 MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &patchOf,
-                                 const std::vector<vcg::fcd::Rgba> &color) {
+                                 const std::vector<vcg::Color4b> &color) {
     MeshModel &layer = addCopy(what, MeshModel::MM_WEDGTEXCOORD | MeshModel::MM_VERTTEXCOORD | MeshModel::MM_FACECOLOR);
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY |
                          (base.cm.fn > 0 ? MeshModel::MM_FACECOLOR : MeshModel::MM_NONE));
@@ -199,7 +199,7 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
         CVertexO &vertex = layer.cm.vert[j];
         const Index patch = patchOf[i];
         vertex.Q() = CVertexO::QualityType(patch);
-        vertex.C() = patch >= 0 ? toColor(color[std::size_t(patch)]) : vcg::Color4b(vcg::Color4b::Gray);
+        vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
     });
     // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
     // patch.

@@ -36,7 +36,7 @@ class NewLayers {
     /// "NAME what": the base coloured by patch, vertices and faces, quality = patch number. \p patchOf per slot of the
     /// base's vertices, \p color per patch. Textures, which would hide the colours, are left out.
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
-                          const std::vector<vcg::fcd::Rgba> &color);
+                          const std::vector<vcg::Color4b> &color);
 
     /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p linear
     /// per slot turns normals that are not those of the faces, and principal directions; empty: there are none.

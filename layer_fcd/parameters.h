@@ -33,7 +33,6 @@ template <class S>
 Eigen::Vector3d rounded(const Eigen::Vector3d &v) {
     return {rounded<S>(v[0]), rounded<S>(v[1]), rounded<S>(v[2])};
 }
-inline vcg::Color4b toColor(const vcg::fcd::Rgba &c) { return vcg::Color4b(c[0], c[1], c[2], c[3]); }
 
 /// What "FCD: Build Deformation Graph" is asked for.
 struct BuildGraphParam {

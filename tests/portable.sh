@@ -19,7 +19,7 @@ build() {
     printf '#include "%s"\n' "$root"/tests/unit/*_test.cpp | grep -v faults_test >tests.cpp
     mkdir -p include && ln -sfn /usr/include/eigen3 include/eigen3 # and nothing else of this system
     local source objects=()
-    for source in tests.cpp "$root/tests/unit/sanitizers.cpp" "$root"/vcg_ext/unity/*.cpp "$root/vcg_ext/base/point_tree.cpp"; do
+    for source in tests.cpp "$root/tests/unit/sanitizers.cpp" "$root"/vcg_ext/unity/*.cpp; do
         objects+=("$(basename "$source" .cpp).o")
         "${compiler[@]}" -std=c++17 -O1 -ffp-contract=off -Wall -Wextra -Werror -I"$root" -isystem include/eigen3 \
             -isystem "$gtest/include" -isystem "${XDG_CACHE_HOME:-$HOME/.cache}/fcd/vcglib" -c "$source" -o "${objects[-1]}"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CENTROIDAL_DEFORMATION_H
-#define VCG_FCD_CENTROIDAL_DEFORMATION_H
+#pragma once
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/surface/read_surface.h>
@@ -12,8 +11,7 @@
 /// deformation for large mesh models, STAG 2018. The functions of vcg::tri read a VCG mesh of any type, once; those of
 /// vcg::fcd that they call take plain arrays, and are compiled once (deformer.h).
 
-namespace vcg {
-namespace tri {
+namespace vcg::tri {
 
 /// The normals of the vertices of a mesh, which must outlive the result.
 template <class MeshType>
@@ -45,7 +43,4 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
     return fcd::DeformSurface(arrays.View(), NormalsOf(m), handles, param, progress);
 }
 
-} // namespace tri
-} // namespace vcg
-
-#endif
+} // namespace vcg::tri

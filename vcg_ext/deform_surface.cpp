@@ -3,15 +3,13 @@
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/deformer.h>
-#include <vcg_ext/graph/contrasting_colors.h>
 #include <vcg_ext/map/normals.h>
 
 #include <cassert>
 #include <cmath>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -28,7 +26,6 @@ GraphGeometry GeometryOf(const SurfaceGraph &surface, const Patches &patches, co
             if (i < j)
                 g.edge.push_back({i, j});
     }
-    g.color = ContrastingColors(graph.graph.adjacency);
     return g;
 }
 
@@ -61,7 +58,6 @@ void Append(const GraphGeometry &part, GraphGeometry &all) {
     all.energy.tail(added) = part.energy;
     for (const auto &[i, j] : part.edge)
         all.edge.push_back({first + i, first + j});
-    all.color.insert(all.color.end(), part.color.begin(), part.color.end());
 }
 
 /// The graph of a region before and after, behind those in \p result.
@@ -266,5 +262,4 @@ DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal,
     return result;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -8,8 +8,7 @@
 #include <string>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -173,5 +172,4 @@ TagCount CountHandles(const Handles &handles, std::size_t slots, const char *del
     return tags;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DEFORMER_H
-#define VCG_FCD_DEFORMER_H
+#pragma once
 
-#include <vcg_ext/graph/contrasting_colors.h>
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/carrier.h>
 #include <vcg_ext/map/deformation_check.h>
@@ -20,8 +18,7 @@
 /// \file
 /// A surface as plain arrays: prepared once, and posed as often as wanted; or deformed in one call.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A surface that is prepared to be deformed: built once from the surface and its tags (and places of point handles,
 /// parameters). It is a list of regions, the connected parts of the free surface with what holds them, each of which
@@ -105,7 +102,6 @@ struct GraphGeometry {
     Eigen::Matrix3Xd normal;                ///< 3 x k, that of a vertex there; 0 where the mesh has no normals
     Eigen::VectorXd radius;                 ///< k, mesh units
     std::vector<std::array<Index, 2>> edge; ///< pairs of nodes, the smaller first
-    std::vector<Rgba> color;                ///< k, neighbours differ
     Eigen::VectorXd energy;                 ///< k, each node's share of Eq. 2, mesh units^2; empty: not deformed
 };
 
@@ -196,7 +192,4 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
 DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles,
                                 const DeformationParam &param, const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

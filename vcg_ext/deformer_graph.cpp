@@ -11,8 +11,7 @@
 #include <limits>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -156,5 +155,4 @@ void RegionDeformer::BuildGraph(const ReadRegion &read, const Progress &progress
         MakeGraph(read, more, false, clusters, progress.Slice(0.7, 1));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

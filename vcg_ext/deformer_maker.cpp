@@ -10,8 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Makes a Deformer: reads its regions, and prepares them side by side.
 class DeformerMaker {
@@ -263,5 +262,4 @@ std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles
     return DeformerMaker(mesh, handles, param, kept).Make(handles.tag, progress);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_H
-#define VCG_FCD_FIT_H
+#pragma once
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/fit/fit_samples.h>
@@ -17,8 +16,7 @@
 /// Lays one surface onto another: deforms it as rigidly as possible until it lies on triangles or points, with pairs of
 /// landmarks or without. What has no counterpart is carried along.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 class FitMatches;
 class FitTarget;
@@ -169,7 +167,4 @@ class Fitter {
     std::vector<Eigen::Vector3d> sampleNormal;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

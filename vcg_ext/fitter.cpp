@@ -15,8 +15,7 @@
 #include <memory>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -303,5 +302,4 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     return all;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

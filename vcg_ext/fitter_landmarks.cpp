@@ -11,8 +11,7 @@
 #include <map>
 #include <memory>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -155,5 +154,4 @@ void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eige
             position.col(Eigen::Index(i)) = found->second;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -9,8 +9,7 @@
 #include <sstream>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     const double scale = deformer->Whole().surface.frame.scale;
@@ -121,5 +120,4 @@ void Fitter::Compare(const FitTarget &target, const FitReport &report, const Pos
                 });
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

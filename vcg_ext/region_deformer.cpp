@@ -9,8 +9,7 @@
 #include <thread>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void DeformationParam::Validate() const {
     graph.Validate();
@@ -225,5 +224,4 @@ std::shared_ptr<const RegionDeformer::System> RegionDeformer::SystemOf(const Nod
     return latest;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

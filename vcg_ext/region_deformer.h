@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_REGION_DEFORMER_H
-#define VCG_FCD_REGION_DEFORMER_H
+#pragma once
 
 #include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/map/moving_region.h>
@@ -18,8 +17,7 @@
 #include <mutex>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Which motion the components of the mesh without a handle or fixed vertex make.
 enum class LooseParts {
@@ -173,7 +171,4 @@ class RegionDeformer : public MovingRegion {
 /// The size that an error in frame units is compared with: the diagonal of the box of the nodes.
 double DiagonalOf(const DeformationGraph &graph);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -6,8 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -206,5 +205,4 @@ void RegionReader::FindGiven(const RegionSource &source, const SurfaceGraph &sur
             given[std::size_t(number[std::size_t(u)])] = slot;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_REGION_READER_H
-#define VCG_FCD_REGION_READER_H
+#pragma once
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/surface/loose_parts.h>
@@ -12,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What a free surface is read from: a mesh or a part of one.
 struct RegionSource {
@@ -64,7 +62,4 @@ class RegionReader {
     std::vector<std::size_t> given; // slots of the nodes that are given
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

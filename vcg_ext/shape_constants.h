@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SHAPE_CONSTANTS_H
-#define VCG_FCD_SHAPE_CONSTANTS_H
+#pragma once
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What shapes the result beside the parameters that users set, each with its reason. `tests/quality.sh --sensitivity`
 /// halves and doubles each of them.
@@ -51,7 +49,4 @@ struct ShapeConstants {
     double shareBall = 1.25;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

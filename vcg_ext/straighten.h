@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_STRAIGHTEN_H
-#define VCG_FCD_STRAIGHTEN_H
+#pragma once
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/line/line_motion.h>
@@ -14,8 +13,7 @@
 /// cross-sections of the line that they lie in; where these would fold it, or tear it apart, it follows as rigidly as
 /// possible instead.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How a surface is prepared for it: all is free, and bends.
 struct StraightenParam : DeformationParam {
@@ -62,7 +60,4 @@ Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -10,8 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 StraightenParam::StraightenParam() {
     bendsUnheld = true;
@@ -274,5 +273,4 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &pre
     return places;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

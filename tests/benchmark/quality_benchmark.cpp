@@ -21,6 +21,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <fstream>
 #include <optional>
 
 namespace {
@@ -373,7 +374,7 @@ void Save(Loaded &loaded, const Positions &deformed, const std::filesystem::path
     WriteOff(problem.mesh, loaded.reference.position, stem + "_reference.off");
     WriteOff(problem.mesh, deformed, stem + "_fcd.off");
     WriteOff(problem.mesh, rest, stem + ".off");
-    vcg::fcd::WriteTagFile(stem + ".sel", problem.handles.tag);
+    std::ofstream(stem + ".sel", std::ios::binary) << vcg::fcd::TagText(problem.handles.tag);
 }
 
 } // namespace

@@ -1220,7 +1220,6 @@ TEST(DeformCentroidal, ReportsWhatItDid) {
     EXPECT_EQ(r.surface.vertices, VerticesThatBend(MeshD(c.shape), c.handles));
     EXPECT_EQ(r.tags.fixed + r.tags.free + r.tags.handle + r.tags.outside, c.shape.Size());
     EXPECT_EQ(r.deformed.position.cols(), r.rest.position.cols());
-    EXPECT_EQ(r.rest.color.size(), std::size_t(r.rest.position.cols()));
 }
 
 TEST(BuildCentroidalGraph, DescribesThePatchesInMeshUnits) {

@@ -170,7 +170,7 @@ TEST(DeformationFile, RefusesNumbersThatMakeNoSense) {
 TEST(DeformationFile, IsReadFromAFile) {
     const std::string path =
         (std::filesystem::temp_directory_path() / ("fcd_" + std::to_string(std::random_device()()) + ".ply")).string();
-    detail::WriteFile(path, DeformationText(RandomSamples(3, 1)));
+    std::ofstream(path, std::ios::binary) << DeformationText(RandomSamples(3, 1));
     EXPECT_EQ(ReadDeformationFile(path).Size(), 3);
     std::filesystem::remove(path);
     EXPECT_SAYS(MessageOf<Error>([&] { ReadDeformationFile(path); }), "Cannot open '" + path + "'.");

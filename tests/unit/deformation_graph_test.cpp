@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <layer_fcd/contrasting_colors.h>
 #include <vcg_ext/graph/border_weights.h>
-#include <vcg_ext/graph/contrasting_colors.h>
 #include "test_support.h"
 
 #include <map>
@@ -427,10 +427,17 @@ TEST(AddHeldPatches, AddsNoneWhereNothingIsHeldOrNothingIsFree) {
     }
 }
 
+static std::vector<vcg::Color4b> ColorsOf(const Csr &adjacency) {
+    std::vector<std::array<Index, 2>> edge;
+    for (const auto &e : EdgesOf(adjacency))
+        edge.push_back({e.first, e.second});
+    return contrastingColors(std::size_t(adjacency.Size()), edge);
+}
+
 TEST(ContrastingColors, OfNeighboursDiffer) {
     for (const Shape &shape : Shapes()) {
         const Csr &adjacency = RigOf(shape, 0.3).graph.graph.adjacency;
-        const std::vector<Rgba> color = ContrastingColors(adjacency);
+        const std::vector<vcg::Color4b> color = ColorsOf(adjacency);
         ASSERT_EQ(Index(color.size()), adjacency.Size());
         for (const auto &e : EdgesOf(adjacency))
             EXPECT_TRUE(color[e.first] != color[e.second] || adjacency[e.second].size() >= 12);
@@ -441,6 +448,6 @@ TEST(ContrastingColors, TakesANodeWithManyNeighbours) {
     EdgeSet star;
     for (Index i = 1; i < 100; ++i)
         Insert(star, 0, i);
-    EXPECT_EQ(ContrastingColors(CsrOf(100, star)).size(), 100u);
-    EXPECT_TRUE(ContrastingColors({}).empty());
+    EXPECT_EQ(ColorsOf(CsrOf(100, star)).size(), 100u);
+    EXPECT_TRUE(ColorsOf({}).empty());
 }

@@ -96,7 +96,7 @@ TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
         }
         const Region region = FreeRegion(Read(MeshD(cloud)), tag, {});
         const Eigen::Map<const Eigen::Matrix3Xd> position(cloud.position[0].data(), 3, cloud.Size());
-        const PointBlocks<double> blocks(position, 1);
+        const PointTree<double> blocks(position, 1);
         vcg::fcd::detail::CloudNeighbourhood<double> neighbourhood(blocks);
         std::vector<unsigned char> expected(tag.size(), Region::candidate);
         for (std::size_t at = 0; at < tag.size(); ++at) {

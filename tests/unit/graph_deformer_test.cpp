@@ -171,8 +171,6 @@ TEST(GraphDeformer, UnconstrainedComponentsStayAtRest) {
     const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
     const GraphPose pose = deformer.Solve(rig.NodeMotion(BendTube), {});
     const Eigen::Matrix3Xd x = rig.graph.graph.position.cast<double>();
-    EXPECT_EQ(deformer.Components(), 2);
-    EXPECT_EQ(deformer.LooseComponents(), 1);
     Index loose = 0, moved = 0;
     for (Index i = 0; i < rig.graph.Size(); ++i) {
         if (deformer.HasConstraint(i)) {

@@ -27,7 +27,7 @@ Eigen::Matrix<Scalar, 3, Eigen::Dynamic> SheetInNoise(int grid, int noise, int s
 template <class Scalar>
 void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::size_t count) {
     using Found = typename NearestOthers<Scalar>::Found;
-    const PointBlocks<Scalar> blocks(points, 3);
+    const PointTree<Scalar> blocks(points, 3);
     NearestOthers<Scalar> nearest(blocks);
     std::vector<bool> isThere(blocks.Size(), false);
     for (std::size_t block = 0; block < blocks.Blocks(); ++block) {
@@ -50,8 +50,8 @@ void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::
             for (std::size_t k = 0; k < nearest.Each(); ++k) {
                 const Found &found = nearest.Of(at)[k];
                 ASSERT_EQ(found.square, all[k].first) << "point " << self << ", its " << k << "-th";
-                ASSERT_EQ(found.number, all[k].second) << "of equally near ones, that of the smaller number";
-                ASSERT_EQ(blocks.Number(std::size_t(found.at)), found.number);
+                ASSERT_EQ(found.point, all[k].second) << "of equally near ones, that of the smaller number";
+                ASSERT_EQ(blocks.Number(std::size_t(found.at)), found.point);
             }
         }
     }
@@ -75,14 +75,14 @@ TEST(NearestOthers, AreThoseThatLookingAtAllFinds) {
 
 TEST(NearestOthers, AnswerAloneAsInBlocks) {
     const Eigen::Matrix3Xf points = SheetInNoise<float>(30, 40, 2, 6);
-    const PointBlocks<float> one(points, 1), three(points, 3);
+    const PointTree<float> one(points, 1), three(points, 3);
     NearestOthers<float> block(one), alone(three);
     for (std::size_t b = 0; b < one.Blocks(); ++b) {
         block.Ask(one.Begin(b), one.Begin(b + 1), 12);
         for (std::size_t at = one.Begin(b); at < one.Begin(b + 1); ++at) {
             alone.Ask(at, at + 1, 12);
             for (std::size_t k = 0; k < 12; ++k)
-                ASSERT_EQ(alone.Of(at)[k].number, block.Of(at)[k].number);
+                ASSERT_EQ(alone.Of(at)[k].point, block.Of(at)[k].point);
         }
     }
 }
@@ -104,7 +104,7 @@ TEST(CloudNeighbourhood, LooksFartherExactlyWhereItsNearestLieAlongALine) {
         }
         for (int k = 0; k < ring; ++k)
             points.col(1 + nearest + k) << float(std::cos(k)), float(std::sin(k)), 0;
-        const PointBlocks<float> blocks(points, 1);
+        const PointTree<float> blocks(points, 1);
         vcg::fcd::detail::CloudNeighbourhood<float> neighbourhood(blocks);
         for (std::size_t at = 0; at < blocks.Size(); ++at)
             if (blocks.Number(at) == 0)

@@ -169,7 +169,7 @@ TEST(PoseSequence, SaysWhatIsWrong) {
              {"", "line 1: expected a first row 'time, easing'"},
              {"a,b\n", "expected a first row 'time, easing'"},
              {"time,easing\n", "with the name of a pose in each further cell"},
-             {std::string("\xFF\xFEt\0i\0", 6), "expected plain text (ASCII or UTF-8), found another kind of file"},
+             {std::string("\xFF\xFEt\0i\0", 6), "expected plain text (ASCII or UTF-8), found UTF-16"},
              {head, "there is no row 'motions'"},
              {"time,easing" + std::string(20004, ',') + "z", "line 1: found 20004 poses, where 10000 are the most"},
              {two + "motions,,,\n", "line 3: found a second row 'motions'"},

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ANGLE_H
-#define VCG_FCD_ANGLE_H
+#pragma once
 
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The angle in (0, pi) of a cotangent, to 1e-7: atan by M. Abramowitz, I. A. Stegun, Handbook of Mathematical
 /// Functions, 4.4.49. Without a branch, so that compilers make several at a time.
@@ -21,7 +19,4 @@ inline float AngleOfCotangent(float cotangent) {
     return right - std::copysign(angle, cotangent);
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

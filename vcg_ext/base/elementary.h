@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ELEMENTARY_H
-#define VCG_FCD_ELEMENTARY_H
+#pragma once
 
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// \file
 /// Sine, exponential and the like with the same bits everywhere: those of C libraries differ in the last bit from one
@@ -130,8 +127,4 @@ inline double Power(double x, double y) { return Exponential(y * Logarithm(x)); 
 
 inline double Squared(double x) { return x * x; }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

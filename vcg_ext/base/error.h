@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ERROR_H
-#define VCG_FCD_ERROR_H
+#pragma once
 
 #include <stdexcept>
 
@@ -8,8 +7,7 @@
 /// What may go wrong, as types, so that a caller can tell one from the other: BadInput, Unsolvable, Cancelled (which is
 /// no Error), and std::bad_alloc where memory runs out. After each of them nothing that was given is changed.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What went wrong and what to do about it, in words for the user.
 struct Error : std::runtime_error {
@@ -31,7 +29,4 @@ struct Cancelled : std::runtime_error {
     Cancelled() : std::runtime_error("Cancelled.") {}
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -4,8 +4,7 @@
 #include <Eigen/LU>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void Frame::SetMetric(const Eigen::Matrix3d &linear) {
     metric = linear;
@@ -23,5 +22,4 @@ BadInput NotFinite(std::size_t vertex) {
 }
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FRAME_H
-#define VCG_FCD_FRAME_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
@@ -10,8 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The unit frame in which everything is computed: origin at the centre of the bounding box of what is read, the box's
 /// diagonal 1. A few points far outside of all others do not widen the box.
@@ -87,7 +85,4 @@ Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t co
 BadInput NotFinite(std::size_t vertex);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

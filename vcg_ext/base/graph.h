@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_H
-#define VCG_FCD_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/lists.h>
@@ -10,11 +9,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Index of a vertex, node or patch; -1 means none.
 using Index = std::int32_t;
@@ -145,6 +144,30 @@ inline Csr QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, In
         .adjacency;
 }
 
+/// Numbers from 0 to n - 1 that are joined: each is known by the smallest one that it is joined with.
+class DisjointSets {
+  public:
+    explicit DisjointSets(Index n) : parent(std::size_t(n)) { std::iota(parent.begin(), parent.end(), 0); }
+    Index Root(Index u) {
+        while (parent[u] != u)
+            u = parent[u] = parent[parent[u]];
+        return u;
+    }
+    void Join(Index u, Index v) {
+        const Index a = Root(u), b = Root(v);
+        parent[std::max(a, b)] = std::min(a, b);
+    }
+    /// That of each. The last that is asked.
+    std::vector<Index> TakeRoots() {
+        for (Index u = 0; u < Index(parent.size()); ++u) // ascending: that of the parent is known
+            parent[u] = parent[parent[u]];
+        return std::move(parent);
+    }
+
+  private:
+    std::vector<Index> parent; // of each, towards the smallest
+};
+
 /// The connected component of each node of which takesPart(node) is true, numbered in the order of their first nodes;
 /// -1 of others. Blocks of neighbouring nodes are joined in parallel, then the edges between blocks. \return the number
 /// of components
@@ -152,22 +175,11 @@ template <class TakesPart>
 Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vector<Index> &componentOf,
                           const Progress &progress, const char *stage) {
     const Index n = graph.Size();
-    std::vector<Index> &parent = componentOf; // of each node, towards the first node of its component
-    parent.resize(n);
-    const auto root = [&](Index u) {
-        while (parent[u] != u)
-            u = parent[u] = parent[parent[u]];
-        return u;
-    };
-    const auto join = [&](Index u, Index v) {
-        const Index a = root(u), b = root(v);
-        parent[std::max(a, b)] = std::min(a, b);
-    };
+    DisjointSets joined(n);
     const std::size_t grain = 1 << 14;
     std::vector<std::vector<std::pair<Index, Index>>> between((std::size_t(n) + grain - 1) / grain);
     ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
         for (Index u = Index(first); u < Index(last); ++u) {
-            parent[u] = u;
             if (!takesPart(u))
                 continue;
             for (Index v : graph[u])
@@ -176,17 +188,18 @@ Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vec
                 else if (!takesPart(v))
                     continue;
                 else if (v >= Index(first))
-                    join(u, v);
+                    joined.Join(u, v);
                 else
                     between[first / grain].emplace_back(u, v);
         }
     });
     for (const auto &edges : between)
         for (const auto &e : edges)
-            join(e.first, e.second);
+            joined.Join(e.first, e.second);
+    componentOf = joined.TakeRoots();
     Index components = 0;
-    for (Index u = 0; u < n; ++u) // ascending: the parent's number is known
-        componentOf[u] = !takesPart(u) ? -1 : parent[u] == u ? components++ : componentOf[parent[u]];
+    for (Index u = 0; u < n; ++u) // ascending: the root's number is known
+        componentOf[u] = !takesPart(u) ? -1 : componentOf[u] == u ? components++ : componentOf[componentOf[u]];
     return components;
 }
 
@@ -197,7 +210,4 @@ inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &component
         graph, [](Index) { return true; }, componentOf, progress, stage);
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

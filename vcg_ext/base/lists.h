@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LISTS_H
-#define VCG_FCD_LISTS_H
+#pragma once
 
 #include <vcg_ext/base/memory.h>
 
@@ -8,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The lists that threads found, one of each range, one after the other; each is freed as soon as it is in it. By one
 /// thread: most of the time goes to memory that is used for the first time, and several, which need it to be filled
@@ -42,7 +40,4 @@ std::vector<Item> Together(std::vector<std::vector<Item>> &lists) {
     return Together(parts, &Part::list);
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

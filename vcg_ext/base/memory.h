@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MEMORY_H
-#define VCG_FCD_MEMORY_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -12,8 +11,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Begins to read memory that is needed soon.
 #ifdef __GNUC__
@@ -61,7 +59,4 @@ void AssignLarge(std::vector<T> &array, std::size_t n, const T &value) {
     array.resize(n, value);
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

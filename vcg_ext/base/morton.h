@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MORTON_H
-#define VCG_FCD_MORTON_H
+#pragma once
 
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
@@ -9,9 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Sorts the \p n \p items by (item >> 32) with three passes over 30 bits, stable, in parallel.
 inline void RadixSortUpper30(std::unique_ptr<std::uint64_t[]> &items, std::size_t n, const Progress &progress = {},
@@ -58,8 +55,4 @@ inline std::uint32_t MortonCode(float x, float y, float z) {
     return spread(x) << 2 | spread(y) << 1 | spread(z);
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_NEAREST_OTHERS_H
-#define VCG_FCD_NEAREST_OTHERS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/sort_short.h>
 
 #include <algorithm>
@@ -15,21 +14,15 @@
 #include <type_traits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The nearest others of points in blocks. Keeps its buffers between questions; one a thread.
 template <class Scalar>
 class NearestOthers {
   public:
-    struct Found {
-        Scalar square; ///< of its distance
-        Index number;  ///< of the point
-        Index at;      ///< in the order of the blocks
-        bool operator<(const Found &o) const { return square != o.square ? square < o.square : number < o.number; }
-    };
+    using Found = typename PointTree<Scalar>::Found;
 
-    explicit NearestOthers(const PointBlocks<Scalar> &points) : points(points) {}
+    explicit NearestOthers(const PointTree<Scalar> &points) : points(points) {}
 
     /// Finds the \p count nearest others, or all where there are fewer, of each of the points [first, last), which are
     /// near each other. In the order of the blocks.
@@ -38,7 +31,7 @@ class NearestOthers {
             each = std::min(count, points.Size() - 1);
             reach = usual = std::numeric_limits<Scalar>::infinity();
             most = 8 * (each + few);
-            const std::size_t room = most + 2 * PointBlocks<Scalar>::most; // some are written before they are counted
+            const std::size_t room = most + 2 * PointTree<Scalar>::most; // some are written before they are counted
             for (auto *buffer : {&square, &x, &y, &z, &key})
                 buffer->resize(room);
             which.resize(room);
@@ -61,7 +54,7 @@ class NearestOthers {
     const Found *Of(std::size_t at) const { return found.data() + (at - from) * each; }
 
   private:
-    using Box = typename PointBlocks<Scalar>::Box;
+    using Box = typename PointTree<Scalar>::Box;
     using Rank = std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>; // as wide, to count in vectors
     static constexpr std::size_t few = 64;
     static constexpr std::size_t lanes = 8;                                         // few is a multiple of it
@@ -72,7 +65,8 @@ class NearestOthers {
     /// Tells what is found of the points [first, last).
     void Answer(std::size_t first, std::size_t last) {
         if (last - first == 1) {
-            Alone(first);
+            points.Nearest(points.At(first), each, near, PointTree<Scalar>::none, first);
+            Tell();
             return;
         }
         const Box box = points.BoxOf(first, last);
@@ -120,35 +114,12 @@ class NearestOthers {
         return *std::max_element(square.begin(), square.begin() + std::ptrdiff_t(each + 1));
     }
 
-    /// As any k-d tree answers.
-    void Alone(std::size_t i) {
-        near.clear();
-        const typename PointBlocks<Scalar>::Point p = points.At(i);
-        points.ForEachNearest(p, [&](std::size_t first, std::size_t last) {
-            Measure(i, points.X() + first, points.Y() + first, points.Z() + first, last - first);
-            for (std::size_t at = first; at < last; ++at) {
-                const Found other{square[at - first], points.Number(at), Index(at)};
-                if (at == i || (near.size() == each && !(other < near.front())))
-                    continue;
-                if (near.size() == each) {
-                    std::pop_heap(near.begin(), near.end());
-                    near.pop_back();
-                }
-                near.push_back(other);
-                std::push_heap(near.begin(), near.end());
-            }
-            return near.size() < each ? std::numeric_limits<Scalar>::infinity() : near.front().square * more;
-        });
-        std::sort_heap(near.begin(), near.end());
-        Tell();
-    }
-
     /// Takes the points near \p box. \param within square of how far \return false where they are so many that those of
     /// the box had better ask for themselves
     bool Collect(const Box &box, Scalar within) {
         candidates = 0;
         points.ForEachNear(box, within * more, [&](std::size_t first, std::size_t last) {
-            Scalar far[PointBlocks<Scalar>::most] = {};
+            Scalar far[PointTree<Scalar>::most] = {};
             for (std::size_t i = first; i < last; ++i)
                 far[i - first] = box.SquareTo(points.X()[i], points.Y()[i], points.Z()[i]);
             std::size_t n = candidates;
@@ -231,7 +202,7 @@ class NearestOthers {
         return true;
     }
 
-    const PointBlocks<Scalar> &points;
+    const PointTree<Scalar> &points;
     std::size_t each = std::size_t(-1), from = 0, to = 0;
     std::size_t most = 0, candidates = 0; // how many may be collected, and how many are
     Scalar reach = 0, usual = 0;          // squares of how far those of the last ones, and of the last one, were found
@@ -241,7 +212,4 @@ class NearestOthers {
     std::size_t told = 0; // of found
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

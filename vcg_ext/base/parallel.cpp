@@ -12,8 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 unsigned ThreadsFor(unsigned threads) { return threads ? threads : std::max(1u, std::thread::hardware_concurrency()); }
 
@@ -113,5 +112,4 @@ void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
     });
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

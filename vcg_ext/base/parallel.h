@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PARALLEL_H
-#define VCG_FCD_PARALLEL_H
+#pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Calls body(first, last) for consecutive ranges of at most \p grain items that cover [0, n). Which thread gets which
 /// range is left open, the ranges are not: a body that writes only what belongs to its range gives the same bits for
@@ -48,7 +46,4 @@ class RangeResults {
     std::unique_ptr<Result[]> results;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PROGRESS_H
-#define VCG_FCD_PROGRESS_H
+#pragma once
 
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
@@ -11,8 +10,7 @@
 #include <functional>
 #include <thread>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Percent that are done, and what is being done; false cancels. As vcg::CallBackPos.
 using ProgressCallback = bool(const int, const char *);
@@ -106,7 +104,4 @@ class Stopwatch {
     Clock::time_point start = Clock::now();
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -5,9 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 Eigen::Vector4d ToQuaternion(const Eigen::Matrix3d &rotation) {
     const Eigen::Quaterniond q(rotation);
@@ -83,6 +81,4 @@ Eigen::Matrix3d FitRotation(const Eigen::Matrix3d &s) { return ToMatrix(FitQuate
 
 Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear) { return FitRotation(linear.transpose()); }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ROTATION_FIT_H
-#define VCG_FCD_ROTATION_FIT_H
+#pragma once
 
 #include <Eigen/Core>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The unit quaternion (w, x, y, z) of a rotation, and the way back.
 Eigen::Vector4d ToQuaternion(const Eigen::Matrix3d &rotation);
@@ -27,8 +24,4 @@ Eigen::Matrix3d FitRotation(const Eigen::Matrix3d &s);
 /// The rotation part of a linear map with a positive determinant.
 Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear);
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ROTATION_VECTOR_H
-#define VCG_FCD_ROTATION_VECTOR_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The rotation by an angle, in radians, about an axis of length 1.
 inline Eigen::Matrix3d RotationBy(double angle, const Eigen::Vector3d &axis) {
@@ -50,8 +47,4 @@ inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d &w) {
     return m;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SORT_SHORT_H
-#define VCG_FCD_SORT_SHORT_H
+#pragma once
 
 #include <algorithm>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// std::sort, fast for the few items that most lists here have.
 template <class T>
@@ -36,8 +33,4 @@ void SortDiffering(const T *from, T *to) {
         to[place[k]] = from[k];
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

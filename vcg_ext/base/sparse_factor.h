@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SPARSE_FACTOR_H
-#define VCG_FCD_SPARSE_FACTOR_H
+#pragma once
 
 #include <vcg_ext/base/progress.h>
 
@@ -8,9 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// L D L^T of a sparse symmetric matrix, of which the lower triangle is read: to the bits of Eigen's, but cancelled
 /// between rows, and not begun where it would take too long. What is joined as on a surface takes some 10^4 steps a
@@ -123,8 +120,4 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     double work = 0;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SYMMETRIC_EIGEN_H
-#define VCG_FCD_SYMMETRIC_EIGEN_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 
 #include <Eigen/Geometry>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Eigenvalues and eigenvectors of a symmetric 3 x 3 matrix in closed form, about as good as Eigen's computeDirect, but
 /// with the same bits everywhere (O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix, 1961).
@@ -59,8 +56,4 @@ class SymmetricEigen {
     Eigen::Vector3d root; ///< its eigenvalues
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

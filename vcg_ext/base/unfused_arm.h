@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_UNFUSED_ARM_H
-#define VCG_FCD_UNFUSED_ARM_H
+#pragma once
 
 /// \file
 /// Included before all else on 64-bit ARM (CMakeLists.txt), where Eigen would give other bits than elsewhere. It fuses
@@ -21,6 +20,4 @@ struct find_best_packet<float, Size> {
 };
 } // namespace internal
 } // namespace Eigen
-#endif
-
 #endif

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
@@ -24,6 +22,4 @@ std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end)
     return "'" + found + "'";
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

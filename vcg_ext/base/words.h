@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_WORDS_H
-#define VCG_FCD_WORDS_H
+#pragma once
 
 #include <vcg_ext/base/error.h>
 
@@ -22,9 +21,7 @@
 /// \file
 /// Numbers and words of texts, whatever the locale.
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 bool IsSpace(char c);
 
@@ -60,14 +57,11 @@ bool LooksLikeNumber(const char *first, const char *last);
 /// What stands in text[begin, end), for messages: cut short, and '?' for all but printable ASCII.
 std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end);
 
-/// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
-/// A line ends with LF, CR LF or CR.
-class WordReader {
+/// A text that is read from its begin on, line by line. A line ends with LF, CR LF or CR.
+class TextReader {
   public:
-    /// \param text must outlive the reader \param name what messages call it \param separators what stands between
-    /// words besides white space \throw BadInput when it is no plain text
-    WordReader(const std::string &text, const std::string &name, const std::string &separators = "")
-        : text(text), name(name), separators(separators) {
+    /// \param text must outlive the reader \param name what messages call it \throw BadInput when it is no plain text
+    TextReader(const std::string &text, const std::string &name) : text(text), name(name) {
         if (StartsWith("\xFF\xFE") || StartsWith("\xFE\xFF"))
             Fail("expected plain text (ASCII or UTF-8), found UTF-16");
         if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
@@ -78,6 +72,37 @@ class WordReader {
         if (StartsWith("\xEF\xBB\xBF"))
             at = 3;
     }
+
+    /// To the beginning of the next line. \return false at the end of the text
+    bool NextLine() {
+        at = text.find_first_of("\r\n", at);
+        if (at == std::string::npos) {
+            at = text.size();
+            return false;
+        }
+        at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
+        ++line;
+        return true;
+    }
+
+    [[noreturn]] void Fail(const std::string &what) const {
+        throw BadInput("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
+    }
+
+  protected:
+    bool StartsWith(const std::string &mark) const { return text.compare(0, mark.size(), mark) == 0; }
+
+    const std::string &text;
+    const std::string name;
+    std::size_t at = 0, line = 1;
+};
+
+/// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
+class WordReader : public TextReader {
+  public:
+    /// \param separators what stands between words besides white space
+    WordReader(const std::string &text, const std::string &name, const std::string &separators = "")
+        : TextReader(text, name), separators(separators) {}
 
     /// \return false at the end of the text
     bool Next() {
@@ -97,28 +122,35 @@ class WordReader {
         return wordBegin < at;
     }
 
-    /// To the beginning of the next line. \return false at the end of the text
-    bool NextLine() {
-        at = text.find_first_of("\r\n", at);
-        if (at == std::string::npos) {
-            at = text.size();
-            return false;
+    /// The numbers of the next line that has some, with one separator between them at most. A first line that does not
+    /// begin like a number names the columns. \return false at the end of the text \throw BadInput also for other words
+    bool NextRow(std::vector<double> &number) {
+        for (number.clear(); number.empty(); isInRow = true) {
+            if (isInRow && !NextLine())
+                return false;
+            bool isTitle = false;
+            for (std::size_t count = 0; NextInLine(); ++count) {
+                isTitle = isTitle || (!hasBegun && !LooksLikeNumber());
+                hasBegun = true;
+                if (isTitle)
+                    continue;
+                if (skipped > (count == 0 ? 0u : 1u))
+                    Fail("expected a number between the separators; one is missing");
+                number.push_back(As<double>("a number"));
+                if (count == 0)
+                    isIndex = Read(index) && index >= 0;
+            }
         }
-        at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
-        ++line;
         return true;
     }
+    /// The first word of the row, where that is a whole number from 0; else -1.
+    std::int64_t IndexOfRow() const { return isIndex ? index : -1; }
 
     /// The current word as a number, whatever the locale. \return false when it is none
     template <class Number>
     bool Read(Number &value) const {
         return ToNumber(text.data() + wordBegin, text.data() + at, value);
     }
-
-    /// How many separators stand before the current word.
-    std::size_t Separators() const { return skipped; }
-
-    bool LooksLikeNumber() const { return detail::LooksLikeNumber(text.data() + wordBegin, text.data() + at); }
 
     /// The current word as a number. \throw BadInput naming text and line when it is none, or not finite
     template <class Number>
@@ -131,18 +163,15 @@ class WordReader {
         return value;
     }
 
-    [[noreturn]] void Fail(const std::string &what) const {
-        throw BadInput("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
-    }
-
   private:
-    bool StartsWith(const std::string &mark) const { return text.compare(0, mark.size(), mark) == 0; }
     bool IsSpace(char c) const { return detail::IsSpace(c) || separators.find(c) != std::string::npos; }
+    bool LooksLikeNumber() const { return detail::LooksLikeNumber(text.data() + wordBegin, text.data() + at); }
 
-    const std::string &text;
-    const std::string name, separators;
-    std::size_t at = 0, wordBegin = 0, line = 1;
+    const std::string separators;
+    std::size_t wordBegin = 0;
     std::size_t skipped = 0; ///< separators before the current word
+    std::int64_t index = -1; ///< of the row
+    bool isIndex = false, isInRow = false, hasBegun = false;
 };
 
 /// The shortest text that reads back as the same number.
@@ -152,8 +181,4 @@ std::string ToText(Number value) {
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

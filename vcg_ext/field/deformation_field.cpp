@@ -3,8 +3,7 @@
 
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 DeformationField::DeformationField(FieldSamples given, const Progress &progress)
     : samples(std::move(given)),
@@ -33,5 +32,4 @@ Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Ma
     return way;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

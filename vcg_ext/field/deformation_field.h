@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DEFORMATION_FIELD_H
-#define VCG_FCD_DEFORMATION_FIELD_H
+#pragma once
 
 #include <vcg_ext/surface/nearest_place.h>
 
@@ -9,8 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Samples of a deformation: how each vertex of a surface moves, and how the surface turns and stretches around it.
 struct FieldSamples {
@@ -47,7 +45,4 @@ class DeformationField {
     const NearestPlace places;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -10,8 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -215,5 +214,4 @@ FieldSamples ReadDeformationText(const std::string &text, const std::string &nam
 
 FieldSamples ReadDeformationFile(const std::string &path) { return ReadDeformationText(ReadFile(path), path); }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

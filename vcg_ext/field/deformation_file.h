@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DEFORMATION_FILE_H
-#define VCG_FCD_DEFORMATION_FILE_H
+#pragma once
 
 #include <vcg_ext/field/deformation_field.h>
 
@@ -24,8 +23,7 @@
 /// The reader takes what the writer writes and nothing else, so that each bit of it is checked. Files of version 1,
 /// which have neither comment, are read, too.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The content of the file of a deformation.
 std::string DeformationText(const FieldSamples &samples);
@@ -37,7 +35,4 @@ FieldSamples ReadDeformationText(const std::string &text, const std::string &nam
 /// ReadDeformationText of a file. \throw BadInput also when it is not readable
 FieldSamples ReadDeformationFile(const std::string &path);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -11,8 +11,7 @@
 #include <limits>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 namespace detail {
 
 /// The deformation of a mesh as it is sampled.
@@ -321,5 +320,4 @@ Index Invert(std::vector<Eigen::Matrix3f> &linear) {
     return folded;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIELD_SAMPLING_H
-#define VCG_FCD_FIELD_SAMPLING_H
+#pragma once
 
 #include <vcg_ext/field/deformation_field.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How a deformation is sampled.
 struct FieldParam {
@@ -48,7 +46,4 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
 /// it was. \return how many are folded: there is no way back there, and they become the identity
 Index Invert(std::vector<Eigen::Matrix3f> &linear);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

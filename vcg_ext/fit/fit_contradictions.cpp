@@ -8,8 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -143,5 +142,4 @@ std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const 
     return found;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_CONTRADICTIONS_H
-#define VCG_FCD_FIT_CONTRADICTIONS_H
+#pragma once
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -8,8 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A landmark that the others contradict.
 struct Contradiction {
@@ -36,7 +34,4 @@ constexpr double tornStrain = 1.4142135623730951;
 /// Of the diagonal: no hand misses a place by so much; it took another one.
 constexpr double noHand = 0.01;
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -64,5 +63,4 @@ double FitGaps::Misfit(const FitMatches &matches) const {
     return std::sqrt(sum / double(std::max<std::size_t>(around.size(), 1)));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

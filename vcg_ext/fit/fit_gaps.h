@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_GAPS_H
-#define VCG_FCD_FIT_GAPS_H
+#pragma once
 
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_samples.h>
@@ -8,8 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What of a surface has no counterpart, where that is wider than a hole, and the matches of what lies around it.
 class FitGaps {
@@ -29,7 +27,4 @@ class FitGaps {
     std::vector<std::size_t> around; ///< samples that nodes of gaps lead, and that count
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -6,8 +6,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -110,5 +109,4 @@ double MoveTowards(const FitSamples &samples, std::size_t first, const std::vect
     return (pose.position - before).colwise().norm().maxCoeff();
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

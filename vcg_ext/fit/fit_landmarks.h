@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_LANDMARKS_H
-#define VCG_FCD_FIT_LANDMARKS_H
+#pragma once
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -8,8 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The place nearest to \p x that is no farther from \p place than that.
 Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x);
@@ -27,7 +25,4 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
 double MoveTowards(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                    const std::vector<char> &isFree, GraphPose &pose);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -163,5 +162,4 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     DrawBack(pull);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

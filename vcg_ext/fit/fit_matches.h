@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_MATCHES_H
-#define VCG_FCD_FIT_MATCHES_H
+#pragma once
 
 #include <vcg_ext/fit/fit_samples.h>
 #include <vcg_ext/fit/fit_system.h>
@@ -10,8 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Which matches of samples and target count, frame units.
 struct MatchParam {
@@ -81,7 +79,4 @@ class FitMatches {
 /// A part of a list, as if it were sorted; 0 of none.
 double Quantile(std::vector<double> values, double part);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -5,8 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Index node) {
     GraphMapping::Influences influences;
@@ -128,5 +127,4 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
     return sum;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

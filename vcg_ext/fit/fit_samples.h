@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_SAMPLES_H
-#define VCG_FCD_FIT_SAMPLES_H
+#pragma once
 
 #include <vcg_ext/deformer.h>
 
@@ -9,8 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Where in a pose some nodes of a surface are, and how that depends on the nodes of its deformation graph, in the
 /// frame: x = fixed + sum_k weight_k (R_k lever_k + c'_k). It is the mapping of GraphMapping, in which R(p) is a sum,
@@ -47,7 +45,4 @@ std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
                                             const std::vector<Index> &node);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -9,8 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 double AcrossALine(const std::vector<Eigen::Vector3d> &points) {
     if (points.size() < 3)
@@ -174,5 +173,4 @@ FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTa
     return placement;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

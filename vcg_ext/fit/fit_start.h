@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_START_H
-#define VCG_FCD_FIT_START_H
+#pragma once
 
 #include <vcg_ext/fit/fit_target.h>
 
@@ -8,8 +7,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How far points are from lying on a line: their extent across over that along it, root mean squares, 0 to 1. 0 for
 /// fewer than three.
@@ -41,7 +39,4 @@ struct FitPlacement {
 };
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

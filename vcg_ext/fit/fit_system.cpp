@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
                      double smoothness)
@@ -227,5 +226,4 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, 
     return step;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_SYSTEM_H
-#define VCG_FCD_FIT_SYSTEM_H
+#pragma once
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -9,8 +8,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The Gauss-Newton step of a fit: turns w_k and shifts d_k of the free nodes of a deformation graph that minimise
 /// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose, where m_s is a quadratic form.
@@ -65,7 +63,4 @@ class FitSystem {
     bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

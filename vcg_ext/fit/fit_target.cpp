@@ -9,8 +9,7 @@
 #include <cstdint>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 Eigen::Matrix3d Moments::Axes() const {
     const Eigen::Vector3d middle = Middle();
@@ -262,5 +261,4 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     return match;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FIT_TARGET_H
-#define VCG_FCD_FIT_TARGET_H
+#pragma once
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
@@ -14,8 +13,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Middle and principal axes of what is spread in space.
 class Moments {
@@ -94,7 +92,4 @@ class FitTarget {
     Moments moments;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -147,5 +146,4 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ONE_SIDED_H
-#define VCG_FCD_ONE_SIDED_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
@@ -8,8 +7,7 @@
 #include <array>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A triangle of nodes.
 using Corners = std::array<Index, 3>;
@@ -21,7 +19,4 @@ using Corners = std::array<Index, 3>;
 /// \param position 3 x nodes \param triangle of three different nodes each
 void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

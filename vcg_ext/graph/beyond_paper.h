@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_BEYOND_PAPER_H
-#define VCG_FCD_BEYOND_PAPER_H
+#pragma once
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Weights w_ij of the deformation graph's edges.
 enum class GraphWeights {
@@ -36,7 +34,4 @@ struct BeyondPaper {
     }
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

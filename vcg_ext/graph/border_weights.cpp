@@ -7,9 +7,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 double CotangentWeight(const Graph &g, Index u, Index v) {
     const Csr::Row a = g.adjacency[u], b = g.adjacency[v];
@@ -109,6 +107,4 @@ void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::v
         }
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_BORDER_WEIGHTS_H
-#define VCG_FCD_BORDER_WEIGHTS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/graph/deformation_graph.h>
@@ -11,9 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The weight of an edge of a triangulated surface in the discrete Laplacian: half the sum of the two cotangents
 /// opposite to it (Pinkall and Polthier 1993), 0 where that is negative: the rotations of ARAP and its energy need
@@ -69,8 +66,4 @@ void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::v
 /// Gives a graph of k patches, of which positions and held flags are known, its edges and their weights.
 void WeighBorders(const Quotient<Flux> &dual, GraphWeights weights, const ShapeConstants &shape, DeformationGraph &d);
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -7,8 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -80,5 +79,4 @@ CoarseGraph Coarsen(const DeformationGraph &fine, const std::vector<double> &are
     return coarse;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

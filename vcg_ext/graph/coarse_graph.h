@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_COARSE_GRAPH_H
-#define VCG_FCD_COARSE_GRAPH_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A deformation graph whose patches are groups of those of a finer one.
 struct CoarseGraph {
@@ -24,7 +22,4 @@ struct CoarseGraph {
 CoarseGraph Coarsen(const DeformationGraph &fine, const std::vector<double> &area, const std::vector<bool> &constrained,
                     GraphWeights weights, const ShapeConstants &shape = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -8,8 +8,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 
@@ -143,5 +142,4 @@ void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

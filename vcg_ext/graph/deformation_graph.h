@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DEFORMATION_GRAPH_H
-#define VCG_FCD_DEFORMATION_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/graph/beyond_paper.h>
@@ -11,8 +10,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The deformation graph: the dual graph of the patches, a node at each patch's centre (paper, sec. 2.1).
 struct DeformationGraph {
@@ -41,7 +39,4 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
 void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches &patches,
                     const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

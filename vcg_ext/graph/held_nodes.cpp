@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
                     const Progress &progress) {
@@ -185,5 +184,4 @@ void OpenSmallParts(const Graph &surface, const std::vector<Index> &tag, const S
 }
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

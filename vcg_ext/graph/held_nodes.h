@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_HELD_NODES_H
-#define VCG_FCD_HELD_NODES_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -16,8 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Which nodes of a surface are held, and which of them alone. Follows from the tags and the places of point handles.
 struct HeldNodes {
@@ -112,7 +110,4 @@ void OpenSmallParts(const Graph &surface, const std::vector<Index> &tag, const S
                     const Progress &progress);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_NODE_CONSTRAINTS_H
-#define VCG_FCD_NODE_CONSTRAINTS_H
+#pragma once
 
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What holds the nodes of a deformation graph of k nodes, and how they move.
 struct NodeConstraints {
@@ -16,7 +14,4 @@ struct NodeConstraints {
     std::vector<Eigen::Affine3d> motion; ///< k, of constrained nodes, frame units
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace vcg {
-namespace fcd {
-namespace detail {} // namespace detail
+namespace vcg::fcd {
 
 std::string ReadFile(const std::string &path, std::size_t most) {
     std::error_code ignored;
@@ -28,18 +26,6 @@ std::string ReadFile(const std::string &path, std::size_t most) {
         throw BadInput("Cannot read '" + path + "'.");
     return text;
 }
-
-namespace detail {
-
-void WriteFile(const std::string &path, const std::string &text) {
-    std::ofstream file(path, std::ios::binary);
-    file.write(text.data(), std::streamsize(text.size()));
-    file.close();
-    if (!file)
-        throw BadInput("Cannot write '" + path + "'.");
-}
-
-} // namespace detail
 
 std::vector<int> ReadTagText(const std::string &text, const std::string &name) {
     detail::WordReader reader(text, name);
@@ -76,38 +62,18 @@ std::vector<Eigen::Matrix4d> ReadTransformFile(const std::string &path, std::siz
 std::vector<PointPair> ReadPointHandleText(const std::string &text, const std::string &name) {
     detail::WordReader reader(text, name, ",;");
     std::vector<PointPair> pairs;
-    bool first = true;
-    do {
+    for (std::vector<double> number; reader.NextRow(number);) {
         PointPair pair;
-        double number[6];
-        int count = 0;
-        bool title = false;
-        for (; reader.NextInLine(); ++count) {
-            if (count == 0) {
-                title = first && !reader.LooksLikeNumber();
-                first = false;
-                reader.Read(pair.vertex);
-            }
-            if (!title && reader.Separators() > (count == 0 ? 0u : 1u))
-                reader.Fail("expected a number between the separators; one is missing");
-            if (!title && count < 6)
-                number[count] = reader.As<double>("a number");
-        }
-        if (count == 0 || title)
-            continue;
-        if (count != 4 && count != 6)
-            reader.Fail("found " + std::to_string(count) +
+        if (number.size() != 4 && number.size() != 6)
+            reader.Fail("found " + std::to_string(number.size()) +
                         " numbers; expected 4 (vertex and target) or 6 (start and target), with a point for decimals");
-        if (count == 4) {
-            if (pair.vertex < 0 || double(pair.vertex) != number[0])
-                reader.Fail("expected the number of a vertex (0 or more) as the first of 4 numbers");
-        } else {
-            pair.vertex = -1;
+        if (number.size() == 6)
             pair.start << number[0], number[1], number[2];
-        }
-        pair.target << number[count - 3], number[count - 2], number[count - 1];
+        else if ((pair.vertex = reader.IndexOfRow()) < 0)
+            reader.Fail("expected the number of a vertex (0 or more) as the first of 4 numbers");
+        pair.target = Eigen::Map<const Eigen::Vector3d>(number.data() + number.size() - 3);
         pairs.push_back(pair);
-    } while (reader.NextLine());
+    }
     if (pairs.empty())
         reader.Fail("the file holds no points; expected a line with start and target for each");
     return pairs;
@@ -134,11 +100,4 @@ std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix) {
     return text;
 }
 
-void WriteTagFile(const std::string &path, const std::vector<int> &tag) { detail::WriteFile(path, TagText(tag)); }
-
-void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix) {
-    detail::WriteFile(path, TransformText(matrix));
-}
-
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_HANDLE_FILE_H
-#define VCG_FCD_HANDLE_FILE_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 
@@ -8,17 +7,10 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
+
 /// The bytes of a file. \param most how many there may be; of a larger file no more are read \throw BadInput naming it
 std::string ReadFile(const std::string &path, std::size_t most = std::string::npos);
-
-namespace detail {
-
-/// Writes \p text to a file, over what is there. \throw BadInput naming it
-void WriteFile(const std::string &path, const std::string &text);
-
-} // namespace detail
 
 /// Reads the text of a `.sel` file: one tag per vertex in vertex order (0 fixed, 1 free, >= 2 handle, negative =
 /// outside), whitespace or line breaks between them, comments from '#' to the end of the line. \param name what
@@ -57,13 +49,4 @@ std::string TagText(const std::vector<int> &tag);
 /// What ReadTransformText reads, to the bit.
 std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix);
 
-/// Writes what ReadTagFile reads. \throw BadInput
-void WriteTagFile(const std::string &path, const std::vector<int> &tag);
-
-/// Writes what ReadTransformFile reads, to the bit. \throw BadInput
-void WriteTransformFile(const std::string &path, const std::vector<Eigen::Matrix4d> &matrix);
-
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -9,8 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -198,5 +197,4 @@ TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned th
     return count;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_HANDLES_H
-#define VCG_FCD_HANDLES_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
@@ -11,8 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// An affine motion, and the way there: any percentage of it.
 struct Motion {
@@ -89,7 +87,4 @@ void ExpectTags(const std::vector<int> &tag, std::size_t slots);
 /// \param tag one per vertex slot \param deleted flags of slots that do not count; null: none
 TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned threads = 0);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

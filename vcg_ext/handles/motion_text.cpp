@@ -7,8 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -223,5 +222,4 @@ Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &bar
     return Motion(motion.matrix(), degrees * radian * axis, pivot);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

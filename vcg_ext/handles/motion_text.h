@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MOTION_TEXT_H
-#define VCG_FCD_MOTION_TEXT_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 
@@ -9,8 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// One step of a motion. World units.
 struct MotionStep {
@@ -19,32 +17,15 @@ struct MotionStep {
     Kind kind = Translation;
     Eigen::Vector3d vector = Eigen::Vector3d::Zero(); ///< translation; axis, any length but 0; or factors, > 0
     double degrees = 0;                               ///< Rotation: any angle, counterclockwise seen against the axis
-    std::optional<Eigen::Vector3d> about; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
+    std::optional<Eigen::Vector3d> about =
+        {}; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< Matrix: affine
 
-    static MotionStep Translate(const Eigen::Vector3d &by) {
-        MotionStep step;
-        step.vector = by;
-        return step;
-    }
-    static MotionStep Rotate(const Eigen::Vector3d &axis, double degrees) {
-        MotionStep step;
-        step.kind = Rotation;
-        step.vector = axis;
-        step.degrees = degrees;
-        return step;
-    }
-    static MotionStep Scale(const Eigen::Vector3d &factors) {
-        MotionStep step;
-        step.kind = Scaling;
-        step.vector = factors;
-        return step;
-    }
+    static MotionStep Translate(const Eigen::Vector3d &by) { return {Translation, by}; }
+    static MotionStep Rotate(const Eigen::Vector3d &axis, double degrees) { return {Rotation, axis, degrees}; }
+    static MotionStep Scale(const Eigen::Vector3d &factors) { return {Scaling, factors}; }
     static MotionStep Affine(const Eigen::Matrix4d &matrix) {
-        MotionStep step;
-        step.kind = Matrix;
-        step.matrix = matrix;
-        return step;
+        return {Matrix, Eigen::Vector3d::Zero(), 0, std::nullopt, matrix};
     }
 };
 
@@ -78,7 +59,4 @@ std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion
 /// that axis; else it takes the shortest way. \throw BadInput when the motion is not finite, mirrors or flattens
 Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &barycenter);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -10,8 +10,7 @@
 #include <limits>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -277,5 +276,4 @@ void FramedLine::TurnTo(double s, const Eigen::Vector3d &across) {
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FRAMED_LINE_H
-#define VCG_FCD_FRAMED_LINE_H
+#pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The most that a line is smoothed over, of its length.
 constexpr double mostSmoothing = 0.25;
@@ -55,7 +53,4 @@ class FramedLine {
     std::vector<Eigen::Vector3d> up; // the first direction across
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

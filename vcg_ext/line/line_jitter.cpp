@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -192,5 +191,4 @@ SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness) {
     return steady;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

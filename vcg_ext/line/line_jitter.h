@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LINE_JITTER_H
-#define VCG_FCD_LINE_JITTER_H
+#pragma once
 
 #include <Eigen/Core>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Points of a line without the jitter that picked or measured ones have.
 struct SteadyPoints {
@@ -23,7 +21,4 @@ struct SteadyPoints {
 /// the body is from the line, units of the points, > 0
 SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

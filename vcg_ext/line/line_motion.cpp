@@ -10,8 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 LineMotion::LineMotion(FramedLine from, FramedLine to, double length)
     : from(std::move(from)), to(std::move(to)), length(length) {
@@ -107,5 +106,4 @@ LineMotion MotionTo(const LineGoal &goal) {
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LINE_MOTION_H
-#define VCG_FCD_LINE_MOTION_H
+#pragma once
 
 #include <vcg_ext/line/framed_line.h>
 
 #include <Eigen/Core>
 #include <functional>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The motion of space along a line to another one: each cross-section, at right angles to the line, goes rigidly from
 /// the frame of its place to that of the place on the other line; beyond the ends all goes with the last one.
@@ -80,7 +78,4 @@ struct LineGoal {
 /// \throw BadInput what is wrong with one of the lines, naming the target as such
 LineMotion MotionTo(const LineGoal &goal);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <map>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std::string &name) {
     for (std::array<Index, 2> &each : edge)
@@ -52,29 +51,15 @@ std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std
 Eigen::Matrix3Xd ReadLineText(const std::string &text, const std::string &name) {
     detail::WordReader reader(text, name, ",;");
     std::vector<double> number;
-    bool first = true;
-    do {
-        bool title = false;
-        int count = 0;
-        for (; reader.NextInLine(); ++count) {
-            if (count == 0) {
-                title = first && !reader.LooksLikeNumber();
-                first = false;
-            }
-            if (title)
-                continue;
-            if (reader.Separators() > (count == 0 ? 0u : 1u))
-                reader.Fail("expected a number between the separators; one is missing");
-            number.push_back(reader.As<double>("a number"));
-        }
-        if (count != 0 && count != 3 && !title)
-            reader.Fail("found " + std::to_string(count) +
+    for (std::vector<double> row; reader.NextRow(row);) {
+        if (row.size() != 3)
+            reader.Fail("found " + std::to_string(row.size()) +
                         " numbers; expected the x, y and z of a point, with a point for decimals");
-    } while (reader.NextLine());
+        number.insert(number.end(), row.begin(), row.end());
+    }
     if (number.empty())
         reader.Fail("the file holds no points; expected a line with x, y and z for each");
     return Eigen::Map<const Eigen::Matrix3Xd>(number.data(), 3, Eigen::Index(number.size() / 3));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

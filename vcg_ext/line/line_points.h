@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LINE_POINTS_H
-#define VCG_FCD_LINE_POINTS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
@@ -12,8 +11,7 @@
 /// \file
 /// Where the points of a line come from.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The vertices of the one path that edges form, in its order; it begins at the end with the smaller number.
 /// \param edge pairs of vertices; an edge may be there twice, or the other way round \param name what messages call it
@@ -26,7 +24,4 @@ std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std
 /// \throw BadInput a line that is not of this kind, or none at all, with name and line
 Eigen::Matrix3Xd ReadLineText(const std::string &text, const std::string &name);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

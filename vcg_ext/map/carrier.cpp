@@ -2,8 +2,7 @@
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/map/carrier.h>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -173,5 +172,4 @@ Eigen::Vector3d Carrier::Followed(const LooseFollowing::Vertex &vertex, const Ei
     return way.isZero(0) ? p : p + way;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CARRIER_H
-#define VCG_FCD_CARRIER_H
+#pragma once
 
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/map/moving_surface.h>
@@ -12,8 +11,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Where a pose takes the vertices of a surface, and points beside them. Refers to surface and pose.
 class Carrier {
@@ -163,7 +161,4 @@ class Carrier {
     const bool moves;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

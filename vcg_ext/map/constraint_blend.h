@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CONSTRAINT_BLEND_H
-#define VCG_FCD_CONSTRAINT_BLEND_H
+#pragma once
 
-#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/patches/patch_sampling.h>
 #include <vcg_ext/shape_constants.h>
 
@@ -15,8 +15,7 @@
 #include <numeric>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Where the blend of the nodes' motions runs over into the motions of held regions: the free nodes of the surface near
 /// them.
@@ -100,7 +99,7 @@ class ConstraintBlend {
                                   spread.Begin(border[b].node, Index(t));
                           found[range] = spread.Go(spreading);
                       });
-        ListByNode(found);
+        ListByNode(found, progress.Slice(0.9, 1));
     }
 
     /// Finds the free nodes near held regions: the distance to the nearest border node of each region, handed on from
@@ -121,6 +120,7 @@ class ConstraintBlend {
                 for (std::size_t i = 0; i < queue[c].size(); ++i) {
                     if (i % 4096 == 0)
                         progress(double(c) / double(classes), stage);
+                    LookAhead(queue[c], i);
                     const Offered o = queue[c][i];
                     const Kept *kept = KeptOf(o.node);
                     while (kept < KeptOf(o.node + 1) && kept->held != o.held)
@@ -155,9 +155,23 @@ class ConstraintBlend {
             float distance;
             Index node, source, held;
         };
-        static constexpr std::size_t classes =
-            256; // of distance; a node may be visited again when a nearer source turns up
+        static constexpr std::size_t classes = 256; // of distance; a nearer source may turn up within one
 
+        /// Offers that follow each other are far apart in memory: begins to read what the next ones need.
+        void LookAhead(const std::vector<Offered> &offers, std::size_t i) {
+            if (i + 16 < offers.size()) {
+                Prefetch(&surface.adjacency.begin[offers[i + 16].node]);
+                Prefetch(KeptOf(offers[i + 16].node));
+            }
+            if (i + 8 < offers.size())
+                Prefetch(surface.adjacency[offers[i + 8].node].first);
+            if (i + 4 < offers.size())
+                for (Index v : surface.adjacency[offers[i + 4].node]) {
+                    Prefetch(&blend.tag[v]);
+                    Prefetch(KeptOf(v));
+                    Prefetch(surface.position.col(v).data());
+                }
+        }
         Kept *KeptOf(Index u) { return best.data() + std::size_t(u) * room; }
 
         float WidthAt(Index u) const {
@@ -202,7 +216,7 @@ class ConstraintBlend {
         std::vector<Index> touched;
     };
 
-    void ListByNode(const std::vector<std::vector<Found>> &found) {
+    void ListByNode(const std::vector<std::vector<Found>> &found, const Progress &progress) {
         std::vector<std::size_t> all(std::size_t(surface.Size()) + 1, 0);
         for (const std::vector<Found> &some : found)
             for (const Found &f : some)
@@ -231,11 +245,16 @@ class ConstraintBlend {
                     continue;
                 const float away = std::max(1e-4f, ofNode[i].distance),
                             along = std::max(1e-4f, ofNode[i].distance / limit);
-                const double s = Falloff(along);
-                held.push_back({ofNode[i].held, away, float(s / (1 - s)), Eigen::Vector3f::Zero()});
+                held.push_back({ofNode[i].held, away, along, Eigen::Vector3f::Zero()});
             }
             begin.push_back(held.size());
         }
+        ParallelFor(progress, stage, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t h = first; h < last; ++h) {
+                const double s = Falloff(double(held[h].share));
+                held[h].share = float(s / (1 - s));
+            }
+        });
     }
 
     /// The way from the border for each entry of held: straight into the free surface, as the held patches nearby see
@@ -258,8 +277,7 @@ class ConstraintBlend {
             return;
         const auto tree = TreeOf(graph.graph.position, border);
         const float reach = float(2 * fade);
-        std::vector<std::vector<Index>> nearby(
-            k); // of each free patch: the nodes of held patches that its vertices may see
+        std::vector<std::vector<Index>> nearby(k); // of each free patch, held ones that its vertices may see
         const auto isBefore = [&](Index a, Index b) {
             return patches.tag[a] != patches.tag[b] ? patches.tag[a] < patches.tag[b] : a < b;
         };
@@ -273,24 +291,49 @@ class ConstraintBlend {
                 nearby[j].push_back(border[std::size_t(i)]);
             std::sort(nearby[j].begin(), nearby[j].end(), isBefore);
         }
+        // So many at a time that see the same patches, for vectors of numbers.
+        constexpr std::size_t lanes = 8;
+        struct Seen {
+            std::uint64_t view; // patch and tag
+            Index node;
+            std::size_t entry; // of held
+            bool operator<(const Seen &o) const { return view != o.view ? view < o.view : entry < o.entry; }
+        };
         ParallelFor(progress, stage, surface.Size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+            std::vector<Seen> seen;
             for (std::size_t u = first; u < last; ++u)
-                for (std::size_t h = begin[u]; h < begin[u + 1]; ++h) {
-                    const Eigen::Vector3f x = surface.position.col(Eigen::Index(u));
-                    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-                    const std::vector<Index> &near = nearby[patches.patchOf[u]];
-                    const Index its = heldTag[held[h].index];
-                    auto r = std::lower_bound(near.begin(), near.end(), its,
-                                              [&](Index other, Index tag) { return patches.tag[other] < tag; });
-                    for (; r != near.end() && patches.tag[*r] == its; ++r) {
-                        const float t = 1 - (graph.graph.position.col(*r) - x).squaredNorm() / (reach * reach);
-                        if (t > 0)
-                            sum += t * t * inward.col(*r);
+                for (std::size_t h = begin[u]; h < begin[u + 1]; ++h)
+                    seen.push_back(
+                        {std::uint64_t(patches.patchOf[u]) << 32 | std::uint32_t(heldTag[held[h].index]), Index(u), h});
+            std::sort(seen.begin(), seen.end());
+            for (std::size_t a = 0, b; a < seen.size(); a = b) {
+                for (b = a + 1; b < std::min(seen.size(), a + lanes) && seen[b].view == seen[a].view;)
+                    ++b;
+                const auto its = Index(std::uint32_t(seen[a].view));
+                float x[3][lanes], sum[3][lanes] = {};
+                for (std::size_t l = 0; l < lanes; ++l)
+                    for (int d = 0; d < 3; ++d)
+                        x[d][l] = surface.position(d, seen[std::min(a + l, b - 1)].node);
+                const std::vector<Index> &near = nearby[seen[a].view >> 32];
+                auto r = std::lower_bound(near.begin(), near.end(), its,
+                                          [&](Index other, Index tag) { return patches.tag[other] < tag; });
+                for (; r != near.end() && patches.tag[*r] == its; ++r) {
+                    const Eigen::Vector3f center = graph.graph.position.col(*r), in = inward.col(*r);
+                    for (std::size_t l = 0; l < lanes; ++l) {
+                        const float dx = center[0] - x[0][l], dy = center[1] - x[1][l], dz = center[2] - x[2][l];
+                        const float t = 1 - (dx * dx + (dy * dy + dz * dz)) / (reach * reach), w = t > 0 ? t * t : 0;
+                        sum[0][l] += w * in[0];
+                        sum[1][l] += w * in[1];
+                        sum[2][l] += w * in[2];
                     }
-                    const float length = sum.norm();
-                    if (length > 0)
-                        held[h].away = sum * (held[h].distance * float(fade) / length);
                 }
+                for (std::size_t l = 0; l < b - a; ++l) {
+                    const Eigen::Vector3f all(sum[0][l], sum[1][l], sum[2][l]);
+                    Held &each = held[seen[a + l].entry];
+                    if (const float length = all.norm(); length > 0)
+                        each.away = all * (each.distance * float(fade) / length);
+                }
+            }
         });
     }
 
@@ -303,7 +346,4 @@ class ConstraintBlend {
     const ShapeConstants shape;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

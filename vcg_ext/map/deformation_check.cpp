@@ -7,9 +7,7 @@
 #include <algorithm>
 #include <atomic>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matrix4d> &motion) {
     const bool fixed = std::find(tag.begin(), tag.end(), 0) != tag.end();
@@ -97,6 +95,4 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
     return folded;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

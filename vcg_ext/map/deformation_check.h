@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DEFORMATION_CHECK_H
-#define VCG_FCD_DEFORMATION_CHECK_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/moving_surface.h>
 
 #include <map>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What in a deformation is probably not meant.
 struct DeformationCheck {
@@ -41,7 +39,4 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
                    const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 
@@ -256,5 +255,4 @@ void GraphMapping::Posed::SetTerms(Index patch, const GraphPose &pose) {
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_MAPPING_H
-#define VCG_FCD_GRAPH_MAPPING_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/map/mapping_kernel.h>
@@ -16,8 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 class MappingCandidates;
 class ConstraintBlend;
@@ -133,7 +131,4 @@ class GraphMapping {
     const std::unique_ptr<const ConstraintBlend> constraintBlend;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MAPPING_CANDIDATES_H
-#define VCG_FCD_MAPPING_CANDIDATES_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/map/mapping_kernel.h>
@@ -16,8 +15,7 @@
 #include <map>
 #include <tuple>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The nodes that may influence each free patch, and the balls in which their weights fall to zero.
 class MappingCandidates {
@@ -331,7 +329,4 @@ class MappingCandidates {
     std::vector<float> reach;                     ///< of each node's ball
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -2,9 +2,7 @@
 #include <vcg_ext/map/mapping_kernel.h>
 #include <vcg_ext/map/mapping_kernel_variants.h>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 #if defined(__GNUC__) && defined(__x86_64__)
 inline bool IsWide() {
@@ -29,6 +27,4 @@ void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool l
 void TurnNormals(Vertices &v) { FCD_DISPATCH(TurnNormals(v)); }
 #undef FCD_DISPATCH
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MAPPING_KERNEL_H
-#define VCG_FCD_MAPPING_KERNEL_H
+#pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 
@@ -117,7 +115,4 @@ void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool l
 void TurnNormals(Vertices &v);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MAPPING_KERNEL_VARIANTS_H
-#define VCG_FCD_MAPPING_KERNEL_VARIANTS_H
+#pragma once
 
 #include <vcg_ext/map/mapping_kernel.h>
 
@@ -11,9 +10,7 @@
 /// The innermost loops of the mapping, over a few vertices of one patch at a time, compiled for each kind of processor.
 /// All of them give the same bits: each vertex sees the same operations in the same order, none of them fused.
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 #define FCD_TARGET
 namespace plain {
@@ -35,8 +32,4 @@ using Numbers = float __attribute__((vector_size(32)));
 #undef FCD_TARGET
 #endif
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MAPPING_WEIGHTS_H
-#define VCG_FCD_MAPPING_WEIGHTS_H
+#pragma once
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What a node of the deformation graph may influence.
 enum class MappingWeights {
@@ -12,7 +10,4 @@ enum class MappingWeights {
     Euclidean ///< whatever is inside the ball (the paper's)
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

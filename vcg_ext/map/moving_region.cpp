@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/map/moving_region.h>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress &progress) {
     const char *stage = "Preparing the mapping";
@@ -50,5 +49,4 @@ void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress
     });
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MOVING_REGION_H
-#define VCG_FCD_MOVING_REGION_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/held_nodes.h>
@@ -16,8 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The way on which a pose was reached.
 struct PoseWay {
@@ -70,7 +68,4 @@ struct MovingRegion {
     void ListVertices(const std::vector<Index> &nodeOf, const Progress &progress);
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

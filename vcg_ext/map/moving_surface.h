@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_MOVING_SURFACE_H
-#define VCG_FCD_MOVING_SURFACE_H
+#pragma once
 
 #include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/surface/loose_parts.h>
@@ -10,8 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// One pose of a surface: that of each of its regions.
 struct SurfacePose {
@@ -79,7 +77,4 @@ struct MovingSurface {
     }
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

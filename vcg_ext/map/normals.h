@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_NORMALS_H
-#define VCG_FCD_NORMALS_H
+#pragma once
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What a map of points does to normals, but for their length; the map may flatten.
 template <class Scalar>
@@ -26,7 +24,4 @@ inline Eigen::Vector3d Turned(const Eigen::Matrix3f &map, const Eigen::Vector3d 
                                             : normal;
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -7,9 +7,7 @@
 #include <limits>
 #include <sstream>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The median distance of positions to the nearest other one; infinite for a single one.
 static float SpacingOf(const PointTree<float> &tree, const Eigen::Matrix3Xf &position) {
@@ -93,6 +91,4 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
     return node;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

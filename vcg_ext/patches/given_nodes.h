@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GIVEN_NODES_H
-#define VCG_FCD_GIVEN_NODES_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 
@@ -20,7 +18,4 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
                                 const std::vector<Index> &nodeTag, const Eigen::Matrix3Xd &centers, Index &placed);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

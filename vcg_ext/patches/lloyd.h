@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LLOYD_H
-#define VCG_FCD_LLOYD_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/graph.h>
@@ -19,8 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 
@@ -245,7 +243,4 @@ struct Lloyd {
 };
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PATCH_CLUSTERS_H
-#define VCG_FCD_PATCH_CLUSTERS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/patches/lloyd.h>
@@ -14,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// What progress reports.
 constexpr const char *samplingStage = "Sampling patches";
@@ -244,8 +241,4 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     return converged ? bits : 0;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PATCH_GROWING_H
-#define VCG_FCD_PATCH_GROWING_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -13,9 +12,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Where a patch grows from, and what distances are measured to.
 struct Center {
@@ -142,8 +139,4 @@ class PatchGrower {
     Index assigned = 0;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -9,8 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -79,5 +78,4 @@ Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std
     return patches;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

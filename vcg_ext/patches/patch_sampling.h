@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PATCH_SAMPLING_H
-#define VCG_FCD_PATCH_SAMPLING_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -8,8 +7,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace detail {
 struct Clusters;
@@ -68,7 +66,4 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
 Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<Index> &center,
                     const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void GraphParam::Validate() const {
     if (!(targetRadius >= 0) || std::isinf(targetRadius))
@@ -43,5 +42,4 @@ Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag
                          kept);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

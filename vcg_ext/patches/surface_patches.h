@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SURFACE_PATCHES_H
-#define VCG_FCD_SURFACE_PATCHES_H
+#pragma once
 
 #include <vcg_ext/patches/patch_sampling.h>
 #include <vcg_ext/surface/surface_graph.h>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// By what the patches are balanced.
 enum class PatchMeasure {
@@ -38,7 +36,4 @@ double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
                       const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -5,8 +5,7 @@
 #include <cstring>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 PackedSurface::PackedSurface(const SurfaceView &surface, unsigned threads) : threads(threads) {
     std::vector<std::uint32_t> number(surface.vertexSlots, SurfaceView::none);
@@ -59,5 +58,4 @@ void PointCacheFile::Add(const PositionsRef &position) {
     at += 12 * std::uint64_t(surface.slot.size());
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FRAME_FILES_H
-#define VCG_FCD_FRAME_FILES_H
+#pragma once
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -8,8 +7,7 @@
 #include <functional>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
 using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
@@ -48,7 +46,4 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
                const std::function<Eigen::Vector3f(std::size_t slot)> &row);
 
 } // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

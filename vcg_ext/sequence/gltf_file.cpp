@@ -9,8 +9,7 @@
 #include <limits>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -220,5 +219,4 @@ void GltfFile::Finish() {
     write(0, json.data(), json.size());
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

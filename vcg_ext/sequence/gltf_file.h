@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GLTF_FILE_H
-#define VCG_FCD_GLTF_FILE_H
+#pragma once
 
 #include <vcg_ext/sequence/frame_files.h>
 
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How the shapes of a mesh (morph targets, shape keys) are mixed in the course of time.
 struct MorphAnimation {
@@ -65,7 +63,4 @@ class GltfFile {
     std::uint64_t bufferBytes = 0;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -9,23 +9,16 @@
 #include <set>
 #include <sstream>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
 const std::array<const char *, 3> easingNames = {"linear", "smooth", "hold"}; // in the order of Easing
 
 /// The rows of a table, as RFC 4180 has them, with comments.
-class TableReader {
+class TableReader : public detail::TextReader {
   public:
-    TableReader(const std::string &text, const std::string &name) : text(text), name(name) {
-        if (text.find('\0') != std::string::npos || text.compare(0, 2, "\xFF\xFE") == 0 ||
-            text.compare(0, 2, "\xFE\xFF") == 0)
-            Fail("expected plain text (ASCII or UTF-8), found another kind of file");
-        if (text.compare(0, 3, "\xEF\xBB\xBF") == 0)
-            at = 3;
-    }
+    using TextReader::TextReader;
 
     /// What stands between cells; the first of these in the text until it is known.
     std::string separators = ",;\t";
@@ -55,10 +48,6 @@ class TableReader {
         if (!detail::ToNumber(cell[i].data(), cell[i].data() + cell[i].size(), value) || !std::isfinite(value))
             Fail("expected " + what + ", found " + detail::Excerpt(cell[i], 0, cell[i].size()));
         return value;
-    }
-
-    [[noreturn]] void Fail(const std::string &what) const {
-        throw BadInput("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
     }
 
   private:
@@ -114,9 +103,7 @@ class TableReader {
 
     bool IsEnd(char c) const { return c == '\n' || c == '\r' || separators.find(c) != std::string::npos; }
 
-    const std::string &text;
-    const std::string name;
-    std::size_t at = 0, line = 1, next = 1;
+    std::size_t next = 1; // the line that comes after the row
 };
 
 SurfaceMark ReadMark(const TableReader &reader, const std::string &text) {
@@ -314,5 +301,4 @@ std::vector<double> FrameTimes(const PoseSequence &sequence, double rate) {
     return time;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_POSE_SEQUENCE_H
-#define VCG_FCD_POSE_SEQUENCE_H
+#pragma once
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -12,8 +11,7 @@
 /// \file
 /// Poses that have names, and how they follow each other in time; as a table that people read and write.
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A pose: how handles move.
 struct NamedPose {
@@ -87,7 +85,4 @@ std::string PoseSequenceText(const PoseSequence &sequence);
 /// frame. \throw BadInput a rate that is not positive, or more than a million frames
 std::vector<double> FrameTimes(const PoseSequence &sequence, double rate);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -10,8 +10,7 @@
 #include <mutex>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -207,5 +206,4 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     return report;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

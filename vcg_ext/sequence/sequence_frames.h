@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SEQUENCE_FRAMES_H
-#define VCG_FCD_SEQUENCE_FRAMES_H
+#pragma once
 
 #include <vcg_ext/sequence/frame_files.h>
 #include <vcg_ext/sequence/pose_sequence.h>
@@ -11,8 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// What a pose sequence is written as, and to whom.
 struct SequenceOutput {
@@ -55,7 +53,4 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
                            const PoseSequence &sequence, const std::vector<std::map<int, Motion>> &motions,
                            const DeformationParam &param, const SequenceOutput &output, const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -4,8 +4,7 @@
 #include <cassert>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world,
                                std::vector<std::map<int, Motion>> pose, const DeformationParam &param)
@@ -60,5 +59,4 @@ const Deformer::Pose &SequenceSolver::Go(const std::vector<double> &weight, cons
     return *last;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

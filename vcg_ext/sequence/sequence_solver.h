@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SEQUENCE_SOLVER_H
-#define VCG_FCD_SEQUENCE_SOLVER_H
+#pragma once
 
 #include <vcg_ext/deformer.h>
 
@@ -8,8 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Poses of a prepared surface, blended by weights; each is solved from the one before.
 class SequenceSolver {
@@ -41,7 +39,4 @@ class SequenceSolver {
     std::vector<double> lastWeight;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

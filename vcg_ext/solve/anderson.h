@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_ANDERSON_H
-#define VCG_FCD_ANDERSON_H
+#pragma once
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cstddef>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Anderson acceleration of a fixed-point iteration (Anderson 1965; for local-global solvers Peng et al. 2018).
 class Anderson {
@@ -61,8 +58,4 @@ class Anderson {
     int steps = 0;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -11,8 +11,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -128,5 +127,4 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     return weight > 0 && coarser > 1 ? std::sqrt(sum / weight) / (coarser - 1) : unknown;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

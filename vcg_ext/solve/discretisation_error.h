@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_DISCRETISATION_ERROR_H
-#define VCG_FCD_DISCRETISATION_ERROR_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -10,8 +9,7 @@
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The error falls with the distance of the nodes to this power: with the square of it where the shape is smooth, and
 /// with the distance itself beside borders and creases; half-way. Nodes lie on a surface, so that the distance goes
@@ -28,7 +26,4 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
                            const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
                            const ShapeConstants &shape = {}, const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_DEFORMER_H
-#define VCG_FCD_GRAPH_DEFORMER_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/solve/anderson.h>
@@ -25,8 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// SR-ARAP on a graph (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6 with the local step corrected: S_i sums
 /// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
@@ -58,11 +56,6 @@ class GraphDeformer {
 
     /// Whether node \p i is in a component with a constrained node.
     bool HasConstraint(Index i) const { return unknown.HasConstraint(i); }
-    Index Components() const { return Index(unknown.hasConstraint.size()); }
-    Index LooseComponents() const {
-        return Index(std::count(unknown.hasConstraint.begin(), unknown.hasConstraint.end(), false));
-    }
-
     /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
     ///        rotation is only where the iteration begins
     /// \param last a pose of this graph to go on from, such as the last one of an animation, so that the shape changes
@@ -335,7 +328,4 @@ class GraphDeformer {
     double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_ENERGY_H
-#define VCG_FCD_GRAPH_ENERGY_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_unknowns.h>
@@ -14,9 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The energy of SR-ARAP on a deformation graph of k nodes (Eq. 2), and what minimises it: the best rotations at given
 /// positions (Eq. 5), and the right side of the linear system for the best positions at given rotations (Eq. 6).
@@ -249,8 +246,4 @@ class GraphEnergy {
     std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_HESSIAN_H
-#define VCG_FCD_GRAPH_HESSIAN_H
+#pragma once
 
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/base/sparse_factor.h>
@@ -12,9 +11,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Gradient and Hessian of the energy, factorised. The unknowns, node after node: how its position moves, and by what
 /// vector its rotation turns further (along the axis, as long as the angle); what is given is left out.
@@ -123,27 +120,27 @@ class GraphHessian {
         }
     }
     double LargestTurn(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            most = std::max(most, step.segment<3>(rotation[i]).norm());
-        return most;
+        return Largest(step, unknown.rotation, rotation, [](Index) { return true; });
     }
     /// Of nodes whose position is given.
     double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            if (unknown.constrained[i])
-                most = std::max(most, step.segment<3>(rotation[i]).norm());
-        return most;
+        return Largest(step, unknown.rotation, rotation, [&](Index i) { return unknown.constrained[i] != 0; });
     }
     double LargestMove(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.position)
-            most = std::max(most, step.segment<3>(position[i]).norm());
-        return most;
+        return Largest(step, unknown.position, position, [](Index) { return true; });
     }
 
   private:
+    template <class Counts>
+    static double Largest(const Eigen::VectorXd &step, const std::vector<Index> &node, const std::vector<Index> &at,
+                          const Counts &counts) {
+        double most = 0;
+        for (Index i : node)
+            if (counts(i))
+                most = std::max(most, step.segment<3>(at[i]).norm());
+        return most;
+    }
+
     const GraphUnknowns &unknown;
     std::vector<Index> position, rotation; // k, where those of a node begin; -1 where they are given
     Index size = 0;
@@ -153,8 +150,4 @@ class GraphHessian {
     SparseFactor factor;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

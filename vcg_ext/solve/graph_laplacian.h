@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_LAPLACIAN_H
-#define VCG_FCD_GRAPH_LAPLACIAN_H
+#pragma once
 
 #include <vcg_ext/base/sparse_factor.h>
 #include <vcg_ext/graph/deformation_graph.h>
@@ -13,9 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// The Laplacian and the bi-Laplacian of a deformation graph of k nodes, n of whose positions are unknown. They are
 /// factorised at construction, and solved as often as wanted. Constrained nodes are eliminated rows and columns.
@@ -147,8 +144,4 @@ class GraphLaplacian {
     SparseFactor biharmonic;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_NEWTON_H
-#define VCG_FCD_GRAPH_NEWTON_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/progress.h>
@@ -12,9 +11,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Newton's method on the energy of a graph at what a pose gives.
 class GraphNewton {
@@ -101,8 +98,4 @@ class GraphNewton {
     double mass = 0; // what turns of all nodes move
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

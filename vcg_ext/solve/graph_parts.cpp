@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph, const std::vector<bool> &constrained) {
     const Index k = graph.Size();
@@ -160,5 +159,4 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
     return pose;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_PARTS_H
-#define VCG_FCD_GRAPH_PARTS_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -11,8 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The parts of \p graph that its held nodes separate: the nodes of each, ascending, held ones beside several parts in
 /// each of them. Parts without a constrained node are left out.
@@ -46,7 +44,4 @@ class PartsDeformer {
     std::vector<std::unique_ptr<Part>> parts;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -4,8 +4,7 @@
 #include <Eigen/LU>
 #include <cstdint>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose, double openness) {
     for (Index i = 0; i < graph.Size(); ++i) {
@@ -48,5 +47,4 @@ void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose
     }
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_POSE_H
-#define VCG_FCD_GRAPH_POSE_H
+#pragma once
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
@@ -8,8 +7,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Where each node of a deformation graph went: x -> linear * (x - rest) + position.
 struct GraphPose {
@@ -38,7 +36,4 @@ void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, Gr
 /// \param smooth alpha A, frame units^2
 void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

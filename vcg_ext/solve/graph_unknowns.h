@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_GRAPH_UNKNOWNS_H
-#define VCG_FCD_GRAPH_UNKNOWNS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Which positions and rotations of a graph's k nodes are unknown. A component without a constrained node has none.
 struct GraphUnknowns {
@@ -47,8 +44,4 @@ struct GraphUnknowns {
     bool IsRotationGiven(Index i) const { return constrained[i] && !compliant[i]; }
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 int PatchesFor(int patches, double error, int most, double gain) {
     const double usual = GraphParam().Patches();
@@ -22,5 +21,4 @@ int PatchesFor(int patches, double error, int most, double gain) {
     return int(std::min(double(most), std::max(double(fewPatches), wanted)));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

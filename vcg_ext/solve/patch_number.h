@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_PATCH_NUMBER_H
-#define VCG_FCD_PATCH_NUMBER_H
+#pragma once
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// So many patches are made roughly, to tell how many are wanted; that is no fewer. With a quarter of them, a limb has
 /// hardly a node, and the estimate means little.
@@ -32,7 +30,4 @@ constexpr double leastGain = 4.2e-6;
 /// \return from fewPatches to \p most, or \p most where that is less
 int PatchesFor(int patches, double error, int most = mostPatches, double gain = leastGain);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

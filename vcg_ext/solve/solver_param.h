@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SOLVER_PARAM_H
-#define VCG_FCD_SOLVER_PARAM_H
+#pragma once
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How the graph is deformed (paper, sec. 2.2).
 struct SolverParam {
@@ -25,7 +23,4 @@ struct SolverParam {
     }
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -7,9 +7,7 @@
 #include <queue>
 #include <tuple>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 Eigen::Matrix3Xd NodesOf(const RegionDeformer &deformer, const ToWorld &toWorld) {
     Eigen::Matrix3Xd position(3, deformer.graph.Size());
@@ -101,6 +99,4 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeforme
     return samples;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

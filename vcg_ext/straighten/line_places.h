@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LINE_PLACES_H
-#define VCG_FCD_LINE_PLACES_H
+#pragma once
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/line/framed_line.h>
@@ -11,9 +10,7 @@
 /// \file
 /// Where along a line the places of a surface are.
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// From the frame of a surface to the world, which differ by a scale and a shift.
 struct ToWorld {
@@ -53,8 +50,4 @@ struct LineSample {
 std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                                      const std::vector<double> &place, Index count, const Progress &progress);
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -8,9 +8,7 @@
 #include <complex>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 namespace {
 
@@ -281,6 +279,4 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
     };
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LINE_SECTIONS_H
-#define VCG_FCD_LINE_SECTIONS_H
+#pragma once
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/line/line_motion.h>
@@ -8,9 +7,7 @@
 /// \file
 /// What the cross-sections of a surface along a line tell.
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Points of the line through the middles of the cross-sections along \p line, as long as it. \param world the matrix
 /// of the layer \param line in the world, on the surface, in it or beside it \return 3 x n, in the world \throw
@@ -32,8 +29,4 @@ double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world
 /// middle is. \throw BadInput where the cross-sections are so round that they have none
 LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CANDIDATES_BESIDE_H
-#define VCG_FCD_CANDIDATES_BESIDE_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -15,9 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// body(number) for the cell of \p x in a grid of \p cells a unit, and for those nearer than \p hair, which is at most
 /// a cell's width. In the frame, no two cells have the same number.
@@ -187,8 +184,4 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
     return beside;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CLOUD_NEIGHBOURHOOD_H
-#define VCG_FCD_CLOUD_NEIGHBOURHOOD_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/nearest_others.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/symmetric_eigen.h>
 
 #include <Eigen/Core>
@@ -14,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// How many neighbours a point has: twice a triangulation's six, so that those of the Delaunay triangulation are among
 /// them where one direction is sampled two or three times as densely as the other.
@@ -34,7 +31,7 @@ class CloudNeighbourhood {
     /// the nearest 4 a, and there are enough of them on all sides among 6 a: lines up to 30 times as dense.
     static constexpr std::size_t most = 192;
 
-    explicit CloudNeighbourhood(const PointBlocks<Scalar> &points)
+    explicit CloudNeighbourhood(const PointTree<Scalar> &points)
         : points(points), others(points.Size() - 1), inBlock(points), alone(points) {}
 
     /// \param place of a point in the order of the blocks; one after the other is fastest
@@ -141,12 +138,12 @@ class CloudNeighbourhood {
         }
         around.resize(nearest.Each());
         ways.resize(nearest.Each());
-        const typename PointBlocks<Scalar>::Point x = points.At(at);
+        const typename PointTree<Scalar>::Point x = points.At(at);
         const auto *each = nearest.Of(at);
         for (std::size_t k = 0; k < ways.size(); ++k, ++each) {
             const Eigen::Vector3d way = (points.At(std::size_t(each->at)) - x).template cast<double>();
-            around[k] = each->number;
-            ways[k] = {way.squaredNorm(), each->number, way};
+            around[k] = each->point;
+            ways[k] = {way.squaredNorm(), each->point, way};
         }
     }
 
@@ -231,7 +228,7 @@ class CloudNeighbourhood {
             neighbour.push_back(ways[rank[k].second].number);
     }
 
-    const PointBlocks<Scalar> &points;
+    const PointTree<Scalar> &points;
     const std::size_t others;
     std::size_t at = 0;
     NearestOthers<Scalar> inBlock, alone; ///< of all points of a block, and of one
@@ -241,8 +238,4 @@ class CloudNeighbourhood {
     std::vector<std::pair<double, std::size_t>> rank;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_CLOUD_PLACES_H
-#define VCG_FCD_CLOUD_PLACES_H
+#pragma once
 
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/surface/cloud_neighbourhood.h>
@@ -13,9 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Tells whether one of boxes is near another one: a tree of boxes around them, in an order in which those that follow
 /// each other lie together.
@@ -111,8 +108,4 @@ struct PlaceRuns {
     std::vector<Eigen::AlignedBox3d> some;  // of so many places that follow each other
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -6,8 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -70,5 +69,4 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
     });
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -4,7 +4,7 @@
 #include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/morton.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/cloud_places.h>
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
@@ -19,8 +19,7 @@
 #include <memory>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -56,37 +55,19 @@ class RegionFinder {
     /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
     /// looked at to find them. Points at one place, or a hair from it, are one.
     void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
-        struct Chunk {
-            Eigen::AlignedBox3d box, ofFree;
-            std::size_t live = 0;
-        };
-        std::vector<Chunk> chunks((slots + grain - 1) / grain);
-        ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
-            Chunk here;
-            for (std::size_t i = first; i < last; ++i)
-                if (Is(i, live)) {
-                    const Eigen::Vector3d p = metric * mesh.At(i);
-                    here.box.extend(p);
-                    if (Is(i, free))
-                        here.ofFree.extend(p);
-                    ++here.live;
-                }
-            chunks[first / grain] = here;
-        });
-        Eigen::AlignedBox3d box, ofFree;
-        std::vector<std::size_t> begin{0}; // of each chunk's points in the order
-        for (const Chunk &chunk : chunks) {
-            box.extend(chunk.box);
-            ofFree.extend(chunk.ofFree);
-            begin.push_back(begin.back() + chunk.live);
-        }
-        const std::size_t n = begin.back();
+        Frame world;
+        world.SetMetric(metric);
+        const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
+        const auto isFree = [&](std::size_t i) { return isLive(i) && Is(i, free); };
+        const detail::VertexChunks chunks = detail::FindVertices(mesh, isLive, world, progress.Slice(0, 0));
+        Eigen::AlignedBox3d ofFree = detail::FindVertices(mesh, isFree, world, progress.Slice(0, 0)).box;
+        const std::size_t n = chunks.Live();
         if (n < 2 || ofFree.isEmpty())
             return;
         // Strays are left to the cells at the ends: else all others would be in a few.
-        const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
-        box = detail::WithoutStrays(
-            box, n, [&](std::size_t k) { return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, begin, isLive))); });
+        const Eigen::AlignedBox3d box = detail::WithoutStrays(chunks.box, n, [&](std::size_t k) {
+            return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, chunks.begin, isLive)));
+        });
         if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
             ofFree = near;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
@@ -95,7 +76,7 @@ class RegionFinder {
         const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
         std::unique_ptr<std::uint64_t[]> order = LargeArray<std::uint64_t>(n);
         ParallelFor(progress.threads, slots, grain, [&](std::size_t first, std::size_t last) {
-            std::size_t k = begin[first / grain];
+            std::size_t k = chunks.begin[first / grain];
             for (std::size_t i = first; i < last; ++i)
                 if (Is(i, live)) {
                     const Eigen::Vector3d p = (metric * mesh.At(i) - (box.min() * 0.5 + box.max() * 0.5));
@@ -269,7 +250,7 @@ class RegionFinder {
         Eigen::Matrix3Xd position(3, there.size());
         for (std::size_t k = 0; k < there.size(); ++k)
             position.col(Eigen::Index(k)) = point.col(Eigen::Index(there[k]));
-        const PointBlocks<double> blocks(position, progress.threads);
+        const PointTree<double> blocks(position, progress.threads);
         ParallelFor(progress.Slice(0.4, 1), detail::findingNeighbours, blocks.Blocks(), 64,
                     [&](std::size_t first, std::size_t last) {
                         detail::CloudNeighbourhood<double> neighbourhood(blocks);
@@ -334,5 +315,4 @@ Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const st
     return finder.TakeRegion(progress.Slice(0.9, 1));
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

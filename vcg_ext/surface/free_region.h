@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_FREE_REGION_H
-#define VCG_FCD_FREE_REGION_H
+#pragma once
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -10,8 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Which vertex slots of a surface deform, and what holds them.
 struct Region {
@@ -29,7 +27,4 @@ struct Region {
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<char> &excluded,
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -13,8 +13,7 @@
 #include <set>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -222,5 +221,4 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
     return following;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

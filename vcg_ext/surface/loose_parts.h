@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_LOOSE_PARTS_H
-#define VCG_FCD_LOOSE_PARTS_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_graph.h>
@@ -10,8 +9,7 @@
 #include <limits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The free surface that nothing holds: connected components without a fixed or handle vertex, isolated vertices.
 struct LooseSurface {
@@ -61,7 +59,4 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
                              const LooseSurface &loose, const std::function<double(std::size_t)> &large,
                              const Progress &progress);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/triangle_tree.h>
 
@@ -10,8 +10,7 @@
 #include <limits>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 class NearestPlace::Search {
   public:
@@ -28,7 +27,7 @@ class NearestPlace::Search {
         Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
         for (std::size_t i = 0; i < vertex.size(); ++i)
             point.col(Eigen::Index(i)) = position.col(vertex[i]);
-        vertices = std::make_unique<PointBlocks<double>>(point, progress.threads);
+        vertices = std::make_unique<PointTree<double>>(point, progress.threads);
     }
 
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
@@ -65,43 +64,13 @@ class NearestPlace::Search {
     /// The vertices nearest to p, by weights that fall to 0 at the next one, and are beyond all others at the vertex
     /// itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data, 1980).
     void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
-        std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // squares of distances, the least first
-        const std::size_t wanted = std::min(found.size(), vertices->Size());
-        std::size_t count = 0, nearest = 0;
-        const auto bound = [&] { return count < wanted ? std::numeric_limits<double>::max() : found[count - 1].first; };
-        const auto look = [&](std::size_t first, std::size_t last) {
-            double square[PointBlocks<double>::most];
-            for (std::size_t at = first; at < last; ++at) {
-                const double x = vertices->X()[at] - p[0], y = vertices->Y()[at] - p[1], z = vertices->Z()[at] - p[2];
-                square[at - first] = x * x + y * y + z * z;
-            }
-            for (std::size_t at = first; at < last; ++at) {
-                if (square[at - first] > bound())
-                    continue;
-                const std::pair<double, Index> each(square[at - first], vertex[std::size_t(vertices->Number(at))]);
-                if (count == wanted && !(each < found[count - 1]))
-                    continue;
-                std::size_t to = count < wanted ? count++ : count - 1;
-                for (; to > 0 && each < found[to - 1]; --to)
-                    found[to] = found[to - 1];
-                found[to] = each;
-                nearest = to == 0 ? at : nearest;
-            }
-        };
-        const std::size_t begin = hint.block;
-        if (begin < vertices->Blocks())
-            look(vertices->Begin(begin), vertices->Begin(begin + 1));
-        vertices->ForEachNearest(
-            p,
-            [&](std::size_t first, std::size_t last) {
-                if (begin >= vertices->Blocks() || first != vertices->Begin(begin))
-                    look(first, last);
-                return bound();
-            },
-            bound());
-        hint.block = vertices->BlockOf(nearest);
+        thread_local std::vector<PointTree<double>::Found> nearest;
+        vertices->Nearest(p, SurfacePlace::most + 1, nearest, hint.block);
+        hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
+        std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
+        const std::size_t count = nearest.size();
         for (std::size_t i = 0; i < count; ++i)
-            found[i].first = std::sqrt(found[i].first);
+            found[i] = {std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]};
         std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
         const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
         double sum = 0;
@@ -124,7 +93,7 @@ class NearestPlace::Search {
 
     std::unique_ptr<detail::TriangleTree> triangles; ///< of a surface that has some
     std::vector<Index> vertex;
-    std::unique_ptr<PointBlocks<double>> vertices;
+    std::unique_ptr<PointTree<double>> vertices;
 };
 
 NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
@@ -152,5 +121,4 @@ double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &nor
     return search->SideOf(p, normal);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_NEAREST_PLACE_H
-#define VCG_FCD_NEAREST_PLACE_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -11,8 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// A place on a surface: vertices and their weights, of sum 1.
 struct SurfacePlace {
@@ -80,7 +78,4 @@ class NearestPlace {
     const std::unique_ptr<const Search> search;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

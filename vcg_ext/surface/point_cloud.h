@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_POINT_CLOUD_H
-#define VCG_FCD_POINT_CLOUD_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
-#include <vcg_ext/base/point_blocks.h>
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/sort_short.h>
@@ -23,9 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// What Progress calls the time in which the points of a cloud are joined.
 constexpr const char *findingNeighbours = "Finding neighbours";
@@ -55,7 +52,7 @@ struct CloudPairs {
 /// \pre points that are near have numbers that are close (Morton order), for speed \param hair units of positions
 /// \param clumps as CloudNeighbourhood finds them are at one place, of any number of points
 inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, bool clumps, const Progress &progress) {
-    const PointBlocks<float> points(position, progress.threads);
+    const PointTree<float> points(position, progress.threads);
     const std::size_t n = points.Size(), grain = 1 << 8;
     CloudPairs pairs;
     pairs.each = std::min<std::size_t>(cloudNeighbours, n - 1);
@@ -153,19 +150,15 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                                                      const std::vector<Index> &componentOf, Index components,
                                                      const Progress &progress) {
     const Index n = Index(position.cols());
-    std::vector<Index> first(n), firstOf(components, -1); // the first point of its component
+    std::vector<Index> firstOf(components, -1); // the first point of its component
     if (firstOf.size() < 2)
         return {};
+    DisjointSets joined(n);
     for (Index u = 0; u < n; ++u) {
         Index &begins = firstOf[componentOf[u]];
         begins = begins < 0 ? u : begins;
-        first[u] = begins;
+        joined.Join(begins, u);
     }
-    const auto root = [&](Index u) {
-        while (first[u] != u)
-            u = first[u] = first[first[u]];
-        return u;
-    };
     std::vector<std::pair<Index, Index>> same;
     std::vector<Eigen::AlignedBox3f> box;
     std::vector<Index> alone; // the first node of each component
@@ -173,9 +166,9 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
         alone.clear();
         box.assign(n, Eigen::AlignedBox3f());
         for (Index u = 0; u < n; ++u) {
-            if (root(u) == u)
+            if (joined.Root(u) == u)
                 alone.push_back(u);
-            box[root(u)].extend(Eigen::Vector3f(position.col(u)));
+            box[joined.Root(u)].extend(Eigen::Vector3f(position.col(u)));
         }
         if (alone.size() < 2)
             return same;
@@ -192,8 +185,8 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                     continue;
                 const double sizes = double(box[u].diagonal().norm()) + double(box[v].diagonal().norm());
                 isClump[u] = sizes * CloudNeighbourhood<float>::apart <= std::sqrt(double(each.square));
-                if (std::sqrt(double(each.square)) <= sizes && root(u) != root(v)) { // two halves of one
-                    first[std::max(root(u), root(v))] = std::min(root(u), root(v));
+                if (std::sqrt(double(each.square)) <= sizes && joined.Root(u) != joined.Root(v)) { // two halves of one
+                    joined.Join(u, v);
                     isNew = true;
                 }
             }
@@ -204,15 +197,11 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                     box[u].setEmpty();
     }
     for (Index u = 0; u < n; ++u)
-        if (const Index a = root(u); a != u && box[a].isEmpty())
+        if (const Index a = joined.Root(u); a != u && box[a].isEmpty())
             same.emplace_back(a, u);
     if (2 * same.size() < std::size_t(n))
         same.clear();
     return same;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

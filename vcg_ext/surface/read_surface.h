@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_READ_SURFACE_H
-#define VCG_FCD_READ_SURFACE_H
+#pragma once
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_arrays.h>
@@ -11,8 +10,7 @@
 /// \file
 /// The one place where the method reads a VCG mesh, of any type: once, by all threads.
 
-namespace vcg {
-namespace tri {
+namespace vcg::tri {
 
 template <class VertexType>
 Eigen::Vector3d PositionOf(const VertexType &v) {
@@ -78,7 +76,4 @@ fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned
     return fcd::CountTags(tag, deleted.empty() ? nullptr : deleted.data(), threads);
 }
 
-} // namespace tri
-} // namespace vcg
-
-#endif
+} // namespace vcg::tri

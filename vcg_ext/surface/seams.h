@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SEAMS_H
-#define VCG_FCD_SEAMS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -14,8 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Open borders of a surface that run along each other.
 struct Seams {
@@ -104,35 +102,22 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         });
     if (pairs.empty())
         return seams;
-    std::vector<Index> into(graph.Size());
-    std::iota(into.begin(), into.end(), 0);
-    const auto root = [&](Index u) {
-        while (into[u] != u)
-            u = into[u] = into[into[u]];
-        return u;
-    };
+    DisjointSets joined(graph.Size());
     for (const Pair &p : pairs)
-        if (p.same) {
-            const Index a = root(p.u), b = root(p.v);
-            into[std::max(a, b)] = std::min(a, b);
-        }
+        if (p.same)
+            joined.Join(p.u, p.v);
+    std::vector<Index> into = joined.TakeRoots();
     std::vector<char> gap(graph.Size(), 0);
     for (const Pair &p : pairs)
-        if (!p.same && root(p.u) != root(p.v))
+        if (!p.same && into[p.u] != into[p.v])
             gap[p.u] = gap[p.v] = 1;
     for (Index u = 0; u < graph.Size(); ++u) {
-        seams.joined += root(u) != u;
-        seams.gaps += gap[u] && root(u) == u;
+        seams.joined += into[u] != u;
+        seams.gaps += gap[u] && into[u] == u;
     }
-    if (seams.joined > 0) {
-        for (Index u = 0; u < graph.Size(); ++u)
-            into[u] = root(u);
+    if (seams.joined > 0)
         seams.into = std::move(into);
-    }
     return seams;
 }
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

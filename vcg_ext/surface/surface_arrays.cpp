@@ -6,8 +6,7 @@
 #include <atomic>
 #include <string>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 namespace {
 
@@ -76,5 +75,4 @@ SurfaceView SurfaceArrays::View() const {
     return view;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

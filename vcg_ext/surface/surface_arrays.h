@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SURFACE_ARRAYS_H
-#define VCG_FCD_SURFACE_ARRAYS_H
+#pragma once
 
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
@@ -12,8 +11,7 @@
 #include <limits>
 #include <memory>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Positions in any memory, 3 x n.
 using PositionsRef = Eigen::Ref<const Eigen::Matrix3Xd>;
@@ -84,7 +82,4 @@ class SurfaceArrays {
     std::unique_ptr<std::uint32_t[]> corner, end;
 };
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

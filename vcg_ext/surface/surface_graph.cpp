@@ -16,8 +16,7 @@
 #include <numeric>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 namespace detail {
 
 /// The tag of a place where vertices have two: held where one is, by the smaller one.
@@ -209,21 +208,12 @@ class SurfaceReader {
                     return edgeLengths;
                 }
             }
-            std::vector<Index> into(std::size_t(s.graph.position.cols()));
-            std::iota(into.begin(), into.end(), 0);
-            const auto root = [&](Index u) {
-                while (into[u] != u)
-                    u = into[u] = into[into[u]];
-                return u;
-            };
-            for (const auto &each : pairs.same) {
-                const Index a = root(each.first), b = root(each.second);
-                into[std::max(a, b)] = std::min(a, b);
-            }
-            for (Index u = 0; u < Index(into.size()); ++u) {
-                into[u] = root(u);
+            DisjointSets joined(Index(s.graph.position.cols()));
+            for (const auto &each : pairs.same)
+                joined.Join(each.first, each.second);
+            std::vector<Index> into = joined.TakeRoots();
+            for (Index u = 0; u < Index(into.size()); ++u)
                 s.report.welded += into[u] != u;
-            }
             JoinNodes(std::move(into), {});
         }
     }
@@ -288,5 +278,4 @@ SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Progress &progress
     return BuildSurfaceGraph(mesh, nullptr, {}, Eigen::Matrix3d::Identity(), progress);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

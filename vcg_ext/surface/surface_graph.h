@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SURFACE_GRAPH_H
-#define VCG_FCD_SURFACE_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/graph.h>
@@ -12,8 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Vertices on open borders at most so far apart are one, frame units: what rounding to single precision moves by (1e-7
 /// of the coordinates), some times over, and a hundredth of what lies between the vertices of the largest scans.
@@ -79,7 +77,4 @@ SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Region *region, co
 /// All of the mesh.
 SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Progress &progress = {});
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

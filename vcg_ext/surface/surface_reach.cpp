@@ -6,8 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius,
                                std::vector<double> *distances) {
@@ -42,5 +41,4 @@ std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &see
     return found;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SURFACE_REACH_H
-#define VCG_FCD_SURFACE_REACH_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// The nodes that are at most \p radius from one of \p seeds along the edges of the graph (Dijkstra 1959), these
 /// included, nearest first. Costs as much as the nodes it finds. \param radius in units of graph.position, >= 0
@@ -15,7 +13,4 @@ namespace fcd {
 std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius,
                                std::vector<double> *distances = nullptr);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

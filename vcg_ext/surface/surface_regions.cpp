@@ -5,8 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regions) const {
     regions.clear();
@@ -246,5 +245,4 @@ std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &su
     return RegionTaker(mesh, surface, tag, slotTag, regions).Take(point, progress);
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_SURFACE_REGIONS_H
-#define VCG_FCD_SURFACE_REGIONS_H
+#pragma once
 
 #include <vcg_ext/surface/surface_graph.h>
 
@@ -8,8 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// Regions of a surface: the connected components of its free nodes that something holds.
 struct SurfaceRegions {
@@ -46,7 +44,4 @@ std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &su
                                  const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
                                  const SurfaceRegions &regions, const Progress &progress);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

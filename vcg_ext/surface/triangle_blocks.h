@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_BLOCKS_H
-#define VCG_FCD_TRIANGLE_BLOCKS_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -14,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Nodes cut into blocks that fit the cache, each with a copy of the triangles that have a corner in it.
 struct TriangleBlocks {
@@ -115,8 +112,4 @@ inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size
     return {nodes, shift, std::move(begin), std::move(triangle)};
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

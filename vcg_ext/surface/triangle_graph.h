@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_GRAPH_H
-#define VCG_FCD_TRIANGLE_GRAPH_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -19,9 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Triangles of a graph's nodes. One with a repeated corner counts as the edge that is left of it, and one with three
 /// equal corners not at all.
@@ -104,30 +101,35 @@ struct ConnectedBlock {
 /// The triangles of a block without those that have the same corners, in any order, as one before them; degenerate ones
 /// stay. \return empty where there is none such
 inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlocks::Block &in) {
-    struct Key {
-        std::array<Index, 3> corner; // ascending
-        std::uint32_t number;
-        bool operator<(const Key &o) const { return corner != o.corner ? corner < o.corner : number < o.number; }
-    };
-    std::vector<Key> keys;
-    for (const TriangleBlocks::Triangle *t = in.begin; t < in.end; ++t) {
-        Key key{{t->corner[0], t->corner[1], t->corner[2]}, std::uint32_t(t - in.begin)};
-        std::sort(key.corner.begin(), key.corner.end());
-        if (key.corner[0] != key.corner[1] && key.corner[1] != key.corner[2])
-            keys.push_back(key);
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<char> isRepeated(std::size_t(in.end - in.begin), 0);
-    bool isAny = false;
-    for (std::size_t i = 1; i < keys.size(); ++i)
-        if (keys[i].corner == keys[i - 1].corner) {
-            isRepeated[keys[i].number] = 1;
-            isAny = true;
-        }
+    const auto count = std::size_t(in.end - in.begin);
+    std::size_t places = 2;
+    while (places < 2 * count)
+        places *= 2;
+    std::vector<Index> first(places, -1);             // a hash table: the first triangle of those with the same corners
+    std::vector<std::array<Index, 3>> corners(count); // ascending
     std::vector<TriangleBlocks::Triangle> distinct;
-    for (std::size_t t = 0; isAny && t < isRepeated.size(); ++t)
-        if (!isRepeated[t])
+    distinct.reserve(count);
+    for (std::size_t t = 0; t < count; ++t) {
+        std::array<Index, 3> &own = corners[t];
+        std::copy_n(in.begin[t].corner, 3, own.begin());
+        std::sort(own.begin(), own.end());
+        bool isNew = true;
+        if (own[0] != own[1] && own[1] != own[2]) {
+            std::uint64_t h = 0;
+            for (Index c : own)
+                h = (h ^ h >> 29 ^ std::uint64_t(c)) * 0x9E3779B97F4A7C15u;
+            std::size_t at = std::size_t(h >> 20) & (places - 1);
+            while (first[at] >= 0 && corners[std::size_t(first[at])] != own)
+                at = (at + 1) & (places - 1);
+            isNew = first[at] < 0;
+            if (isNew)
+                first[at] = Index(t);
+        }
+        if (isNew)
             distinct.push_back(in.begin[t]);
+    }
+    if (distinct.size() == count)
+        distinct.clear();
     return distinct;
 }
 
@@ -282,8 +284,4 @@ inline double SumOfEdges(const Eigen::Matrix3Xf &position, const Csr &adjacency,
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &nowA,
                           const Eigen::Vector3d &nowB) {
@@ -23,5 +22,4 @@ TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, co
     return stretch;
 }
 
-} // namespace fcd
-} // namespace vcg
+} // namespace vcg::fcd

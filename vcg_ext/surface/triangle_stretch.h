@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_STRETCH_H
-#define VCG_FCD_TRIANGLE_STRETCH_H
+#pragma once
 
 #include <vcg_ext/base/elementary.h>
 
@@ -8,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vcg {
-namespace fcd {
+namespace vcg::fcd {
 
 /// How a triangle is stretched: what lengths along two perpendicular directions in its plane are multiplied by.
 struct TriangleStretch {
@@ -30,7 +28,4 @@ struct TriangleStretch {
 TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &nowA,
                           const Eigen::Vector3d &nowB);
 
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd

@@ -1,29 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_TRIANGLE_TREE_H
-#define VCG_FCD_TRIANGLE_TREE_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
+#include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
-#include <vcg_ext/surface/nearest_in_triangle.h>
-#include <vcg_ext/surface/triangle_boxes.h>
+#include <vcg_ext/base/symmetric_eigen.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
+
+/// Barycentric coordinates of the point of a triangle that is nearest to p (C. Ericson, Real-Time Collision
+/// Detection, 5.1.5).
+inline Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &c,
+                                        const Eigen::Vector3d &p) {
+    const Eigen::Vector3d ab = b - a, ac = c - a;
+    const double d1 = ab.dot(p - a), d2 = ac.dot(p - a), d3 = ab.dot(p - b), d4 = ac.dot(p - b), d5 = ab.dot(p - c),
+                 d6 = ac.dot(p - c);
+    if (d1 <= 0 && d2 <= 0)
+        return {1, 0, 0};
+    if (d3 >= 0 && d4 <= d3)
+        return {0, 1, 0};
+    if (d6 >= 0 && d5 <= d6)
+        return {0, 0, 1};
+    const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0)
+        return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0)
+        return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+        const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return {0, 1 - w, w};
+    }
+    const double sum = va + vb + vc;
+    return {va / sum, vb / sum, vc / sum};
+}
 
 /// The triangle nearest to a point, of those with the least square of its distance, as computed, the first one. A tree
-/// of boxes around four boxes or triangles each, which are looked at together, in single precision; they only tell what
-/// cannot be nearest, by more than all that is rounded, so no bit of what is found depends on them.
+/// of boxes around four boxes or triangles each, which are looked at together; they only tell what cannot be nearest,
+/// by more than all that is rounded, so no bit of what is found depends on them.
 class TriangleTree {
   public:
     /// A triangle, the weights of its corners in its point that is nearest, and the square of the distance.
@@ -38,23 +63,42 @@ class TriangleTree {
     /// \param triangle slots of the corners, at least one triangle \throw Cancelled
     TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given,
                  const Progress &progress = {})
-        : position(position), triangle(std::move(given)), boxes(TriangleBoxing(position, triangle, progress).Take()) {}
+        : position(position), triangle(std::move(given)), middle(triangle.size()) {
+        ParallelFor(progress.Slice(0, 0.1), stage, triangle.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t)
+                middle[t] = BoxOf(Index(t)).center();
+        });
+        std::vector<Index> order(triangle.size());
+        std::iota(order.begin(), order.end(), 0);
+        const std::size_t count = std::max<std::size_t>(1, NodesAround(order.size()));
+        nodes.reserve(count);
+        PreferLargePages(nodes.data(), count * sizeof(Node));
+        nodes.resize(count);
+        Progress building = progress.Slice(0.1, 1);
+        building.threads = ThreadsFor(progress.threads);
+        Build(order.data(), order.data() + order.size(), 0, building);
+        std::vector<Eigen::Vector3d>().swap(middle);
+    }
 
     const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
     const std::vector<std::array<Index, 3>> &Triangles() const { return triangle; }
-
     /// \param p no number beyond 1e100 \param begin a triangle that may be near, which changes no bit; -1: none
-    Nearest operator()(const Eigen::Vector3d &p, Index begin) const { return Find(p, begin, {}); }
-
+    Nearest operator()(const Eigen::Vector3d &p, Index begin) const {
+        Nearest nearest;
+        if (begin >= 0)
+            Try(p, begin, nearest);
+        Search(p, begin, nearest);
+        return nearest;
+    }
     /// The same among those whose front looks to where \p normal does, by less than 90 degrees, no farther away than
     /// \p reach; none where there is none.
     Nearest Facing(const Eigen::Vector3d &p, const Eigen::Vector3d &normal, double reach) const {
         Nearest nearest;
         nearest.square = reach * reach;
         nearest.facing = &normal;
-        return Find(p, -1, nearest);
+        Search(p, -1, nearest);
+        return nearest;
     }
-
     /// Towards the front of a triangle, as long as twice its area.
     Eigen::Vector3d NormalOf(Index t) const {
         const auto &corners = triangle[std::size_t(t)];
@@ -70,65 +114,156 @@ class TriangleTree {
     }
 
   private:
-    static constexpr std::size_t wide = TriangleBoxes::wide;
-    using Space = TriangleBoxes::Space;
+    static constexpr const char *stage = "Sorting the triangles";
+    static constexpr std::size_t wide = 4;
+    static constexpr Index none = std::numeric_limits<Index>::max();
 
-    Nearest Find(const Eigen::Vector3d &p, Index begin, Nearest nearest) const {
-        if (begin >= 0)
-            Try(p, begin, nearest);
-        for (std::size_t tree = 0; tree < boxes.trees; ++tree)
-            SearchIn(boxes.spaces[tree], p, begin, nearest);
-        return nearest;
+    /// Most triangles of a node with axes of its own: what holds more is hardly flat.
+    static constexpr std::size_t flat = wide * wide * wide;
+
+    /// Boxes of the children. Those around few triangles are along axes of their own, in which these lie flat: seen
+    /// from afar, a box that lies across a surface would stand for much that is nearer than its triangles are.
+    struct Node {
+        Eigen::Matrix3f axes; ///< rows
+        double low[3][wide], high[3][wide];
+        std::array<Index, wide> child; ///< a node; -1 - t: triangle t; or none, in an empty box
+    };
+    struct Built {
+        Eigen::AlignedBox3d box;
+        Index child = none;
+    };
+
+    Eigen::AlignedBox3d BoxOf(Index t) const {
+        Eigen::AlignedBox3d box;
+        for (Index i : triangle[std::size_t(t)])
+            box.extend(Eigen::Vector3d(position.col(i)));
+        return box;
     }
 
-    void SearchIn(const Space &space, const Eigen::Vector3d &p, Index begin, Nearest &nearest) const {
-        const Eigen::Vector3d q = (p - space.center) * space.scale;
-        if (q.squaredNorm() < 1e6)
-            Search<float>(space, p, q, begin, nearest);
-        else // single precision tells too little from there
-            Search<double>(space, p, q, begin, nearest);
+    /// Divides triangles along the longest side of the box of their middles.
+    void Divide(Index *first, Index *at, Index *last) const {
+        if (at >= last)
+            return;
+        Eigen::AlignedBox3d box;
+        for (const Index *t = first; t != last; ++t)
+            box.extend(middle[std::size_t(*t)]);
+        int axis;
+        box.sizes().maxCoeff(&axis);
+        std::nth_element(first, at, last,
+                         [&](Index a, Index b) { return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis]; });
     }
 
-    /// A child and the square of how far it is at least, so that those of nearer ones are less.
+    /// How many nodes are around so many triangles, of which one alone has none.
+    static std::size_t NodesAround(std::size_t triangles) {
+        if (triangles < 2)
+            return 0;
+        const std::size_t part = PartOf(triangles);
+        return 1 + triangles / part * ((part - 1) / (wide - 1)) + NodesAround(triangles % part);
+    }
+    /// How many triangles each child has, but the last one, so that nearly all nodes are full.
+    static std::size_t PartOf(std::size_t triangles) {
+        std::size_t part = 1;
+        while (wide * part < triangles)
+            part *= wide;
+        return part;
+    }
+
+    /// Sets the nodes around these triangles, from number \p at on; theirs comes last.
+    Built Build(Index *const first, Index *last, std::size_t at, const Progress &progress) {
+        const std::size_t count = std::size_t(last - first), part = PartOf(count);
+        if (count >= 1 << 12)
+            progress(0, stage);
+        Progress both = progress;
+        if (count < 1 << 15) // where threads would cost more than they save
+            both.threads = 1;
+        const auto to = [&](std::size_t k) { return first + std::min(k * part, count); };
+        Divide(first, to(2), last);
+        ParallelFor(both.threads, 2, 1, [&](std::size_t half, std::size_t) {
+            Divide(to(2 * half), to(2 * half + 1), half == 0 ? to(2) : last);
+        });
+        std::array<std::size_t, wide> begin; // of each child's nodes; behind the last ones is this one
+        for (std::size_t k = 0; k < wide; ++k) {
+            begin[k] = at;
+            at += NodesAround(std::size_t(to(k + 1) - to(k)));
+        }
+        std::array<Built, wide> built;
+        ParallelTasks(both, stage, wide, [&](std::size_t k, const Progress &shared) {
+            if (to(k) + 1 == to(k + 1)) {
+                built[k] = {BoxOf(*to(k)), -1 - *to(k)};
+            } else if (to(k) < to(k + 1)) {
+                Progress its = shared;
+                its.threads = std::max(1u, both.threads / unsigned(wide));
+                built[k] = Build(to(k), to(k + 1), begin[k], its);
+            }
+        });
+        Node &node = nodes[at];
+        node.axes = count <= flat ? AxesOf(first, last) : Eigen::Matrix3f(Eigen::Matrix3f::Identity());
+        Built all{{}, Index(at)};
+        for (std::size_t k = 0; k < wide; ++k) {
+            all.box.extend(built[k].box);
+            Eigen::AlignedBox3d box = built[k].box;
+            if (count <= flat) {
+                box.setEmpty();
+                for (const Index *t = to(k); t != to(k + 1); ++t)
+                    for (Index i : triangle[std::size_t(*t)])
+                        box.extend(node.axes.cast<double>() * position.col(i));
+            }
+            node.child[k] = built[k].child;
+            // What distances of its triangles may be off by: a few of the last bits of the coordinates.
+            const double margin = std::ldexp(box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff(), -46);
+            for (int d = 0; d < 3; ++d) {
+                node.low[d][k] = box.min()[d] - margin;
+                node.high[d][k] = box.max()[d] + margin;
+            }
+        }
+        return all;
+    }
+
+    /// The axes of triangles in which their corners lie flattest, as rows.
+    Eigen::Matrix3f AxesOf(const Index *first, const Index *last) const {
+        const Eigen::Vector3d origin = middle[std::size_t(*first)];
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+        for (const Index *t = first; t != last; ++t)
+            for (Index i : triangle[std::size_t(*t)]) {
+                const Eigen::Vector3d x = position.col(i) - origin;
+                sum += x;
+                squares += x * x.transpose();
+            }
+        squares -= sum * sum.transpose() / double(3 * (last - first));
+        return SymmetricEigen(squares).Vectors().transpose().cast<float>();
+    }
+
+    /// A child and, in the upper half, that of the square of how far it is at least: those of nearer ones are less.
     using Step = std::uint64_t;
-    static Step StepTo(float square, Index child) {
-        std::uint32_t bits; // of a number that is not negative, in its order
+    static constexpr Step upper = Step(-1) << 32;
+    static Step StepTo(double square, Index child) {
+        Step bits; // of a number that is not negative, in its order
         std::memcpy(&bits, &square, sizeof bits);
-        return Step(bits) << 32 | std::uint32_t(child);
+        return (bits & upper) | std::uint32_t(child);
     }
-    static float SquareOf(Step step) {
-        const auto bits = std::uint32_t(step >> 32);
-        float square;
-        std::memcpy(&square, &bits, sizeof square);
+    static double SquareOf(Step step) {
+        step &= upper;
+        double square;
+        std::memcpy(&square, &step, sizeof square);
         return square;
     }
 
-    /// Depth first, into the nearest box first.
-    /// \param q p in the units of the boxes \param begin has been tried \param nearest in, out
-    template <class Real>
-    void Search(const Space &space, const Eigen::Vector3d &p, const Eigen::Vector3d &q, Index begin,
-                Nearest &nearest) const {
-        using Lanes = Eigen::Array<Real, int(wide), 1>;
-        // What distances of boxes and triangles may be off by, in the units of the boxes: those, at most 1 from the
-        // middle, are rounded to 2^-25 there, and turned in single precision, in which the axes are told, too; q and
-        // the distance to a few of its last bits, triangles to a few of those of the coordinates.
-        const double size = q.cwiseAbs().maxCoeff() + 1, epsilon = std::numeric_limits<Real>::epsilon();
-        const double off = std::ldexp(1.0, -20) + 32 * epsilon * size +
-                           std::ldexp((space.largest + p.cwiseAbs().maxCoeff()) * space.scale, -46);
+    /// Depth first, into the nearest box first. \param begin has been tried \param nearest in, out
+    void Search(const Eigen::Vector3d &p, Index begin, Nearest &nearest) const {
+        // The axes are turned in single precision; what coordinates are rounded by is in the boxes' margins, too.
+        const double off = std::ldexp(p.cwiseAbs().maxCoeff(), -46), turned = 1 + std::ldexp(1.0, -20);
         const auto within = [&] { // the square of what a box may be away
-            const double least = std::sqrt(nearest.square) * space.scale + off;
-            return Real(std::min(least * least * (1 + 8 * epsilon), double(std::numeric_limits<Real>::max())));
+            const double least = std::sqrt(nearest.square) + off;
+            return least * least * turned;
         };
-        Real bound = within();
-        const Real mostSquare = std::numeric_limits<float>::max(),
-                   rounded = 1 + 2 * std::numeric_limits<float>::epsilon();
-        const std::array<Real, 3> at{Real(q[0]), Real(q[1]), Real(q[2])};
+        double bound = within();
         std::array<Step, 64> next; // three more a level, of 16 at most, and those too far
         int count = 0;
-        next[std::size_t(count++)] = StepTo(0, space.root);
+        next[std::size_t(count++)] = StepTo(0, Index(nodes.size()) - 1);
         while (count > 0) {
             const Step step = next[std::size_t(--count)];
-            if (Real(SquareOf(step)) > bound * rounded)
+            if (SquareOf(step) > bound)
                 continue;
             const auto child = Index(std::uint32_t(step));
             if (child < 0) {
@@ -136,26 +271,19 @@ class TriangleTree {
                     bound = within();
                 continue;
             }
-            if (std::size_t(child) >= boxes.nodes.size()) {
-                SearchIn(boxes.spaces[std::size_t(child) - boxes.nodes.size()], p, begin, nearest);
-                bound = within();
-                continue;
-            }
-            const TriangleBoxes::Node &node = boxes.nodes[std::size_t(child)];
-            const Lanes place = node.column[0].cast<Real>() * at[0] + node.column[1].cast<Real>() * at[1] +
-                                node.column[2].cast<Real>() * at[2];
-            Lanes square = Lanes::Zero();
-            for (std::size_t d = 0; d < 3; ++d) {
-                const Lanes along = Lanes::Constant(place[Eigen::Index(d)]);
-                const Lanes beyond = (node.low[d].cast<Real>() - along).max(along - node.high[d].cast<Real>());
-                square += beyond.max(Real(0)).square();
-            }
+            const Node &node = nodes[std::size_t(child)];
+            double square[wide] = {};
+            const Eigen::Vector3d q = node.axes.cast<double>() * p;
+            for (int d = 0; d < 3; ++d)
+                for (std::size_t k = 0; k < wide; ++k) {
+                    const double beyond = std::max(std::max(node.low[d][k] - q[d], q[d] - node.high[d][k]), 0.0);
+                    square[k] += beyond * beyond;
+                }
             std::array<Step, wide> near;
             int found = 0;
             for (std::size_t k = 0; k < wide; ++k) {
-                const Real each = square[Eigen::Index(k)];
-                const int isNear = int(each <= bound) & int(node.child[k] != TriangleBoxes::none);
-                near[k] = StepTo(float(std::min(each, mostSquare)), node.child[k]) & (Step(0) - Step(isNear));
+                const int isNear = int(square[k] <= bound) & int(node.child[k] != none);
+                near[k] = StepTo(square[k], node.child[k]) & (Step(0) - Step(isNear));
                 found += isNear;
             }
             // Without a branch: which ones are near enough, and which of them first, a processor cannot foresee.
@@ -193,11 +321,8 @@ class TriangleTree {
 
     const Eigen::Matrix3Xd &position;
     const std::vector<std::array<Index, 3>> triangle;
-    const TriangleBoxes boxes;
+    std::vector<Eigen::Vector3d> middle; ///< of the triangles' boxes, while they are sorted
+    std::vector<Node> nodes;
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

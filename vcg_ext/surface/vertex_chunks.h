@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_VERTEX_CHUNKS_H
-#define VCG_FCD_VERTEX_CHUNKS_H
+#pragma once
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
@@ -12,9 +11,7 @@
 #include <limits>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// How many of a mesh's vertices are read, in chunks of slots, and the box that they fill.
 struct VertexChunks {
@@ -30,6 +27,8 @@ struct VertexChunks {
 template <class IsPart>
 std::size_t SlotOf(std::size_t k, const std::vector<std::size_t> &begin, const IsPart &isPart) {
     const std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
+    if (begin[c + 1] - begin[c] == VertexChunks::grain) // all of them
+        return c * VertexChunks::grain + (k - begin[c]);
     for (std::size_t i = c * VertexChunks::grain, at = begin[c];; ++i)
         if (isPart(i) && at++ == k)
             return i;
@@ -82,8 +81,4 @@ void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart 
     frame.scale = halfDiagonal > 0 ? std::min(2 * halfDiagonal, std::numeric_limits<double>::max()) : 1;
 }
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef VCG_FCD_VERTEX_WELDING_H
-#define VCG_FCD_VERTEX_WELDING_H
+#pragma once
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -15,9 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace vcg {
-namespace fcd {
-namespace detail {
+namespace vcg::fcd::detail {
 
 /// Makes nodes of vertices, a node for all at one position, in Morton order: Put each, Sort, FindNodes, ForEach.
 class VertexWelder {
@@ -157,8 +154,4 @@ class VertexWelder {
     std::vector<std::size_t> firstKept; // ranges + 1: vertices of them that are kept
 };
 
-} // namespace detail
-} // namespace fcd
-} // namespace vcg
-
-#endif
+} // namespace vcg::fcd::detail

@@ -6,7 +6,6 @@
 #include <vcg_ext/patches/surface_patches.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/border_weights.cpp>       // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/coarse_graph.cpp>         // NOLINT(bugprone-suspicious-include)
-#include <vcg_ext/graph/contrasting_colors.cpp>   // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/deformation_graph.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/held_nodes.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/discretisation_error.cpp> // NOLINT(bugprone-suspicious-include)
