@@ -35,7 +35,7 @@ double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
     steps.follow = true;
-    const double error = vcg::fcd::DiscretisationError(graph, nodeArea, given, pose.solved, param.graphWeights,
+    const double error = vcg::fcd::DiscretisationError(graph, graph.area, given, pose.solved, param.graphWeights,
                                                        StepsOf(steps), param.shape, progress);
     if (same) {
         auto known = std::make_shared<KeptPose>(*same);
@@ -78,10 +78,6 @@ void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, Ke
                        "hold regions rather than many single vertices.");
     graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
                                  progress.Slice(0.9, 1), param.shape);
-    nodeArea.assign(graph.Size(), 0);
-    for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (patches.patchOf[u] >= 0)
-            nodeArea[patches.patchOf[u]] += surface.nodeArea[u];
 }
 
 HeldMotions RegionDeformer::Probe(int axis) const {

@@ -34,7 +34,6 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
     : MovingRegion(std::move(read.surface), std::move(read.held)), patches0(param.graph.initialPatches),
       most(read.most), point(std::move(read.point)), param(param), beyond(param.graphWeights) {
     this->param.nodes = {};
-    first = read.first;
     weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
     nodeOf = std::move(surface.nodeOf);
     FindHolding();
@@ -45,6 +44,8 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
     ListVertices(nodeOf, progress.Slice(0.95, 1));
     surface.slots = {};
     const auto toMesh = [&](std::uint32_t &slot) { slot = read.slotOf[slot]; };
+    if (!read.slotOf.empty() && !bent.empty())
+        toMesh(first);
     if (!read.slotOf.empty())
         for (std::vector<Bent> *list : {&bent, &beside})
             for (Bent &vertex : *list)
@@ -210,7 +211,7 @@ int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin
 
 RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstraints &given, const Progress &progress)
     : compliant(given.compliant),
-      parts(deformer.graph, deformer.nodeArea, given, deformer.param.shape.heldDepth, progress) {}
+      parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress) {}
 
 std::shared_ptr<const RegionDeformer::System> RegionDeformer::SystemOf(const NodeConstraints &given,
                                                                        const Progress &progress) const {

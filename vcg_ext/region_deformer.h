@@ -66,7 +66,7 @@ struct ReadRegion {
     HeldNodes held;                    ///< of these points
     std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
-    std::uint32_t first = 0; ///< as of MovingRegion
+    std::uint32_t first = 0; ///< as of MovingRegion; not known where it is the only one
     int most = mostPatches;  ///< patches, where their number is not given
 };
 
@@ -157,7 +157,6 @@ class RegionDeformer : public MovingRegion {
     bool isLimited = false;
     double D = 0, reach = 0; // frame units
     detail::SmallParts small;
-    std::vector<double> nodeArea; // k, frame units^2
     struct Holding {
         Eigen::Vector3d middle = Eigen::Vector3d::Zero(); // of its nodes, frame units
         int count = 0;                                    // of these

@@ -70,8 +70,9 @@ std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surfac
 ReadRegions RegionReader::Read(const RegionSource &whole, const std::vector<std::uint32_t> &leaves,
                                const Progress &progress) {
     ReadRegions found = ReadPart(whole, &leaves, progress);
-    for (ReadRegion &each : found.regions)
-        each.first = FirstOf(each);
+    if (found.regions.size() > 1 || !whole.leftOut.empty() || !leaves.empty())
+        for (ReadRegion &each : found.regions)
+            each.first = FirstOf(each);
     return found;
 }
 
@@ -91,8 +92,8 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, const std::vector
             if (source.leftOut[i] >= 0)
                 tag[i] = noVertex;
     }
-    found.loose = FindLoose(source.leftOut.empty() ? source.tag : tag, source.point, surface, held.tag,
-                            progress.Slice(0.5, 0.55), patch);
+    FreeComponents components = FindComponents(surface, held.tag, progress.Slice(0.5, 0.55));
+    found.loose = FindLoose(source.leftOut.empty() ? source.tag : tag, source.point, surface, components, patch);
     if (leaves) {
         found.apart = std::move(surface.apart);
         if (param.nodes.cols() > 0)
@@ -108,7 +109,7 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, const std::vector
         found.regions.push_back(RegionOf(source, std::move(surface), std::move(held)));
         return found;
     }
-    const SurfaceRegions regions = FindRegions(surface, held.tag, progress.Slice(0.55, 0.55));
+    const SurfaceRegions regions = FindRegions(surface, std::move(components));
     std::vector<char> isLeft(std::size_t(regions.count), 0);
     if (leaves)
         for (std::uint32_t slot : *leaves)
@@ -185,7 +186,6 @@ ReadRegion RegionReader::RegionOf(const RegionSource &source, SurfaceGraph surfa
         if (u >= 0 && held.tag[std::size_t(u)] == 1 && !std::exchange(isTaken[std::size_t(u)], char(1)))
             read.center.push_back(u);
     }
-    surface.componentOf = {}; // as large as the surface, and not needed any more
     read.surface = std::move(surface);
     read.held = std::move(held);
     return read;

@@ -219,11 +219,7 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     report.following = k - report.released;
     GraphPose solved;
     if (report.released > 0) {
-        std::vector<double> area(std::size_t(k), 0);
-        for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
-            if (const Index j = deformer.patches.patchOf[std::size_t(u)]; j >= 0)
-                area[std::size_t(j)] += double(deformer.surface.nodeArea[std::size_t(u)]);
-        solved = PartsDeformer(graph, area, given, param.shape.heldDepth, progress.Slice(0.1, 0.1))
+        solved = PartsDeformer(graph, graph.area, given, param.shape.heldDepth, progress.Slice(0.1, 0.1))
                      .Solve(given, param, progress.Slice(0.1, 0.8));
         all.iterations = pose.iterations = solved.iterations;
     } else {

@@ -60,7 +60,7 @@ def test_what_is_held_is_exact_and_the_rest_follows(bent):
     deformer, pose = bent
     assert same(pose.vertices[tags == 0], vertices[tags == 0])
     assert np.abs(pose.vertices[tags == 2] - lifted(vertices[tags == 2], lift)).max() < 1e-12
-    assert pose.info.converged and pose.info.folded == 0 and pose.info.nodes == deformer.info.nodes > 300
+    assert pose.info.converged and pose.info.folded == 0 and pose.info.nodes == deformer.info.nodes > 100
     assert 1 < pose.info.largest_stretch < 1.05 and pose.info.seconds > 0
     assert 0 < pose.info.discretisation_error < 0.01
     assert (deformer.info.fixed, deformer.info.handle, deformer.info.free) == (150, 150, 1215)

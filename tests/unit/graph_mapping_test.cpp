@@ -217,7 +217,7 @@ static Patches NodesAsPatches(Index k, float radius) {
 }
 
 static DeformationGraph GraphOf(const Graph &graph, const Patches &patches) {
-    return {graph, std::vector<float>(graph.adjacency.item.size(), 1), patches.radius, {}, {}};
+    return {graph, std::vector<float>(graph.adjacency.item.size(), 1), patches.radius, {}, {}, {}};
 }
 
 TEST(GraphMapping, ABallThatTouchesTooManyPatchesIsHalvedUntilItDoesNot) {

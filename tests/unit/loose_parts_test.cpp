@@ -23,7 +23,7 @@ static std::vector<std::size_t> PointsOf(const Handles &handles) {
 
 static LooseSurface LooseOf(const MeshD &mesh, const Handles &handles, SurfaceGraph &surface, unsigned threads = 0) {
     surface = ReadFreeSurface(Read(mesh), handles.tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
-    return FindLoose(handles.tag, PointsOf(handles), surface, surface.tag, Threads(threads));
+    return FindLoose(handles.tag, PointsOf(handles), surface, FindComponents(surface, surface.tag, Threads(threads)));
 }
 
 /// Tubes, spheres, triangles and single vertices, each held in places or not at all.
@@ -97,7 +97,7 @@ TEST(FindLoose, IsWhatNothingHolds) {
                 EXPECT_EQ(rest.nodeOf[i] >= 0, surface.nodeOf[i] >= 0);
             }
         }
-        EXPECT_FALSE(FindLoose(c.handles.tag, {}, rest, rest.tag, {}).isPartOfSurface);
+        EXPECT_FALSE(FindLoose(c.handles.tag, {}, rest, FindComponents(rest, rest.tag, {})).isPartOfSurface);
         for (unsigned threads : {1u, 7u}) {
             const LooseSurface same = LooseOf(mesh, c.handles, surface, threads);
             EXPECT_EQ(same.partOf, loose.partOf);

@@ -580,17 +580,6 @@ TEST(SurfaceGraph, PointsAtOnePlaceOrAHairFromItAreOne) {
         }
 }
 
-TEST(SurfaceGraph, KnowsTheComponentsOfACloudAlone) {
-    Shape things = Join(Sphere(10, 12), Moved(Sphere(10, 12), Eigen::Affine3d(Eigen::Translation3d(20, 0, 0))));
-    EXPECT_TRUE(BuildSurfaceGraph(Read(MeshD(things))).componentOf.empty());
-    things.face.clear();
-    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(things)));
-    std::vector<Index> componentOf;
-    EXPECT_EQ(s.components, ConnectedComponents(s.graph.adjacency, componentOf));
-    EXPECT_EQ(s.components, 2);
-    EXPECT_EQ(s.componentOf, componentOf);
-}
-
 TEST(SurfaceGraph, ScanLinesAreASurface) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> unit(-1, 1);

@@ -153,9 +153,11 @@ class DisjointSets {
             u = parent[u] = parent[parent[u]];
         return u;
     }
-    void Join(Index u, Index v) {
+    /// \return whether they were not
+    bool Join(Index u, Index v) {
         const Index a = Root(u), b = Root(v);
         parent[std::max(a, b)] = std::min(a, b);
+        return a != b;
     }
     /// That of each. The last that is asked.
     std::vector<Index> TakeRoots() {

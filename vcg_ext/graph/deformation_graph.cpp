@@ -64,10 +64,22 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
         progress);
     d.radius = patches.radius;
 
-    Eigen::Matrix4Xd sum = Eigen::Matrix4Xd::Zero(4, k);
-    for (Index u = 0; u < surface.Size(); ++u)
-        if (patches.patchOf[u] >= 0)
-            sum.col(patches.patchOf[u]) += double(area[u]) * surface.position.col(u).cast<double>().homogeneous();
+    // In so many parts, so that sums do not depend on the number of threads, and are shorter than the parts.
+    const std::size_t n = std::size_t(surface.Size()), parts = std::clamp<std::size_t>(n / (64 * k + 1), 1, 16);
+    std::vector<Eigen::Matrix4Xd> sums(parts);
+    ParallelFor(progress.threads, parts, 1, [&](std::size_t part, std::size_t) {
+        Eigen::Matrix4Xd each = Eigen::Matrix4Xd::Zero(4, k);
+        for (auto u = Index(n * part / parts); u < Index(n * (part + 1) / parts); ++u)
+            if (patches.patchOf[u] >= 0)
+                each.col(patches.patchOf[u]) += double(area[u]) * surface.position.col(u).cast<double>().homogeneous();
+        sums[part] = std::move(each);
+    });
+    Eigen::Matrix4Xd sum = sums[0];
+    for (std::size_t part = 1; part < parts; ++part)
+        sum += sums[part];
+    d.area.assign(std::size_t(k), 0);
+    for (Index j = 0; j < k; ++j)
+        d.area[j] = sum(3, j);
     d.graph.position.resize(3, k);
     for (Index j = 0; j < k; ++j) {
         const bool isPlaced = !beyond.barycenters || (!tag.empty() && tag[patches.center[j]] != 1) || !(sum(3, j) > 0);

@@ -17,6 +17,7 @@ struct DeformationGraph {
     Graph graph;               ///< k nodes
     std::vector<float> weight; ///< w_ij of each adjacency item, symmetric, > 0
     std::vector<float> radius; ///< k, d_j: radius of the patch
+    std::vector<double> area;  ///< k, of the patch, frame units^2; empty: not known
     Eigen::Matrix3Xf edge;     ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a held and a free patch it
                                ///< spans the free one only, to where the two touch: a held patch moves as one
     std::vector<char> held;    ///< k flags: of held patches; empty for none

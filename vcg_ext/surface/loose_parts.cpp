@@ -113,26 +113,22 @@ SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &ta
 }
 
 LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                       const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress,
-                       double least) {
+                       const SurfaceGraph &surface, const FreeComponents &components, double least) {
     LooseSurface loose;
-    std::vector<Index> own;
-    loose.components =
-        surface.componentOf.empty() ? ConnectedComponents(surface.graph.adjacency, own, progress) : surface.components;
-    const std::vector<Index> &componentOf = surface.componentOf.empty() ? own : surface.componentOf;
-    std::vector<char> stays(loose.components, 0);
-    for (Index u = 0; u < surface.graph.Size(); ++u)
-        stays[componentOf[u]] |= tag[u] != 1;
+    loose.components = components.connected;
+    const std::vector<Index> &componentOf = components.componentOf;
+    std::vector<char> stays = components.isHeld;
     if (std::isfinite(least)) {
-        std::vector<double> area(loose.components, 0);
+        std::vector<double> area(stays.size(), 0);
         for (Index u = 0; u < surface.graph.Size(); ++u)
-            area[componentOf[u]] += surface.nodeArea[u];
-        const double largest = loose.components > 0 ? *std::max_element(area.begin(), area.end()) : 0;
-        for (Index c = 0; c < loose.components; ++c)
+            if (componentOf[u] >= 0)
+                area[componentOf[u]] += surface.nodeArea[u];
+        const double largest = area.empty() ? 0 : *std::max_element(area.begin(), area.end());
+        for (std::size_t c = 0; c < area.size(); ++c)
             stays[c] |= area[c] >= std::min(least, largest);
     }
-    std::vector<Index> number(loose.components, -1);
-    for (Index c = 0; c < loose.components; ++c)
+    std::vector<Index> number(stays.size(), -1);
+    for (std::size_t c = 0; c < stays.size(); ++c)
         if (!stays[c])
             number[c] = loose.parts++;
     loose.isPartOfSurface = loose.parts > 0;
@@ -144,7 +140,8 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
         }
     for (std::size_t i = 0; i < slotTag.size(); ++i) {
         const Index u = surface.nodeOf[i];
-        if (slotTag[i] != 1 || (u >= 0 && stays[componentOf[u]]) || (!isPoint.empty() && isPoint[i]))
+        if (slotTag[i] != 1 || (u >= 0 && (componentOf[u] < 0 || stays[componentOf[u]])) ||
+            (!isPoint.empty() && isPoint[i]))
             continue;
         if (loose.partOf.empty())
             AssignLarge(loose.partOf, slotTag.size(), Index(-1));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <vcg_ext/handles/handles.h>
-#include <vcg_ext/surface/surface_graph.h>
+#include <vcg_ext/surface/surface_regions.h>
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -32,10 +32,10 @@ SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &ta
                              double weldDistance = defaultWeldDistance);
 
 /// The loose parts of a surface. \param slotTag one per vertex slot, noVertex where it is deleted
-/// \param point slots of point handles \param tag of each node of \p surface; 1 is free
+/// \param point slots of point handles \param components of \p surface
 /// \param least a component of this area, frame units^2, is not loose though nothing holds it
 LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                       const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress,
+                       const SurfaceGraph &surface, const FreeComponents &components,
                        double least = std::numeric_limits<double>::infinity());
 
 /// How loose parts follow what holds or bends nearby, so that a button follows the sleeve.

@@ -197,9 +197,10 @@ class SurfaceReader {
             if (pairs.same.empty()) {
                 double edgeLengths = 0;
                 s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
-                s.components = ConnectedComponents(s.graph.adjacency, s.componentOf, progress.Slice(0.95, 0.96),
-                                                   findingNeighbours);
-                pairs.same = ClumpsOf(x, s.componentOf, s.components, progress.Slice(0.96, 1));
+                std::vector<Index> componentOf;
+                const Index components =
+                    ConnectedComponents(s.graph.adjacency, componentOf, progress.Slice(0.95, 0.96), findingNeighbours);
+                pairs.same = ClumpsOf(x, componentOf, components, progress.Slice(0.96, 1));
                 if (pairs.same.empty()) {
                     s.report.oneSided = Index(pairs.oneSided);
                     s.nodeArea = std::move(pairs.area);

@@ -49,13 +49,11 @@ struct SurfaceGraph {
                                       ///< neighbours are close
     std::vector<std::uint32_t> faces; ///< of the mesh: those with a free vertex; empty where no tags were given
     std::vector<std::array<std::uint32_t, 2>> apart; ///< slots at the ends of edges that join vertices held otherwise
-    std::vector<Index> tag;         ///< n: 0 fixed or outside, 1 free, from 2 handles; empty where no tags were given
-    std::vector<float> nodeArea;    ///< n, of the surface around each node, frame units^2
-    double area = 0;                ///< sum of nodeArea
-    double averageEdge = 0;         ///< mean length of the graph's edges, frame units
-    SurfaceReport report;           ///< components is left 0
-    std::vector<Index> componentOf; ///< n, as of ConnectedComponents, and how many there are: of clouds, whose clumps
-    Index components = 0;           ///< are found by them; else empty, and 0
+    std::vector<Index> tag;      ///< n: 0 fixed or outside, 1 free, from 2 handles; empty where no tags were given
+    std::vector<float> nodeArea; ///< n, of the surface around each node, frame units^2
+    double area = 0;             ///< sum of nodeArea
+    double averageEdge = 0;      ///< mean length of the graph's edges, frame units
+    SurfaceReport report;        ///< components is left 0
 
     bool IsHeld(Index u) const { return !tag.empty() && tag[u] != 1; }
 };

@@ -20,22 +20,41 @@ void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regi
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
 }
 
-SurfaceRegions FindRegions(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
-    SurfaceRegions regions;
+FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
+    FreeComponents found;
+    const Csr &adjacency = surface.graph.adjacency;
     const auto isFree = [&](Index u) { return tag[std::size_t(u)] == 1; };
-    const Index components =
-        ConnectedComponents(surface.graph.adjacency, isFree, regions.regionOf, progress, readingStage);
-    std::vector<Index> number(std::size_t(components), -1);
-    for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (!isFree(u))
-            for (Index v : surface.graph.adjacency[u])
-                if (isFree(v))
-                    number[std::size_t(regions.regionOf[std::size_t(v)])] = 0;
-    for (Index &each : number)
-        if (each == 0)
-            each = regions.count++;
-    for (Index &region : regions.regionOf)
-        region = region < 0 ? -1 : number[std::size_t(region)];
+    found.count = ConnectedComponents(adjacency, isFree, found.componentOf, progress, readingStage);
+    found.isHeld.assign(std::size_t(found.count), 0);
+    const std::vector<Index> held =
+        CollectInOrder(progress, readingStage, surface.graph.Size(), [&](Index u, std::vector<Index> &list) {
+            if (!isFree(u))
+                list.push_back(u);
+        });
+    DisjointSets joined(found.count + Index(held.size())); // components, then held nodes
+    found.connected = found.count + Index(held.size());
+    for (std::size_t i = 0; i < held.size(); ++i)
+        for (Index v : adjacency[held[i]]) {
+            Index other = found.componentOf[std::size_t(v)];
+            if (other >= 0)
+                found.isHeld[std::size_t(other)] = 1;
+            else
+                other = found.count + Index(std::lower_bound(held.begin(), held.end(), v) - held.begin());
+            found.connected -= joined.Join(found.count + Index(i), other);
+        }
+    return found;
+}
+
+SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents components) {
+    SurfaceRegions regions;
+    std::vector<Index> number(std::size_t(components.count), -1);
+    for (std::size_t c = 0; c < number.size(); ++c)
+        if (components.isHeld[c])
+            number[c] = regions.count++;
+    regions.regionOf = std::move(components.componentOf);
+    if (regions.count < components.count)
+        for (Index &region : regions.regionOf)
+            region = region < 0 ? -1 : number[std::size_t(region)];
     if (regions.count <= SurfaceRegions::most)
         return regions;
     std::vector<double> area(std::size_t(regions.count), 0);

@@ -23,8 +23,19 @@ struct SurfaceRegions {
     void Of(const Graph &graph, Index node, std::vector<Index> &regions) const;
 };
 
+/// The connected components of the free nodes of a surface.
+struct FreeComponents {
+    Index count = 0;
+    std::vector<Index> componentOf; ///< n, of the free nodes; -1 of others
+    std::vector<char> isHeld;       ///< count flags: a held node is beside it
+    Index connected = 0;            ///< connected components of all nodes
+};
+
 /// \param tag of each node of \p surface; 1 is free
-SurfaceRegions FindRegions(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress);
+FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress);
+
+/// \param components of \p surface
+SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents components);
 
 /// A part of a mesh, to be read by itself: all that one region is read from.
 struct SubMesh {
