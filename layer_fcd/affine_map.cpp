@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
+#include <cmath>
 
 namespace {
 
@@ -33,11 +34,26 @@ std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &f
         spread += (from[i] - middle) * (from[i] - middle).transpose();
         both += (to[i] - newMiddle) * (from[i] - middle).transpose();
     }
-    // As thin as a thousandth: what is beside it would be off by thousands of roundings. (These are squares of sizes.)
-    if (isFlat(singularValues(spread), 1e-6))
-        return {};
+    const Eigen::JacobiSVD<Eigen::Matrix3d> axes(spread, Eigen::ComputeFullU);
     Eigen::Affine3d map;
-    map.linear() = both * spread.inverse();
+    // As thin as a thousandth: what is beside it would be off by thousands of roundings. (These are squares of sizes.)
+    const double thin = 1e-6;
+    if (!isFlat(axes.singularValues(), thin)) {
+        map.linear() = both * spread.inverse();
+    } else if (axes.singularValues()[1] > thin * axes.singularValues()[0]) {
+        // What lies in a plane tells what is beside it where it was turned, moved and scaled as a whole, and not
+        // mirrored.
+        const Eigen::Vector3d u = axes.matrixU().col(0), v = axes.matrixU().col(1),
+                              a = both * u / axes.singularValues()[0], b = both * v / axes.singularValues()[1],
+                              normal = a.cross(b);
+        const double alike = 1e-3;
+        if (!(std::abs(a.norm() - b.norm()) <= alike * a.norm() && std::abs(a.dot(b)) <= alike * normal.norm()))
+            return {};
+        map.linear() = a * u.transpose() + b * v.transpose() +
+                       normal * (std::sqrt(normal.norm()) / normal.norm()) * u.cross(v).transpose();
+    } else {
+        return {};
+    }
     map.translation() = newMiddle - map.linear() * middle;
     if (isFlat(singularValues(map.linear()), 1e-3))
         return {};

@@ -227,6 +227,20 @@ def test_applies_follow_a_layer_that_was_moved_as_a_whole(move, cloud):
     assert np.abs(ms.current_mesh().vertex_matrix() - fresh.current_mesh().vertex_matrix()).max() < 1e-6 * size
 
 
+def test_a_flat_layer_that_was_turned_as_a_whole_goes_back():
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0, 4, 40), np.linspace(0, 2, 20), indexing="ij"))
+    first = np.arange(800).reshape(40, 20)[:-1, :-1].ravel()
+    faces = np.concatenate([np.stack([first, first + 20, first + 1], 1), np.stack([first + 1, first + 20, first + 21], 1)])
+    ms, fresh = pymeshlab.MeshSet(), pymeshlab.MeshSet()
+    for each in ms, fresh:
+        each.add_mesh(pymeshlab.Mesh(np.stack([x, y, 0 * x], 1), faces, v_scalar_array=np.where(x < 0.5, 0.0, np.where(x > 3.5, 2.0, 1.0))))
+    ms.apply_filter(POSE, translation=np.array([0, 1.0, 0]))
+    for each in ms, fresh:
+        turn(each)
+    ms.apply_filter(RESET, to=1)
+    assert np.abs(ms.current_mesh().vertex_matrix() - fresh.current_mesh().vertex_matrix()).max() < 1e-9
+
+
 @pytest.mark.parametrize("filter", [POSE, RESET])
 def test_the_log_says_that_the_rest_shape_follows(capfd, filter):
     ms = clean_bone()

@@ -24,7 +24,7 @@ double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &
                                            const Progress &progress) const {
     std::shared_ptr<const KeptPose> same;
     {
-        const std::lock_guard<std::mutex> guard(lock);
+        const std::lock_guard<std::mutex> guard(keptLock);
         if (kept && kept->solver == solver && kept->pose.given == pose.given &&
             kept->pose.solved.position == pose.solved.position && kept->pose.solved.linear == pose.solved.linear)
             same = kept;
@@ -40,7 +40,7 @@ double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &
     if (same) {
         auto known = std::make_shared<KeptPose>(*same);
         known->error = error;
-        const std::lock_guard<std::mutex> guard(lock);
+        const std::lock_guard<std::mutex> guard(keptLock);
         if (kept == same)
             kept = std::move(known);
     }

@@ -119,7 +119,7 @@ class DeformerMaker {
         };
         const int most = MostOf(read);
         if (std::any_of(same.begin(), same.end(), [&](const auto &each) {
-                return each->patches0 != patchesOf(each->surface) || each->most != most;
+                return each->askedPatches != patchesOf(each->surface) || each->most != most;
             }))
             return false;
         std::vector<std::shared_ptr<const RegionDeformer>> regions(read.size());

@@ -31,7 +31,7 @@ void DeformationParam::Validate() const {
 
 RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf,
                                const Progress &progress)
-    : MovingRegion(std::move(read.surface), std::move(read.held)), patches0(param.graph.initialPatches),
+    : MovingRegion(std::move(read.surface), std::move(read.held)), askedPatches(param.graph.initialPatches),
       most(read.most), point(std::move(read.point)), param(param), beyond(param.graphWeights) {
     this->param.nodes = {};
     weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
@@ -145,7 +145,7 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
         motions.push_back(way(step, steps));
     motions.push_back(std::move(end));
     if (!begin) {
-        const std::lock_guard<std::mutex> guard(lock);
+        const std::lock_guard<std::mutex> guard(keptLock);
         if (kept && kept->solver == solver && kept->way == motions)
             return kept->pose;
     }
@@ -170,14 +170,14 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
     }
     if (!begin) {
         auto found = std::make_shared<KeptPose>(KeptPose{solver, std::move(motions), pose, -1});
-        const std::lock_guard<std::mutex> guard(lock);
+        const std::lock_guard<std::mutex> guard(keptLock);
         kept = std::move(found);
     }
     return pose;
 }
 
 std::shared_ptr<const RegionPose> RegionDeformer::Kept(const HeldMotions &motions) const {
-    const std::lock_guard<std::mutex> guard(lock);
+    const std::lock_guard<std::mutex> guard(keptLock);
     if (!kept || !(kept->way.back() == motions))
         return nullptr;
     return {kept, &kept->pose};

@@ -111,7 +111,7 @@ class RegionDeformer : public MovingRegion {
     /// NaN where it cannot be told. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
-    const int patches0;                          ///< GraphParam::initialPatches that it was prepared with
+    const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with
     const int most;                              ///< as of ReadRegion
     bool IsLimited() const { return isLimited; } ///< whether it would have more patches than that
     double Reach() const { return reach; }       ///< D, frame units, or what is about that, and the same for all seeds
@@ -162,8 +162,9 @@ class RegionDeformer : public MovingRegion {
         int count = 0;                                    // of these
     };
     std::map<Index, Holding> holding; // the tags that hold it, but for points
-    mutable std::mutex lock;          // of what follows
+    mutable std::mutex lock;          // of the next one, for as long as it takes to make it
     mutable std::shared_ptr<const System> latest;
+    mutable std::mutex keptLock; // of the next one
     mutable std::shared_ptr<const KeptPose> kept;
 };
 
