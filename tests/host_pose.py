@@ -236,7 +236,7 @@ def test_a_flat_layer_that_was_turned_as_a_whole_goes_back():
         each.add_mesh(pymeshlab.Mesh(np.stack([x, y, 0 * x], 1), faces, v_scalar_array=np.where(x < 0.5, 0.0, np.where(x > 3.5, 2.0, 1.0))))
     ms.apply_filter(POSE, translation=np.array([0, 1.0, 0]))
     for each in ms, fresh:
-        turn(each)
+        each.apply_filter("compute_matrix_from_translation_rotation_scale", freeze=True, rotationx=20.0, rotationz=30.0, translationy=0.7)
     ms.apply_filter(RESET, to=1)
     assert np.abs(ms.current_mesh().vertex_matrix() - fresh.current_mesh().vertex_matrix()).max() < 1e-9
 
