@@ -107,7 +107,7 @@ DEFORM_PARAMETERS = [
     ("use_graph_layer", "RichBool", False),
     ("graph_layer", "RichMesh", 0),
     ("target_radius", "RichAbsPerc", 0.0),
-    ("initial_patches", "RichInt", 300),
+    ("initial_patches", "RichInt", 0),
     ("random_seed", "RichInt", 1),
     ("smoothness", "RichFloat", 0.0058),
     ("max_iterations", "RichInt", 1000),

@@ -56,7 +56,7 @@ def like(handle_layer):
 
 def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_file="", transforms="", point_handles_file="",
                   translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0, rotation_center=0, rotation_point=(0, 0, 0), matrix=np.eye(4),
-                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=300, random_seed=1, smoothness=0.0058,
+                  use_graph_layer=False, graph_layer=0, target_radius=0, initial_patches=0, random_seed=1, smoothness=0.0058,
                   max_iterations=1000, tolerance=1e-5, graph_weights=0, weights=0, influence=4, loose_parts=0, pose=100, graph_layers=True,
                   deformed_quality=0, handle_layer=None):
     return ('<filter name="FCD: Deform Mesh">' + choice("handles", handles, 4) +
@@ -81,7 +81,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
 
 
 def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0,
-                rotation_center=0, rotation_point=(0, 0, 0), initial_patches=300, smoothness=0.0058, pose=100, handle_layer=None):
+                rotation_center=0, rotation_point=(0, 0, 0), initial_patches=0, smoothness=0.0058, pose=100, handle_layer=None):
     """This host's dialogs do not scroll: the others have their defaults."""
     return ('<filter name="FCD: Pose in Place">' + choice("handles", handles, 4) + parameter("String", "tag_attribute", value=tag_attribute) +
             parameter("String", "transforms", value=transforms) + point("translation", translation) +
@@ -124,7 +124,7 @@ def sequence_filter(poses_file, folder=None, frame_layers=1, gltf_shapes=0):
             parameter("SaveFile", "gltf_file", value=file("bone.glb"), ext="*.glb") + choice("gltf_shapes", gltf_shapes, 2) +
             parameter("SaveFile", "pc2_file", value=file("bone.pc2"), ext="*.pc2") +
             parameter("SaveFile", "save_poses_file", value=file("again.csv"), ext="*.csv") +
-            parameter("Int", "initial_patches", value=300) + parameter("Float", "smoothness", value=0.0058) +
+            parameter("Int", "initial_patches", value=0) + parameter("Float", "smoothness", value=0.0058) +
             parameter("Int", "random_seed", value=1) + choice("handles", 0, 4) + parameter("String", "tag_attribute", value="fcd_tag") +
             parameter("OpenFile", "tag_file", value="", exts_cardinality=1, exts_val0="*.sel") + "</filter>")
 
