@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CENTROIDAL_DEFORMATION_H
+#define VCG_FCD_CENTROIDAL_DEFORMATION_H
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/surface/read_surface.h>
@@ -44,3 +45,5 @@ fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &h
 }
 
 } // namespace vcg::tri
+
+#endif

@@ -185,6 +185,7 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
     CentroidalGraph result;
     result.geometry = GeometryOf(surface, patches, graph);
     std::vector<MovingRegion::Bent> vertices;
+    vertices.reserve(surface.slots.size());
     for (std::uint32_t slot : surface.slots)
         vertices.push_back({slot, surface.nodeOf[slot]});
     TakeNormals(normal, vertices, patches, result.geometry);

@@ -73,12 +73,14 @@ SurfacePose Deformer::Solve(HeldMotions motions, const SolverParam &solver, cons
                             const Progress &progress) const {
     std::vector<RegionPose> poses(regions.size());
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
-        HeldMotions own = Region(i).OwnOf(motions);
+        const HeldMotions own = Region(i).OwnOf(motions);
         const RegionPose *before = RegionOf(last, i);
-        const auto kept = before ? nullptr : Region(i).Kept(own);
-        poses[i] = kept                             ? *kept
-                   : before && IsAsIn(*before, own) ? *before
-                                                    : Region(i).Solve(std::move(own), solver, before, part);
+        if (const auto kept = before ? nullptr : Region(i).Kept(own))
+            poses[i] = *kept;
+        else if (before && IsAsIn(*before, own))
+            poses[i] = *before;
+        else
+            poses[i] = Region(i).Solve(own, solver, before, part);
     });
     return SumOf(std::move(motions), std::move(poses));
 }

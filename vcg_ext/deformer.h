@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DEFORMER_H
+#define VCG_FCD_DEFORMER_H
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/carrier.h>
@@ -193,3 +194,5 @@ DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal,
                                 const DeformationParam &param, const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

@@ -82,12 +82,11 @@ class DeformerMaker {
                 isPoint[i] ^= 1;
         for (std::size_t i = 0; i < isPoint.size(); ++i)
             changed[i] |= isPoint[i];
-        for (std::size_t r = 0; r < kept->regions.size(); ++r) {
-            const MovingRegion &region = *kept->regions[r];
+        for (const auto &region : kept->regions) {
             const auto isSame = [&](const MovingRegion::Bent &vertex) { return !changed[vertex.slot]; };
-            if (std::all_of(region.bent.begin(), region.bent.end(), isSame) &&
-                std::all_of(region.beside.begin(), region.beside.end(), isSame))
-                same.push_back(std::static_pointer_cast<const RegionDeformer>(kept->regions[r]));
+            if (std::all_of(region->bent.begin(), region->bent.end(), isSame) &&
+                std::all_of(region->beside.begin(), region->beside.end(), isSame))
+                same.push_back(std::static_pointer_cast<const RegionDeformer>(region));
         }
         return same;
     }
@@ -104,6 +103,7 @@ class DeformerMaker {
     /// Prepares what was read. \return whether what is kept has as many patches as it would have now
     bool Prepare(std::vector<ReadRegion> &read, const Progress &progress) {
         std::vector<std::pair<std::uint32_t, double>> areas; // by the first slot, as sums depend on the order
+        areas.reserve(read.size() + same.size());
         for (const ReadRegion &each : read)
             areas.emplace_back(each.first, AreaOf(each.surface));
         for (const auto &each : same)
@@ -151,6 +151,7 @@ class DeformerMaker {
     int MostOf(const std::vector<ReadRegion> &read) const {
         const std::int64_t mostOfAll = 30000;
         std::vector<Index> nodes; // no region has more patches
+        nodes.reserve(read.size() + same.size());
         for (const ReadRegion &each : read)
             nodes.push_back(each.surface.graph.Size());
         for (const auto &each : same)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_H
+#define VCG_FCD_FIT_H
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/fit/fit_samples.h>
@@ -168,3 +169,5 @@ class Fitter {
 };
 
 } // namespace vcg::fcd
+
+#endif

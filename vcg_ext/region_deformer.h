@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_REGION_DEFORMER_H
+#define VCG_FCD_REGION_DEFORMER_H
 
 #include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/map/moving_region.h>
@@ -172,3 +173,5 @@ class RegionDeformer : public MovingRegion {
 double DiagonalOf(const DeformationGraph &graph);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_REGION_READER_H
+#define VCG_FCD_REGION_READER_H
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/surface/loose_parts.h>
@@ -63,3 +64,5 @@ class RegionReader {
 };
 
 } // namespace vcg::fcd
+
+#endif

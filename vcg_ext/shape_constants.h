@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SHAPE_CONSTANTS_H
+#define VCG_FCD_SHAPE_CONSTANTS_H
 
 namespace vcg::fcd {
 
@@ -50,3 +51,5 @@ struct ShapeConstants {
 };
 
 } // namespace vcg::fcd
+
+#endif

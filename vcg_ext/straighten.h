@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_STRAIGHTEN_H
+#define VCG_FCD_STRAIGHTEN_H
 
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/line/line_motion.h>
@@ -61,3 +62,5 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &def
                                     const FramedLine &line, const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

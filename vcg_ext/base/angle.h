@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ANGLE_H
+#define VCG_FCD_ANGLE_H
 
 #include <algorithm>
 #include <cmath>
@@ -20,3 +21,5 @@ inline float AngleOfCotangent(float cotangent) {
 }
 
 } // namespace vcg::fcd
+
+#endif

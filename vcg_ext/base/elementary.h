@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ELEMENTARY_H
+#define VCG_FCD_ELEMENTARY_H
 
 #include <algorithm>
 #include <cmath>
@@ -128,3 +129,5 @@ inline double Power(double x, double y) { return Exponential(y * Logarithm(x)); 
 inline double Squared(double x) { return x * x; }
 
 } // namespace vcg::fcd::detail
+
+#endif

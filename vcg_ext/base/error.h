@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ERROR_H
+#define VCG_FCD_ERROR_H
 
 #include <stdexcept>
 
@@ -30,3 +31,5 @@ struct Cancelled : std::runtime_error {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FRAME_H
+#define VCG_FCD_FRAME_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -86,3 +87,5 @@ BadInput NotFinite(std::size_t vertex);
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_H
+#define VCG_FCD_GRAPH_H
 
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/lists.h>
@@ -161,8 +162,8 @@ class DisjointSets {
     }
     /// That of each. The last that is asked.
     std::vector<Index> TakeRoots() {
-        for (Index u = 0; u < Index(parent.size()); ++u) // ascending: that of the parent is known
-            parent[u] = parent[parent[u]];
+        for (Index &each : parent) // ascending: that of the parent is known
+            each = parent[each];
         return std::move(parent);
     }
 
@@ -213,3 +214,5 @@ inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &component
 }
 
 } // namespace vcg::fcd
+
+#endif

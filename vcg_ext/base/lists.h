@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LISTS_H
+#define VCG_FCD_LISTS_H
 
 #include <vcg_ext/base/memory.h>
 
@@ -41,3 +42,5 @@ std::vector<Item> Together(std::vector<std::vector<Item>> &lists) {
 }
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MEMORY_H
+#define VCG_FCD_MEMORY_H
 
 #include <cstddef>
 #include <cstdint>
@@ -60,3 +61,5 @@ void AssignLarge(std::vector<T> &array, std::size_t n, const T &value) {
 }
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MORTON_H
+#define VCG_FCD_MORTON_H
 
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
@@ -56,3 +57,5 @@ inline std::uint32_t MortonCode(float x, float y, float z) {
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_NEAREST_OTHERS_H
+#define VCG_FCD_NEAREST_OTHERS_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/point_tree.h>
@@ -213,3 +214,5 @@ class NearestOthers {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PARALLEL_H
+#define VCG_FCD_PARALLEL_H
 
 #include <algorithm>
 #include <cstddef>
@@ -47,3 +48,5 @@ class RangeResults {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_POINT_TREE_H
+#define VCG_FCD_POINT_TREE_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -7,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -237,7 +239,7 @@ class PointTree {
         Index number;
     };
 
-    static Scalar Ordered(Scalar x) { return x == x ? x : std::numeric_limits<Scalar>::infinity(); }
+    static Scalar Ordered(Scalar x) { return std::isnan(x) ? std::numeric_limits<Scalar>::infinity() : x; }
     static std::size_t Place(int level, std::size_t j) { return (std::size_t(1) << level) - 1 + j; }
     std::size_t Begin(int level, std::size_t j) const { return std::size_t(std::uint64_t(n) * j >> level); }
 
@@ -319,3 +321,5 @@ inline std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position
 }
 
 } // namespace vcg::fcd
+
+#endif

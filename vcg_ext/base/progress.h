@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PROGRESS_H
+#define VCG_FCD_PROGRESS_H
 
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
@@ -105,3 +106,5 @@ class Stopwatch {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ROTATION_FIT_H
+#define VCG_FCD_ROTATION_FIT_H
 
 #include <Eigen/Core>
 
@@ -25,3 +26,5 @@ Eigen::Matrix3d FitRotation(const Eigen::Matrix3d &s);
 Eigen::Matrix3d RotationOf(const Eigen::Matrix3d &linear);
 
 } // namespace vcg::fcd::detail
+
+#endif

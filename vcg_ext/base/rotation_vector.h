@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ROTATION_VECTOR_H
+#define VCG_FCD_ROTATION_VECTOR_H
 
 #include <vcg_ext/base/elementary.h>
 
@@ -48,3 +49,5 @@ inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d &w) {
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SORT_SHORT_H
+#define VCG_FCD_SORT_SHORT_H
 
 #include <algorithm>
 
@@ -34,3 +35,5 @@ void SortDiffering(const T *from, T *to) {
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

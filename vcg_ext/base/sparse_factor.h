@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SPARSE_FACTOR_H
+#define VCG_FCD_SPARSE_FACTOR_H
 
 #include <vcg_ext/base/progress.h>
 
@@ -121,3 +122,5 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SYMMETRIC_EIGEN_H
+#define VCG_FCD_SYMMETRIC_EIGEN_H
 
 #include <vcg_ext/base/elementary.h>
 
@@ -57,3 +58,5 @@ class SymmetricEigen {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_UNFUSED_ARM_H
+#define VCG_FCD_UNFUSED_ARM_H
 
 /// \file
 /// Included before all else on 64-bit ARM (CMakeLists.txt), where Eigen would give other bits than elsewhere. It fuses
@@ -20,4 +21,6 @@ struct find_best_packet<float, Size> {
 };
 } // namespace internal
 } // namespace Eigen
+#endif
+
 #endif

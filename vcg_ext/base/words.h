@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_WORDS_H
+#define VCG_FCD_WORDS_H
 
 #include <vcg_ext/base/error.h>
 
@@ -182,3 +183,5 @@ std::string ToText(Number value) {
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

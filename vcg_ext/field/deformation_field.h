@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DEFORMATION_FIELD_H
+#define VCG_FCD_DEFORMATION_FIELD_H
 
 #include <vcg_ext/surface/nearest_place.h>
 
@@ -46,3 +47,5 @@ class DeformationField {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DEFORMATION_FILE_H
+#define VCG_FCD_DEFORMATION_FILE_H
 
 #include <vcg_ext/field/deformation_field.h>
 
@@ -36,3 +37,5 @@ FieldSamples ReadDeformationText(const std::string &text, const std::string &nam
 FieldSamples ReadDeformationFile(const std::string &path);
 
 } // namespace vcg::fcd
+
+#endif

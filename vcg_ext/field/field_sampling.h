@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIELD_SAMPLING_H
+#define VCG_FCD_FIELD_SAMPLING_H
 
 #include <vcg_ext/field/deformation_field.h>
 #include <vcg_ext/surface/surface_arrays.h>
@@ -47,3 +48,5 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
 Index Invert(std::vector<Eigen::Matrix3f> &linear);
 
 } // namespace vcg::fcd
+
+#endif

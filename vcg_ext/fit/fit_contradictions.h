@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_CONTRADICTIONS_H
+#define VCG_FCD_FIT_CONTRADICTIONS_H
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -35,3 +36,5 @@ constexpr double tornStrain = 1.4142135623730951;
 constexpr double noHand = 0.01;
 
 } // namespace vcg::fcd
+
+#endif

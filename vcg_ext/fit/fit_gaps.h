@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_GAPS_H
+#define VCG_FCD_FIT_GAPS_H
 
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_samples.h>
@@ -28,3 +29,5 @@ class FitGaps {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_LANDMARKS_H
+#define VCG_FCD_FIT_LANDMARKS_H
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -26,3 +27,5 @@ double MoveTowards(const FitSamples &samples, std::size_t first, const std::vect
                    const std::vector<char> &isFree, GraphPose &pose);
 
 } // namespace vcg::fcd
+
+#endif

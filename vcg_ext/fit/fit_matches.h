@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_MATCHES_H
+#define VCG_FCD_FIT_MATCHES_H
 
 #include <vcg_ext/fit/fit_samples.h>
 #include <vcg_ext/fit/fit_system.h>
@@ -80,3 +81,5 @@ class FitMatches {
 double Quantile(std::vector<double> values, double part);
 
 } // namespace vcg::fcd
+
+#endif

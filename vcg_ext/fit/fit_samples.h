@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_SAMPLES_H
+#define VCG_FCD_FIT_SAMPLES_H
 
 #include <vcg_ext/deformer.h>
 
@@ -46,3 +47,5 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
                                             const std::vector<Index> &node);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_START_H
+#define VCG_FCD_FIT_START_H
 
 #include <vcg_ext/fit/fit_target.h>
 
@@ -40,3 +41,5 @@ struct FitPlacement {
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
 
 } // namespace vcg::fcd
+
+#endif

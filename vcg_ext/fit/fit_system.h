@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_SYSTEM_H
+#define VCG_FCD_FIT_SYSTEM_H
 
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -64,3 +65,5 @@ class FitSystem {
 };
 
 } // namespace vcg::fcd
+
+#endif

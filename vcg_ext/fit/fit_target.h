@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FIT_TARGET_H
+#define VCG_FCD_FIT_TARGET_H
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
@@ -93,3 +94,5 @@ class FitTarget {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ONE_SIDED_H
+#define VCG_FCD_ONE_SIDED_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -20,3 +21,5 @@ using Corners = std::array<Index, 3>;
 void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle);
 
 } // namespace vcg::fcd
+
+#endif

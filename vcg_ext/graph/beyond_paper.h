@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_BEYOND_PAPER_H
+#define VCG_FCD_BEYOND_PAPER_H
 
 namespace vcg::fcd {
 
@@ -35,3 +36,5 @@ struct BeyondPaper {
 };
 
 } // namespace vcg::fcd
+
+#endif

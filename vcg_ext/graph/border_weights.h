@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_BORDER_WEIGHTS_H
+#define VCG_FCD_BORDER_WEIGHTS_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/graph/deformation_graph.h>
@@ -67,3 +68,5 @@ void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::v
 void WeighBorders(const Quotient<Flux> &dual, GraphWeights weights, const ShapeConstants &shape, DeformationGraph &d);
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_COARSE_GRAPH_H
+#define VCG_FCD_COARSE_GRAPH_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
@@ -23,3 +24,5 @@ CoarseGraph Coarsen(const DeformationGraph &fine, const std::vector<double> &are
                     GraphWeights weights, const ShapeConstants &shape = {});
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DEFORMATION_GRAPH_H
+#define VCG_FCD_DEFORMATION_GRAPH_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/graph/beyond_paper.h>
@@ -41,3 +42,5 @@ void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches
                     const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_HELD_NODES_H
+#define VCG_FCD_HELD_NODES_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -111,3 +112,5 @@ void OpenSmallParts(const Graph &surface, const std::vector<Index> &tag, const S
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_NODE_CONSTRAINTS_H
+#define VCG_FCD_NODE_CONSTRAINTS_H
 
 #include <Eigen/Geometry>
 #include <vector>
@@ -15,3 +16,5 @@ struct NodeConstraints {
 };
 
 } // namespace vcg::fcd
+
+#endif

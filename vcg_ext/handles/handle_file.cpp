@@ -69,7 +69,9 @@ std::vector<PointPair> ReadPointHandleText(const std::string &text, const std::s
                         " numbers; expected 4 (vertex and target) or 6 (start and target), with a point for decimals");
         if (number.size() == 6)
             pair.start << number[0], number[1], number[2];
-        else if ((pair.vertex = reader.IndexOfRow()) < 0)
+        else
+            pair.vertex = reader.IndexOfRow();
+        if (number.size() == 4 && pair.vertex < 0)
             reader.Fail("expected the number of a vertex (0 or more) as the first of 4 numbers");
         pair.target = Eigen::Map<const Eigen::Vector3d>(number.data() + number.size() - 3);
         pairs.push_back(pair);

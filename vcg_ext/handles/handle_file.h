@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_HANDLE_FILE_H
+#define VCG_FCD_HANDLE_FILE_H
 
 #include <vcg_ext/handles/handles.h>
 
@@ -50,3 +51,5 @@ std::string TagText(const std::vector<int> &tag);
 std::string TransformText(const std::vector<Eigen::Matrix4d> &matrix);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_HANDLES_H
+#define VCG_FCD_HANDLES_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -88,3 +89,5 @@ void ExpectTags(const std::vector<int> &tag, std::size_t slots);
 TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned threads = 0);
 
 } // namespace vcg::fcd
+
+#endif

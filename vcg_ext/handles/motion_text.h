@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MOTION_TEXT_H
+#define VCG_FCD_MOTION_TEXT_H
 
 #include <vcg_ext/handles/handles.h>
 
@@ -18,7 +19,7 @@ struct MotionStep {
     Eigen::Vector3d vector = Eigen::Vector3d::Zero(); ///< translation; axis, any length but 0; or factors, > 0
     double degrees = 0;                               ///< Rotation: any angle, counterclockwise seen against the axis
     std::optional<Eigen::Vector3d> about =
-        {}; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
+        std::nullopt; ///< Rotation, Scaling: what stays in place; none: the handle's barycentre
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< Matrix: affine
 
     static MotionStep Translate(const Eigen::Vector3d &by) { return {Translation, by}; }
@@ -60,3 +61,5 @@ std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion
 Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &barycenter);
 
 } // namespace vcg::fcd
+
+#endif

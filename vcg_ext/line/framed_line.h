@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FRAMED_LINE_H
+#define VCG_FCD_FRAMED_LINE_H
 
 #include <Eigen/Core>
 #include <vector>
@@ -54,3 +55,5 @@ class FramedLine {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LINE_JITTER_H
+#define VCG_FCD_LINE_JITTER_H
 
 #include <Eigen/Core>
 
@@ -22,3 +23,5 @@ struct SteadyPoints {
 SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LINE_MOTION_H
+#define VCG_FCD_LINE_MOTION_H
 
 #include <vcg_ext/line/framed_line.h>
 
@@ -79,3 +80,5 @@ struct LineGoal {
 LineMotion MotionTo(const LineGoal &goal);
 
 } // namespace vcg::fcd
+
+#endif

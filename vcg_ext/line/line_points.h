@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LINE_POINTS_H
+#define VCG_FCD_LINE_POINTS_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -25,3 +26,5 @@ std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std
 Eigen::Matrix3Xd ReadLineText(const std::string &text, const std::string &name);
 
 } // namespace vcg::fcd
+
+#endif

@@ -12,8 +12,8 @@ std::vector<std::unique_ptr<const GraphMapping::Posed>> MappedOf(const MovingSur
     ParallelFor(threads, mapped.size(), 1, [&](std::size_t r, std::size_t) {
         const MovingRegion &region = *moving.regions[r];
         const RegionPose &its = pose.region[r];
-        mapped[r].reset(
-            new GraphMapping::Posed(region.mapping->At(its.graph, its.motion, region.surface.frame, threads)));
+        mapped[r] = std::make_unique<const GraphMapping::Posed>(*region.mapping, its.graph, its.motion,
+                                                                region.surface.frame, threads);
     });
     return mapped;
 }

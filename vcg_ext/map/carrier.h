@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CARRIER_H
+#define VCG_FCD_CARRIER_H
 
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/map/moving_surface.h>
@@ -162,3 +163,5 @@ class Carrier {
 };
 
 } // namespace vcg::fcd
+
+#endif

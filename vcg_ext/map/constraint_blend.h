@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CONSTRAINT_BLEND_H
+#define VCG_FCD_CONSTRAINT_BLEND_H
 
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/point_tree.h>
@@ -322,16 +323,14 @@ class ConstraintBlend {
                     for (std::size_t l = 0; l < lanes; ++l) {
                         const float dx = center[0] - x[0][l], dy = center[1] - x[1][l], dz = center[2] - x[2][l];
                         const float t = 1 - (dx * dx + (dy * dy + dz * dz)) / (reach * reach), w = t > 0 ? t * t : 0;
-                        sum[0][l] += w * in[0];
-                        sum[1][l] += w * in[1];
-                        sum[2][l] += w * in[2];
+                        for (int d = 0; d < 3; ++d)
+                            sum[d][l] += w * in[d];
                     }
                 }
                 for (std::size_t l = 0; l < b - a; ++l) {
                     const Eigen::Vector3f all(sum[0][l], sum[1][l], sum[2][l]);
-                    Held &each = held[seen[a + l].entry];
-                    if (const float length = all.norm(); length > 0)
-                        each.away = all * (each.distance * float(fade) / length);
+                    if (const auto e = seen[a + l].entry; all.norm() > 0)
+                        held[e].away = all * (held[e].distance * float(fade) / all.norm());
                 }
             }
         });
@@ -347,3 +346,5 @@ class ConstraintBlend {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DEFORMATION_CHECK_H
+#define VCG_FCD_DEFORMATION_CHECK_H
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/moving_surface.h>
@@ -40,3 +41,5 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_MAPPING_H
+#define VCG_FCD_GRAPH_MAPPING_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/map/mapping_kernel.h>
@@ -85,14 +86,15 @@ class GraphMapping {
         /// \param linear whether to give their linear maps, too
         void Map(const Index *node, int count, bool linear, Scratch &scratch) const;
 
+        /// As of At.
+        Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
+              const Frame &frame, unsigned threads);
         Posed(const Posed &) = delete;
         Posed &operator=(const Posed &) = delete;
 
       private:
         friend class GraphMapping;
 
-        Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
-              const Frame &frame, unsigned threads);
         void MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const;
         void SumStrain(Scratch &scratch) const;
         void RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const;
@@ -132,3 +134,5 @@ class GraphMapping {
 };
 
 } // namespace vcg::fcd
+
+#endif

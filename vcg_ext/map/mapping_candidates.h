@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MAPPING_CANDIDATES_H
+#define VCG_FCD_MAPPING_CANDIDATES_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/map/mapping_kernel.h>
@@ -330,3 +331,5 @@ class MappingCandidates {
 };
 
 } // namespace vcg::fcd
+
+#endif

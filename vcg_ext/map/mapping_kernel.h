@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MAPPING_KERNEL_H
+#define VCG_FCD_MAPPING_KERNEL_H
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -116,3 +117,5 @@ void TurnNormals(Vertices &v);
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

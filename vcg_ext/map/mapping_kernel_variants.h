@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MAPPING_KERNEL_VARIANTS_H
+#define VCG_FCD_MAPPING_KERNEL_VARIANTS_H
 
 #include <vcg_ext/map/mapping_kernel.h>
 
@@ -33,3 +34,5 @@ using Numbers = float __attribute__((vector_size(32)));
 #endif
 
 } // namespace vcg::fcd::detail
+
+#endif

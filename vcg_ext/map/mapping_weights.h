@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MAPPING_WEIGHTS_H
+#define VCG_FCD_MAPPING_WEIGHTS_H
 
 namespace vcg::fcd {
 
@@ -11,3 +12,5 @@ enum class MappingWeights {
 };
 
 } // namespace vcg::fcd
+
+#endif

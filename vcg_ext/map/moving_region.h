@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MOVING_REGION_H
+#define VCG_FCD_MOVING_REGION_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/held_nodes.h>
@@ -69,3 +70,5 @@ struct MovingRegion {
 };
 
 } // namespace vcg::fcd
+
+#endif

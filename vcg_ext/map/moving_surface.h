@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_MOVING_SURFACE_H
+#define VCG_FCD_MOVING_SURFACE_H
 
 #include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/surface/loose_parts.h>
@@ -78,3 +79,5 @@ struct MovingSurface {
 };
 
 } // namespace vcg::fcd
+
+#endif

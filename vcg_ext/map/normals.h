@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_NORMALS_H
+#define VCG_FCD_NORMALS_H
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -25,3 +26,5 @@ inline Eigen::Vector3d Turned(const Eigen::Matrix3f &map, const Eigen::Vector3d 
 }
 
 } // namespace vcg::fcd
+
+#endif

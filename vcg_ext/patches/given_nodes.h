@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GIVEN_NODES_H
+#define VCG_FCD_GIVEN_NODES_H
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_graph.h>
@@ -19,3 +20,5 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LLOYD_H
+#define VCG_FCD_LLOYD_H
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/graph.h>
@@ -244,3 +245,5 @@ struct Lloyd {
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PATCH_CLUSTERS_H
+#define VCG_FCD_PATCH_CLUSTERS_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/patches/lloyd.h>
@@ -242,3 +243,5 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

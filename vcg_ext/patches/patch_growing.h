@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PATCH_GROWING_H
+#define VCG_FCD_PATCH_GROWING_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -140,3 +141,5 @@ class PatchGrower {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

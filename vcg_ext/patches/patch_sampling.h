@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PATCH_SAMPLING_H
+#define VCG_FCD_PATCH_SAMPLING_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -67,3 +68,5 @@ Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std
                     const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

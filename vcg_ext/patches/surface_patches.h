@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SURFACE_PATCHES_H
+#define VCG_FCD_SURFACE_PATCHES_H
 
 #include <vcg_ext/patches/patch_sampling.h>
 #include <vcg_ext/surface/surface_graph.h>
@@ -37,3 +38,5 @@ Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag
                       const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FRAME_FILES_H
+#define VCG_FCD_FRAME_FILES_H
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -47,3 +48,5 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
 
 } // namespace detail
 } // namespace vcg::fcd
+
+#endif

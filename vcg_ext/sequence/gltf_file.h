@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GLTF_FILE_H
+#define VCG_FCD_GLTF_FILE_H
 
 #include <vcg_ext/sequence/frame_files.h>
 
@@ -64,3 +65,5 @@ class GltfFile {
 };
 
 } // namespace vcg::fcd
+
+#endif

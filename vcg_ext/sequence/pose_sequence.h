@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_POSE_SEQUENCE_H
+#define VCG_FCD_POSE_SEQUENCE_H
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -86,3 +87,5 @@ std::string PoseSequenceText(const PoseSequence &sequence);
 std::vector<double> FrameTimes(const PoseSequence &sequence, double rate);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SEQUENCE_FRAMES_H
+#define VCG_FCD_SEQUENCE_FRAMES_H
 
 #include <vcg_ext/sequence/frame_files.h>
 #include <vcg_ext/sequence/pose_sequence.h>
@@ -54,3 +55,5 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
                            const DeformationParam &param, const SequenceOutput &output, const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

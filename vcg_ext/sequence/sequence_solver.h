@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SEQUENCE_SOLVER_H
+#define VCG_FCD_SEQUENCE_SOLVER_H
 
 #include <vcg_ext/deformer.h>
 
@@ -40,3 +41,5 @@ class SequenceSolver {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_ANDERSON_H
+#define VCG_FCD_ANDERSON_H
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -59,3 +60,5 @@ class Anderson {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

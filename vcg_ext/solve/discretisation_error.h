@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_DISCRETISATION_ERROR_H
+#define VCG_FCD_DISCRETISATION_ERROR_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -27,3 +28,5 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
                            const ShapeConstants &shape = {}, const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

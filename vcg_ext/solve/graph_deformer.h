@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_DEFORMER_H
+#define VCG_FCD_GRAPH_DEFORMER_H
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/solve/anderson.h>
@@ -329,3 +330,5 @@ class GraphDeformer {
 };
 
 } // namespace vcg::fcd
+
+#endif

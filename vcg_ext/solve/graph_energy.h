@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_ENERGY_H
+#define VCG_FCD_GRAPH_ENERGY_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/solve/graph_unknowns.h>
@@ -247,3 +248,5 @@ class GraphEnergy {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_HESSIAN_H
+#define VCG_FCD_GRAPH_HESSIAN_H
 
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/base/sparse_factor.h>
@@ -151,3 +152,5 @@ class GraphHessian {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_LAPLACIAN_H
+#define VCG_FCD_GRAPH_LAPLACIAN_H
 
 #include <vcg_ext/base/sparse_factor.h>
 #include <vcg_ext/graph/deformation_graph.h>
@@ -145,3 +146,5 @@ class GraphLaplacian {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

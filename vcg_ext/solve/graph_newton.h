@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_NEWTON_H
+#define VCG_FCD_GRAPH_NEWTON_H
 
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/progress.h>
@@ -99,3 +100,5 @@ class GraphNewton {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

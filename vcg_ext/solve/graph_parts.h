@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_PARTS_H
+#define VCG_FCD_GRAPH_PARTS_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/graph/node_constraints.h>
@@ -45,3 +46,5 @@ class PartsDeformer {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_POSE_H
+#define VCG_FCD_GRAPH_POSE_H
 
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
@@ -37,3 +38,5 @@ void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, Gr
 void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose);
 
 } // namespace vcg::fcd
+
+#endif

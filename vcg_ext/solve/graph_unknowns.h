@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_GRAPH_UNKNOWNS_H
+#define VCG_FCD_GRAPH_UNKNOWNS_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -45,3 +46,5 @@ struct GraphUnknowns {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_PATCH_NUMBER_H
+#define VCG_FCD_PATCH_NUMBER_H
 
 namespace vcg::fcd {
 
@@ -31,3 +32,5 @@ constexpr double leastGain = 4.2e-6;
 int PatchesFor(int patches, double error, int most = mostPatches, double gain = leastGain);
 
 } // namespace vcg::fcd
+
+#endif

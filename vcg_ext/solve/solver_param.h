@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SOLVER_PARAM_H
+#define VCG_FCD_SOLVER_PARAM_H
 
 namespace vcg::fcd {
 
@@ -24,3 +25,5 @@ struct SolverParam {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LINE_PLACES_H
+#define VCG_FCD_LINE_PLACES_H
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/line/framed_line.h>
@@ -51,3 +52,5 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeforme
                                      const std::vector<double> &place, Index count, const Progress &progress);
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LINE_SECTIONS_H
+#define VCG_FCD_LINE_SECTIONS_H
 
 #include <vcg_ext/region_deformer.h>
 #include <vcg_ext/line/line_motion.h>
@@ -30,3 +31,5 @@ double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world
 LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CANDIDATES_BESIDE_H
+#define VCG_FCD_CANDIDATES_BESIDE_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -185,3 +186,5 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

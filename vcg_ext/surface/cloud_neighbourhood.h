@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CLOUD_NEIGHBOURHOOD_H
+#define VCG_FCD_CLOUD_NEIGHBOURHOOD_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/nearest_others.h>
@@ -239,3 +240,5 @@ class CloudNeighbourhood {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_CLOUD_PLACES_H
+#define VCG_FCD_CLOUD_PLACES_H
 
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/surface/cloud_neighbourhood.h>
@@ -109,3 +110,5 @@ struct PlaceRuns {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FACE_NORMALS_H
+#define VCG_FCD_FACE_NORMALS_H
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -11,3 +12,5 @@ namespace vcg::fcd {
 void FaceNormals(const SurfaceView &surface, const double *position, double *normal, unsigned threads = 0);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_FREE_REGION_H
+#define VCG_FCD_FREE_REGION_H
 
 #include <vcg_ext/surface/surface_arrays.h>
 
@@ -28,3 +29,5 @@ Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const st
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

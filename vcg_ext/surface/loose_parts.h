@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_LOOSE_PARTS_H
+#define VCG_FCD_LOOSE_PARTS_H
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_regions.h>
@@ -60,3 +61,5 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
                              const Progress &progress);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_NEAREST_PLACE_H
+#define VCG_FCD_NEAREST_PLACE_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -79,3 +80,5 @@ class NearestPlace {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_POINT_CLOUD_H
+#define VCG_FCD_POINT_CLOUD_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
-#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/sort_short.h>
@@ -205,3 +205,5 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

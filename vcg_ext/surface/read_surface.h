@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_READ_SURFACE_H
+#define VCG_FCD_READ_SURFACE_H
 
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/surface_arrays.h>
@@ -77,3 +78,5 @@ fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned
 }
 
 } // namespace vcg::tri
+
+#endif

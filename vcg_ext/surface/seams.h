@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SEAMS_H
+#define VCG_FCD_SEAMS_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/progress.h>
@@ -121,3 +122,5 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
 }
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SURFACE_ARRAYS_H
+#define VCG_FCD_SURFACE_ARRAYS_H
 
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/progress.h>
@@ -83,3 +84,5 @@ class SurfaceArrays {
 };
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SURFACE_GRAPH_H
+#define VCG_FCD_SURFACE_GRAPH_H
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/graph.h>
@@ -76,3 +77,5 @@ SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Region *region, co
 SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Progress &progress = {});
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SURFACE_REACH_H
+#define VCG_FCD_SURFACE_REACH_H
 
 #include <vcg_ext/base/graph.h>
 
@@ -14,3 +15,5 @@ std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &see
                                std::vector<double> *distances = nullptr);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_SURFACE_REGIONS_H
+#define VCG_FCD_SURFACE_REGIONS_H
 
 #include <vcg_ext/surface/surface_graph.h>
 
@@ -56,3 +57,5 @@ std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &su
                                  const SurfaceRegions &regions, const Progress &progress);
 
 } // namespace vcg::fcd
+
+#endif

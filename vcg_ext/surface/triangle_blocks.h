@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_TRIANGLE_BLOCKS_H
+#define VCG_FCD_TRIANGLE_BLOCKS_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -113,3 +114,5 @@ inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_TRIANGLE_GRAPH_H
+#define VCG_FCD_TRIANGLE_GRAPH_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -285,3 +286,5 @@ inline double SumOfEdges(const Eigen::Matrix3Xf &position, const Csr &adjacency,
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_TRIANGLE_STRETCH_H
+#define VCG_FCD_TRIANGLE_STRETCH_H
 
 #include <vcg_ext/base/elementary.h>
 
@@ -29,3 +30,5 @@ TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, co
                           const Eigen::Vector3d &nowB);
 
 } // namespace vcg::fcd
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_TRIANGLE_TREE_H
+#define VCG_FCD_TRIANGLE_TREE_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -326,3 +327,5 @@ class TriangleTree {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_VERTEX_CHUNKS_H
+#define VCG_FCD_VERTEX_CHUNKS_H
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
@@ -82,3 +83,5 @@ void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart 
 }
 
 } // namespace vcg::fcd::detail
+
+#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#pragma once
+#ifndef VCG_FCD_VERTEX_WELDING_H
+#define VCG_FCD_VERTEX_WELDING_H
 
 #include <vcg_ext/base/graph.h>
 #include <vcg_ext/base/memory.h>
@@ -155,3 +156,5 @@ class VertexWelder {
 };
 
 } // namespace vcg::fcd::detail
+
+#endif
