@@ -12,7 +12,7 @@
 HandleParam BendSession::handleParam() const {
     HandleParam param;
     param.source = HandleParam::Attribute;
-    param.tagAttribute = appliedTags;
+    param.tagAttribute = QString::fromStdString(appliedTags(document, layer));
     param.transforms = QString::fromStdString(motionText());
     return param;
 }
@@ -25,9 +25,9 @@ void BendSession::handOver() {
 
 void BendSession::writeAppliedTags() {
     TagTarget target;
-    target.attribute = appliedTags;
+    target.attribute = QString::fromStdString(appliedTags(document, layer));
     target.colorize = false;
-    writeTags(layer, *effective, target);
+    writeTags(document, layer, *effective, target);
 }
 
 /// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
@@ -50,7 +50,8 @@ std::string BendSession::poseByFilter(const Remark &remark) {
     handOver();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
-        resetPose(layer, {true, ResetPoseParam::LastShape}, {}); // poses begin with the shape that it has here
+        resetPose(document, layer, {true, ResetPoseParam::LastShape},
+                  {}); // poses begin with the shape that it has here
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
     applying(remark).pose(param, vcg::fcd::Progress());

@@ -28,7 +28,7 @@ std::string quoted(const std::string &text) {
 } // namespace
 
 std::string BendSession::filterCall(const std::string &script, const BendCall &call, const std::string &more) const {
-    std::string text = "ms.apply_filter('" + script + "', handles=2, tag_attribute='" + appliedTags +
+    std::string text = "ms.apply_filter('" + script + "', handles=2, tag_attribute='" + appliedTags(document, layer) +
                        "', transforms=" + quoted(call.transforms);
     const BendOptions defaults;
     if (call.pose != defaults.pose)
@@ -93,7 +93,7 @@ std::string BendSession::blendCall() const {
     table.key = {{0, vcg::fcd::Easing::Linear, now.weights}};
     return "open('poses.csv', 'w', encoding='utf-8').write(" + quoted(PoseSequenceText(table)) +
            "); ms.apply_filter('generate_fcd_pose_sequence', poses_file='poses.csv', handles=2, tag_attribute='" +
-           appliedTags + "'" + shapeCall() + ")";
+           appliedTags(document, layer) + "'" + shapeCall() + ")";
 }
 
 std::string BendSession::callInPlace() const {

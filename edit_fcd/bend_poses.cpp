@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_session.h"
 
-#include <layer_fcd/kept_poses.h>
+#include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/marks.h>
 #include <layer_fcd/motion_sources.h>
@@ -115,8 +115,8 @@ std::string BendSession::keepPose() {
     poses.key.push_back({poses.key.back().time + 1, Easing::Smooth, alone});
     setPoses(std::move(poses));
     blend(alone);
-    return std::string("ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='") + appliedTags + "'" +
-           shapeCall() + ")";
+    return std::string("ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='") +
+           appliedTags(document, layer) + "'" + shapeCall() + ")";
 }
 
 std::optional<std::size_t> BendSession::poseOfName(const std::string &name, std::size_t number) const {

@@ -195,9 +195,9 @@ void BendSession::freeGaps(BendTags &made) {
 void BendSession::writeMarks() {
     dropMarks(layer);
     if (now.marks)
-        setMarks(layer, *now.marks);
+        setMarks(document, layer, *now.marks);
     else if (marksNow(layer)) // it has tags elsewhere, which are not to be seen
-        setMarks(layer, BendTags(layer.cm.vert.size(), 1));
+        setMarks(document, layer, BendTags(layer.cm.vert.size(), 1));
     isMarkedHere = hasMarks(layer);
 }
 

@@ -295,7 +295,7 @@ std::string FitSession::applyInPlace(const MeshModel &target) {
     restore();
     applied.resize(now.applies);
     applied.push_back(shapeAtRest);
-    poseFitted(layer, *fitted);
+    poseFitted(document, layer, *fitted);
     ++now.applies;
     now.shape = FitShape::Rest;
     keepRest();

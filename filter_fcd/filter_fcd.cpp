@@ -136,16 +136,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
-    case ResetPose: resetPose(input(document), resetPoseParam(parameters), toLog()); return {};
+    case ResetPose: resetPose(document, input(document), resetPoseParam(parameters), toLog()); return {};
     case TagSelection: {
         const TagSelectionParam param = tagSelectionParam(parameters);
-        return reportTags(input(document), tagSelection(input(document), param), param.target);
+        return reportTags(input(document), tagSelection(document, input(document), param), param.target);
     }
     case TagsFromFiles: {
         const TagsFromFilesParam param = tagsFromFilesParam(parameters);
-        return reportTags(input(document), tagFromFiles(input(document), param), param.target);
+        return reportTags(input(document), tagFromFiles(document, input(document), param), param.target);
     }
-    case ClearTags: return clearTags(input(document));
+    case ClearTags: return clearTags(document, input(document));
     case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), toLog()));
     }
     throw Error("Unknown filter.");
@@ -326,8 +326,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::reportTags(const MeshModel &layer, c
     return values;
 }
 
-HostFilterPlugin::ReturnedValues FilterFcd::clearTags(MeshModel &layer) const {
-    const BroughtBack made = bringBack(layer);
+HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &document, MeshModel &layer) const {
+    const BroughtBack made = bringBack(document, layer);
     if (made.placed > 0)
         logLine(describePlaced(layer, made));
     if (made.others > 0)

@@ -55,7 +55,7 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues clearTags(MeshModel &layer) const;
+    ReturnedValues clearTags(const MeshDocument &document, MeshModel &layer) const;
     template <class Made>
     ReturnedValues tell(const Made &made) const;
     ReturnedValues tell(const SequenceLayers &made) const;

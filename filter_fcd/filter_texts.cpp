@@ -126,8 +126,7 @@ QString FilterFcd::filterInfo(int id) const {
                    "moment; each further pose takes a fraction of that, also when you come back to the dialog.<br>"
                    "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose, "
                    "or when one was applied or kept last: poses "
-                   "do not add up, and pose 0 is the rest shape. The layer keeps the rest shape as vertex attributes "
-                   "(fcd_rest, fcd_rest_normal); 'FCD: Reset Pose' brings it back. Changes positions and normals, "
+                   "do not add up, and pose 0 is the rest shape. 'FCD: Reset Pose' brings it back. Changes positions and normals, "
                    "nothing else. All motions are in world coordinates. Warp, bend, deform with preview; ARAP.") +
                reference;
     case ResetPose:

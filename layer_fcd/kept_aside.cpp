@@ -2,12 +2,11 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "kept_aside.h"
+#include "inherited_scan.h"
 #include "kept_scan.h"
 #include "layer_contents.h"
 #include "marks.h"
 #include "mesh_copy.h"
-
-#include <vcg/complex/allocate.h>
 
 #include <algorithm>
 #include <atomic>
@@ -19,43 +18,37 @@ namespace {
 using Quality = CVertexO::QualityType;
 
 /// What is kept of a layer, null where nothing is.
-KeptScan *scanOf(const CMeshO &mesh) {
-    return host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name)
-               ? host::meshAttribute<KeptScan>(mesh, KeptScan::name)
-               : nullptr;
-}
-
-void drop(CMeshO &mesh) {
-    if (vcg::tri::HasPerVertexAttribute(mesh, TaggedVertex::name))
-        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, TaggedVertex::name);
-    vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(mesh, KeptScan::name);
+KeptScan *scanOf(const MeshModel &layer) {
+    LayerState *state = LayerState::of(layer);
+    return state && state->scan ? &*state->scan : nullptr;
 }
 
 } // namespace
 
-bool isAside(const std::string &attribute) { return attribute == TaggedVertex::name; }
-
-void keepAside(MeshModel &layer, bool color, bool quality) {
-    CMeshO &mesh = layer.cm;
-    if (!scanOf(mesh)) {
-        drop(mesh);
-        host::madeMeshAttribute<KeptScan>(mesh, KeptScan::name);
-        host::madeVertexAttribute<TaggedVertex>(mesh, TaggedVertex::name);
+void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool quality) {
+    const CMeshO &mesh = layer.cm;
+    std::optional<KeptScan> &scan = LayerState::made(document, layer).scan;
+    if (!scan)
+        scan = inheritedScan(layer, LayerState::ofOthers(document, layer));
+    if (!scan) {
+        scan.emplace();
+        scan->number.resize(mesh.vert.size());
     }
     const bool had = layer.hasDataMask(MeshModel::MM_VERTCOLOR), hadQuality = hasQuality(layer);
-    KeptScan next = *scanOf(mesh);
+    KeptScan next = *scan;
     const std::size_t live = std::size_t(mesh.vn);
-    next.places.assign(live, Point3m());
+    next.vertices.assign(live, TaggedVertex());
+    next.gone.clear();
     next.colors.assign(color || next.color ? live : 0, vcg::Color4b(vcg::Color4b::White));
     next.qualities.assign(quality || next.quality ? live : 0, 0);
-    std::vector<TaggedVertex> tagged(mesh.vert.size(), TaggedVertex());
+    next.number.assign(mesh.vert.size(), 0);
     std::atomic<bool> isAnyOther{false}, isAnyTag{false}; // colours, qualities
-    const KeptVertices kept(layer);
+    const KeptVertices kept(layer, *scan);
     Packing(mesh.vert, mesh.vn).forEach([&](std::size_t i, std::size_t j) {
         const CVertexO &vertex = mesh.vert[i];
-        tagged[i] = {std::uint32_t(j + 1), kept.colorNumber(i), color || kept.isColorOfTag(i),
-                     quality || kept.isQualityTag(i)};
-        next.places[j] = vertex.cP();
+        next.number[i] = std::uint32_t(j + 1);
+        next.vertices[j] = {vertex.cP(), kept.tagColor(i), color || kept.isColorOfTag(i),
+                            quality || kept.isQualityTag(i)};
         if (!next.colors.empty()) {
             const auto own = kept.color(i);
             if (own || had)
@@ -80,14 +73,13 @@ void keepAside(MeshModel &layer, bool color, bool quality) {
     next.quality |= quality;
     next.faces = facesOf(mesh);
     next.vertexSlots = mesh.vert.size();
-    *scanOf(mesh) = std::move(next);
-    std::copy(tagged.begin(), tagged.end(), host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name));
+    next.matrix = mesh.Tr;
+    scan = std::move(next);
 }
 
 void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, bool quality) {
     const CMeshO &mesh = layer.cm;
-    KeptScan &scan = *scanOf(mesh);
-    auto *tagged = host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name);
+    KeptScan &scan = *scanOf(layer);
     bool isFirst = true;
     for (std::size_t i = 0; i < tag.size(); ++i) {
         const vcg::Color4b &c = mesh.vert[i].cC();
@@ -98,7 +90,7 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
             scan.highTag = std::max(isFirst ? 0 : scan.highTag, double(tag[i]));
         }
         if (color) {
-            tagged[i].color = numberOf(c);
+            scan.vertices[scan.number[i] - 1].tagColor = numberOf(c);
             for (int k = 0; k < 3; ++k) {
                 scan.lowColor[k] = isFirst ? c[k] : std::min(scan.lowColor[k], c[k]);
                 scan.highColor[k] = isFirst ? c[k] : std::max(scan.highColor[k], c[k]);
@@ -108,19 +100,26 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
     }
 }
 
-BroughtBack bringBack(MeshModel &layer) {
+BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     CMeshO &mesh = layer.cm;
-    const KeptScan *scan = scanOf(mesh);
+    if (const LayerState *state = LayerState::of(layer))
+        handDown(document, *state);
+    const KeptScan *scan = scanOf(layer);
     const bool hadMarks = hasMarks(layer);
     dropMarks(layer);
     if (!scan && hadMarks)
         return {};
     if (!scan)
+        if (std::optional<KeptScan> found = inheritedScan(layer, LayerState::ofOthers(document, layer))) {
+            LayerState::made(document, layer).scan = std::move(found);
+            scan = scanOf(layer);
+        }
+    if (!scan)
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
     std::atomic<int> others{0}, placed{0}, otherColors{0}, otherQualities{0};
     {
-        const KeptVertices kept(layer);
+        const KeptVertices kept(layer, *scan);
         forVertices(mesh, [&](std::size_t i) {
             CVertexO &vertex = mesh.vert[i];
             const auto color = scan->color ? kept.color(i) : std::nullopt;
@@ -140,16 +139,19 @@ BroughtBack bringBack(MeshModel &layer) {
         layer.clearDataMask(MeshModel::MM_VERTCOLOR);
     if (scan->quality && !scan->countedQuality && otherQualities == 0)
         layer.clearDataMask(MeshModel::MM_VERTQUALITY);
-    drop(mesh);
+    LayerState::of(layer)->scan.reset();
     return {others, placed};
 }
 
-void bringBackTo(MeshModel &copy, const MeshModel &layer) {
+void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer) {
     const CMeshO &from = layer.cm;
-    const KeptScan *scan = scanOf(from);
+    const KeptScan *scan = scanOf(layer);
+    std::optional<KeptScan> found;
+    if (!scan && (found = inheritedScan(layer, LayerState::ofOthers(document, layer))))
+        scan = &*found;
     if (!scan)
         return;
-    const KeptVertices kept(layer);
+    const KeptVertices kept(layer, *scan);
     std::atomic<bool> otherColors{false};
     Packing(from.vert, from.vn).forEach([&](std::size_t i, std::size_t j) {
         CVertexO &to = copy.cm.vert[j];

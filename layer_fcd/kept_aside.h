@@ -4,17 +4,16 @@
 
 #include "meshlab_host.h"
 
-#include <string>
 #include <vector>
 
 /// \file
-/// Colours and quality of a layer, kept aside while tags stand in their place (kept_scan.h): with attributes that
-/// belong to the layer alone. They are known vertex by vertex: what something else has coloured since is not that of
-/// tags; what it has made lies on the surface that is kept, or is not known.
+/// Colours and quality of a layer, kept aside while tags stand in their place (kept_scan.h). They are known vertex by
+/// vertex: what something else has coloured since is not that of tags; what it has made lies on the surface that is
+/// kept, or is not known.
 
 /// Keeps what tags are going to replace: colours if \p color, quality if \p quality. What is there by tagging, or by
 /// changing tags, is not kept: that which it replaced stays.
-void keepAside(MeshModel &layer, bool color, bool quality);
+void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool quality);
 
 /// Remembers the tags that \p layer has got: their colours if \p color, themselves if they are its quality; after each
 /// keepAside(). \param tag one per vertex slot
@@ -29,13 +28,10 @@ struct BroughtBack {
 /// Drops the marks of \p layer, gives its vertices back what is kept aside, and forgets it. Where there was none, none
 /// is left. Vertices that something else has given other colours or another quality than tags keep what they have, and
 /// so do those that it has made, unless something is kept of their place. \throw vcg::fcd::Error when nothing is kept
-BroughtBack bringBack(MeshModel &layer);
+BroughtBack bringBack(const MeshDocument &document, MeshModel &layer);
 
 /// Gives \p copy, of the live vertices of \p layer, the colours and the quality that \p layer keeps aside. Where it had
 /// no colours, the copy has none; where it had no quality, the copy has the tags.
-void bringBackTo(MeshModel &copy, const MeshModel &layer);
-
-/// Whether a vertex attribute is one of those.
-bool isAside(const std::string &attribute);
+void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer);
 
 #endif

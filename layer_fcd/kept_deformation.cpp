@@ -2,32 +2,19 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "kept_deformation.h"
-#include "kept_with_layer.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "rest_shape.h"
 
-#include <Eigen/Core>
-
 #include <algorithm>
-#include <string>
 
 using vcg::fcd::Error;
 
 namespace {
 
-// Changes with the layout of Deformation and of all that it holds, where no size below tells.
-const std::size_t layout = 4;
-
-std::string deformationName() {
-    return nameOfKept("fcd_deformation", {layout, sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer),
-                                          sizeof(vcg::fcd::Deformer::Pose), std::size_t(EIGEN_MAX_ALIGN_BYTES),
-                                          std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
-                                          std::size_t(EIGEN_MINOR_VERSION)});
-}
-
 std::shared_ptr<const Deformation> deformationKept(const MeshModel &graph) {
-    return keptWith<Deformation>(graph, deformationName());
+    const LayerState *state = LayerState::of(graph);
+    return state ? state->deformation : nullptr;
 }
 
 /// Whether \p layer has, in memory, the shape that was deformed; otherwise it may have it at rest.
@@ -40,9 +27,8 @@ bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
 void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshModel &restGraph,
                      const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
                      const vcg::fcd::Deformer::Pose &pose) {
-    keepWith<Deformation>(document, graph, deformationName(),
-                          std::make_shared<const Deformation>(Deformation{prepared, pose, shapeOf(source.cm),
-                                                                          source.cm.fn, source.id(), restGraph.id()}));
+    LayerState::made(document, graph).deformation = std::make_shared<const Deformation>(
+        Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
 }
 
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {

@@ -9,12 +9,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <type_traits>
-
-static_assert(std::is_trivial<TaggedVertex>::value, "plain data, zero for new vertices");
-
-const char *const KeptScan::name = "fcd_scan_1";
-const char *const TaggedVertex::name = "fcd_tagged_2";
 
 namespace {
 
@@ -37,15 +31,14 @@ std::uint32_t numberOf(const vcg::Color4b &c) {
     return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 | std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
 }
 
-KeptVertices::KeptVertices(const MeshModel &layer)
-    : scan(*host::meshAttribute<KeptScan>(layer.cm, KeptScan::name)), mesh(layer.cm),
-      tagged(host::vertexAttribute<TaggedVertex>(mesh, TaggedVertex::name)), isKnown(mesh.vert.size(), 0) {
+KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
+    : scan(scan), mesh(layer.cm), isKnown(mesh.vert.size(), 0) {
     std::atomic<bool> isAnyMoved{false}, isAnyNew{false};
     forVertices(mesh, [&](std::size_t i) {
-        isKnown[i] = tagged[i].number != 0 && tagged[i].number <= scan.places.size();
+        isKnown[i] = scan.number[i] != 0;
         if (!isKnown[i])
             isAnyNew = true;
-        else if (mesh.vert[i].cP() != placeOf(i))
+        else if (mesh.vert[i].cP() != vertexOf(i).place)
             isAnyMoved = true;
     });
     const bool isSameMesh =
@@ -56,28 +49,28 @@ KeptVertices::KeptVertices(const MeshModel &layer)
         move = moveOfAll();
     if (isAnyMoved && !isSameMesh && !move) {
         const std::vector<double> longest = longestEdges(mesh);
-        const PosedVertex *posed = wasPosed ? RestShape::lastPlaces(mesh) : nullptr;
+        const PosedVertex *posed = wasPosed ? RestShape::lastPlaces(layer) : nullptr;
         forVertices(mesh, [&](std::size_t i) {
             const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
             const auto isNear = [&](const Eigen::Vector3d &place) { return (place - p).norm() <= longest[i] / 2; };
-            if (!isKnown[i] || isNear(toVector(placeOf(i))) ||
+            if (!isKnown[i] || isNear(toVector(vertexOf(i).place)) ||
                 (posed && posed[i].isKnown() && isNear(posed[i].place())))
                 return;
             isKnown[i] = 0;
             isAnyNew = true;
         });
     }
-    if (isAnyNew && !wasPosed && !scan.places.empty()) {
-        points.reserve(scan.places.size());
-        for (const Point3m &place : scan.places)
-            points.push_back(move ? *move * toVector(place) : toVector(place));
+    if (isAnyNew && !wasPosed && !scan.vertices.empty()) {
+        points.reserve(scan.vertices.size());
+        for (const TaggedVertex &each : scan.vertices)
+            points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
     // Tags may be changed by whoever computes a quality; what is no whole number is no tag, and then none is one.
     std::atomic<bool> whole{true};
     forVertices(mesh, [&](std::size_t i) {
         const auto q = mesh.vert[i].cQ();
-        if (isOld(i) && tagged[i].hasQuality && q != std::round(q))
+        if (isOld(i) && vertexOf(i).hasQuality && q != std::round(q))
             whole = false;
     });
     areTags = whole;
@@ -88,7 +81,7 @@ std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
     std::vector<Eigen::Vector3d> from, to;
     for (std::size_t i = 0; i < mesh.vert.size(); ++i)
         if (isKnown[i]) {
-            from.push_back(toVector(placeOf(i)));
+            from.push_back(toVector(vertexOf(i).place));
             to.push_back(toVector(mesh.vert[i].cP()));
         }
     return affineMapOf(from, to, layerRounding);
@@ -118,7 +111,7 @@ std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
 
 std::optional<vcg::Color4b> KeptVertices::color(std::size_t i) const {
     if (isColorOfTag(i))
-        return scan.colors[tagged[i].number - 1];
+        return scan.colors[scan.number[i] - 1];
     const vcg::Color4b &now = mesh.vert[i].cC();
     bool isMixed = scan.color && !isOld(i) && tree; // or the colour of one tag
     for (int k = 0; k < 3 && isMixed; ++k)
@@ -142,7 +135,7 @@ std::optional<vcg::Color4b> KeptVertices::color(std::size_t i) const {
 
 std::optional<CVertexO::QualityType> KeptVertices::quality(std::size_t i) const {
     if (isQualityTag(i))
-        return scan.qualities[tagged[i].number - 1];
+        return scan.qualities[scan.number[i] - 1];
     const double now = double(mesh.vert[i].cQ());
     if (!scan.quality || !areTags || isOld(i) || !tree || now < scan.lowTag || now > scan.highTag)
         return {};

@@ -96,9 +96,10 @@ std::uint64_t contentsOf(const MeshModel &layer) {
     for (const std::string &texture : mesh.textures)
         all.addText(texture);
     for (const auto *attributes : {&mesh.vert_attr, &mesh.face_attr, &mesh.edge_attr}) {
-        all.add(attributes->size());
         for (const vcg::PointerToAttribute &attribute : *attributes)
-            all.addText(attribute._name);
+            if (!LayerState::isIts(attribute))
+                all.addText(attribute._name);
+        all.addText("");
     }
     return all.hash(0);
 }

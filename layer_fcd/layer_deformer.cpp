@@ -195,7 +195,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     watch = {};
     try { // to have all the memory that it takes, before the first vertex is moved
         if (isFirst)
-            RestShape::keep(layer);
+            RestShape::keep(document, layer);
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
         FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);

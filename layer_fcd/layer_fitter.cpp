@@ -152,10 +152,10 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
     return added;
 }
 
-void poseFitted(MeshModel &layer, const FittedSurface &fitted) {
+void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted) {
     CMeshO &mesh = layer.cm;
     if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
-        RestShape::keep(layer);
+        RestShape::keep(document, layer);
     RestShape rest(layer);
     forVertices(mesh, [&](std::size_t i) { rest.place(i, toPoint(fitted.result.position.col(Eigen::Index(i)))); });
     computeBoxAndNormals(mesh);

@@ -72,6 +72,6 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
 
 /// Gives \p layer the shape of a fit, to the bit that of the layer that addFitted adds; the one that it has becomes its
 /// rest shape. \pre it has the shape that was fitted
-void poseFitted(MeshModel &layer, const FittedSurface &fitted);
+void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted);
 
 #endif

@@ -2,7 +2,6 @@
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
 #include <vcg_ext/handles/handle_file.h>
 
-#include "kept_poses.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_matrix.h"
@@ -23,6 +22,18 @@ using vcg::fcd::Motion;
 using vcg::fcd::PoseSequence;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceMark;
+
+std::optional<PoseSequence> posesOf(const MeshModel &layer) {
+    const LayerState *state = LayerState::of(layer);
+    return state ? state->poses : std::nullopt;
+}
+
+void keepPoses(const MeshDocument &document, MeshModel &layer, const PoseSequence &poses) {
+    if (poses.pose.empty() && !LayerState::of(layer))
+        return;
+    std::optional<PoseSequence> &kept = LayerState::made(document, layer).poses;
+    kept = poses.pose.empty() ? std::nullopt : std::make_optional(poses);
+}
 
 PoseSequence readPoses(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
     const std::size_t most = 100000000; // bytes, of a million key frames

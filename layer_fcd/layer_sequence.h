@@ -8,6 +8,7 @@
 #include "prepared_layers.h"
 
 #include <map>
+#include <optional>
 #include <vector>
 
 /// What FCD: Pose Sequence did.
@@ -25,6 +26,11 @@ struct SequenceLayers {
 /// as they were
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// The poses that \p layer keeps, none where it keeps none: no file of MeshLab has room for them.
+std::optional<vcg::fcd::PoseSequence> posesOf(const MeshModel &layer);
+/// Lets \p layer keep \p poses, in the place of those that it has; without any, it keeps none.
+void keepPoses(const MeshDocument &document, MeshModel &layer, const vcg::fcd::PoseSequence &poses);
 
 /// The poses of a file, or, where \p file is empty, those that \p layer keeps. \param surface of the layer
 /// \throw vcg::fcd::Error none, what is wrong with them, or poses of another surface

@@ -1,40 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "layer_contents.h"
 #include "marks.h"
 
-#include <type_traits>
+#include <algorithm>
 
 namespace {
 
-const char *const markName = "fcd_marks_1";
-
-/// Zero for a vertex that something else makes, which is free. Who changes it changes the number in markName.
-struct MarkedVertex {
-    int aboveFree; ///< tag - 1
-};
-static_assert(std::is_trivial<MarkedVertex>::value, "plain data, whoever has made it");
-
-} // namespace
-
-bool hasMarks(const MeshModel &layer) { return host::vertexAttribute<MarkedVertex>(layer.cm, markName) != nullptr; }
-
-std::vector<int> marksOf(const MeshModel &layer) {
-    const auto *marked = host::vertexAttribute<MarkedVertex>(layer.cm, markName);
-    std::vector<int> tag(layer.cm.vert.size(), 1);
-    forVertices(layer.cm, [&](std::size_t i) { tag[i] = marked[i].aboveFree + 1; });
+/// Tags as a state has them: 0 is free, which is what a vertex has that something else makes.
+std::vector<int> shifted(std::vector<int> tag, int by) {
+    std::for_each(tag.begin(), tag.end(), [by](int &each) { each += by; });
     return tag;
 }
 
-void setMarks(MeshModel &layer, const std::vector<int> &tag) {
-    auto *marked = host::madeVertexAttribute<MarkedVertex>(layer.cm, markName);
-    forVertices(layer.cm, [&](std::size_t i) { marked[i].aboveFree = tag[i] - 1; });
+} // namespace
+
+bool hasMarks(const MeshModel &layer) {
+    const LayerState *state = LayerState::of(layer);
+    return state && !state->marks.empty();
+}
+
+std::vector<int> marksOf(const MeshModel &layer) { return shifted(LayerState::of(layer)->marks, 1); }
+
+void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag) {
+    LayerState::made(document, layer).marks = shifted(tag, -1);
 }
 
 void dropMarks(MeshModel &layer) {
-    if (vcg::tri::HasPerVertexAttribute(layer.cm, markName))
-        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(layer.cm, markName);
+    if (LayerState *state = LayerState::of(layer))
+        state->marks.clear();
 }
 
-bool isMarks(const std::string &attribute) { return attribute == markName || attribute == appliedTags; }
+bool hasTags(const MeshModel &layer) {
+    const LayerState *state = LayerState::of(layer);
+    return hasMarks(layer) || (state && state->scan && state->scan->quality);
+}
+
+const std::string &appliedTags(const MeshDocument &document, MeshModel &layer) {
+    std::string &name = LayerState::made(document, layer).appliedName;
+    if (name.empty())
+        for (name = "fcd_applied"; vcg::tri::HasPerVertexAttribute(layer.cm, name);)
+            name += "_";
+    return name;
+}
+
+bool isApplied(const MeshModel &layer, const std::string &attribute) {
+    const LayerState *state = LayerState::of(layer);
+    return state && state->appliedName == attribute;
+}

@@ -2,14 +2,14 @@
 #ifndef FCD_MARKS_H
 #define FCD_MARKS_H
 
-#include "meshlab_host.h"
+#include "layer_state.h"
 
 #include <string>
 #include <vector>
 
 /// \file
-/// What a person marks on a layer with the tool: tags in a vertex attribute of their own, so that colours and quality
-/// of the layer are as they are. While there are marks, they are what the layer's tags are, in place of its quality.
+/// What a person marks on a layer with the tool: tags that its state keeps, so that colours and quality of the layer
+/// are as they are. While there are marks, they are what the layer's tags are, in place of its quality.
 
 bool hasMarks(const MeshModel &layer);
 
@@ -17,15 +17,19 @@ bool hasMarks(const MeshModel &layer);
 std::vector<int> marksOf(const MeshModel &layer);
 
 /// Gives \p layer marks: \p tag, one per vertex slot.
-void setMarks(MeshModel &layer, const std::vector<int> &tag);
+void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag);
 
 /// Its tags are those of its quality again.
 void dropMarks(MeshModel &layer);
 
-/// The attribute for the tags of what the tool did last, which are more than marks.
-const char *const appliedTags = "fcd_applied";
+/// Whether the layer is known to have tags: marks, or those that a filter for tags wrote into its quality.
+bool hasTags(const MeshModel &layer);
 
-/// Whether a vertex attribute is one of those. They belong to the layer alone.
-bool isMarks(const std::string &attribute);
+/// The vertex attribute for the tags of what the tool did last, which are more than marks; a script finds them there,
+/// also where the layer is saved with it. Whoever has an attribute of that name keeps it.
+const std::string &appliedTags(const MeshDocument &document, MeshModel &layer);
+
+/// Whether a vertex attribute is that one. It belongs to the layer alone.
+bool isApplied(const MeshModel &layer, const std::string &attribute);
 
 #endif

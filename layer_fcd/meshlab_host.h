@@ -158,59 +158,33 @@ constexpr bool dialogsFold = true;
 
 // --- attributes ---
 
-// The filters and the tool are two libraries that find each other's attributes, and so may be two builds of one
-// library. What a C++ type is called is the same for both; where its name stands in memory, by which some compilers
-// compare types, is not.
+// The filters and the tool are two libraries that find each other's attributes. What a C++ type is called is the same
+// for both; where its name stands in memory, by which some compilers compare types, is not.
+
+/// Whether the type of an attribute is called as a type is.
+template <class T>
+bool isCalled(const vcg::PointerToAttribute &attribute) {
+    return std::strcmp(attribute._type.name(), typeid(T).name()) == 0;
+}
 
 /// Whether the values of an attribute are of a type.
 template <class T>
 bool isOfType(const vcg::PointerToAttribute &attribute) {
-    return attribute._sizeof == int(sizeof(T)) && attribute._padding == 0 &&
-           std::strcmp(attribute._type.name(), typeid(T).name()) == 0;
+    return attribute._sizeof == int(sizeof(T)) && attribute._padding == 0 && isCalled<T>(attribute);
 }
 
-/// The values of the vertex attribute of a name and a type, one per slot, null where there is none.
-template <class T>
-T *vertexAttribute(const CMeshO &mesh, const char *name) {
-    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
-        if (attribute._name == name && isOfType<T>(attribute))
-            return mesh.vert.empty() ? nullptr : static_cast<T *>(attribute._handle->DataBegin());
-    return nullptr;
-}
-
-/// The same, made where there is none. One of that name and another type goes.
-template <class T>
-T *madeVertexAttribute(CMeshO &mesh, const char *name) {
-    using Allocator = vcg::tri::Allocator<CMeshO>;
-    if (!vertexAttribute<T>(mesh, name)) {
-        if (vcg::tri::HasPerVertexAttribute(mesh, name))
-            Allocator::DeletePerVertexAttribute(mesh, name);
-        Allocator::AddPerVertexAttribute<T>(mesh, name);
-    }
-    return vertexAttribute<T>(mesh, name);
-}
-
-/// The mesh attribute of a name and a size, null where there is none. The name stands for the type, so it has a number
-/// that changes with the layout: whoever has another one does not find it. (vcg's own functions read a counter that
-/// 2020.09 does not initialise.)
-template <class T>
-T *meshAttribute(const CMeshO &mesh, const std::string &name) {
-    for (const vcg::PointerToAttribute &attribute : mesh.mesh_attr)
-        if (attribute._name == name && attribute._sizeof == int(sizeof(T)) && attribute._padding == 0)
-            return static_cast<T *>(attribute._handle->DataBegin());
-    return nullptr;
-}
-
-/// The same, made where there is none. One of that name and another size goes.
-template <class T>
-T &madeMeshAttribute(CMeshO &mesh, const std::string &name) {
-    using Allocator = vcg::tri::Allocator<CMeshO>;
-    if (!meshAttribute<T>(mesh, name)) {
-        Allocator::DeletePerMeshAttribute(mesh, name);
-        Allocator::AddPerMeshAttribute<T>(mesh, name);
-    }
-    return *meshAttribute<T>(mesh, name);
-}
+/// An attribute without values: the host tells it, as it tells all, how many elements there are, and where they go.
+class Follower : public vcg::SimpleTempDataBase {
+  public:
+    std::size_t SizeOf() const override { return 0; }
+    void *DataBegin() override { return nullptr; }
+#ifndef FCD_MESHLAB_2020
+    const void *DataBegin() const override { return nullptr; }
+#endif
+    void *At(std::size_t) override { return nullptr; }
+    const void *At(std::size_t) const override { return nullptr; }
+    void CopyValue(std::size_t, std::size_t, const vcg::SimpleTempDataBase *) override {}
+};
 
 // --- layers ---
 

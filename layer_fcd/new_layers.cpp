@@ -49,12 +49,11 @@ struct AttributeMakers {
 };
 
 /// Adds to \p to, empty, the attributes of \p from, without values. Tells about those of types that are not known.
-void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
+void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     const AttributeMakers makers;
     const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty() || isOfRest(attribute._name) || isAside(attribute._name) ||
-                isMarks(attribute._name))
+            if (attribute._name.empty() || LayerState::isIts(attribute) || isApplied(from, attribute._name))
                 continue; // scratch data of some algorithm, or what belongs to the layer alone
             const auto maker = makersOfKind.find(attribute._type.name());
             if (maker == makersOfKind.end())
@@ -64,8 +63,8 @@ void addAttributes(CMeshO &to, const CMeshO &from, const Remark &remark) {
                 maker->second(to, attribute._name);
         }
     };
-    add(from.vert_attr, makers.vertex, "vertex");
-    add(from.face_attr, makers.face, "face");
+    add(from.cm.vert_attr, makers.vertex, "vertex");
+    add(from.cm.face_attr, makers.face, "face");
 }
 
 } // namespace
@@ -124,7 +123,7 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements, const Ei
     CMeshO &to = layer.cm;
     const CMeshO &from = base.cm;
     layer.updateDataMask(elements);
-    addAttributes(to, from, remark);
+    addAttributes(to, base, remark);
     copyElements(to, from, position);
     to.sfn = from.sfn;
     to.svn = from.svn;
@@ -134,7 +133,7 @@ MeshModel &NewLayers::addCopy(const QString &what, int withoutElements, const Ei
     to.imark = from.imark;
     if (!position)
         to.bbox = from.bbox;
-    bringBackTo(layer, base);
+    bringBackTo(document, layer, base);
     if (withoutElements & MeshModel::MM_WEDGTEXCOORD) {
         to.textures.clear();
     } else {

@@ -117,12 +117,12 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
     return all.moved;
 }
 
-void resetPose(MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
+void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
     if (!RestShape::exists(layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");
     if (param.keepShape) {
-        RestShape::keep(layer);
+        RestShape::keep(document, layer);
         return;
     }
     RestShape rest(layer);

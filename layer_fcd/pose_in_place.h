@@ -19,6 +19,6 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
 /// Gives \p layer its rest shape back, to the bit, or, where it has that already, the one before; or the first of all;
 /// or makes the shape that it has the rest shape. \throw vcg::fcd::Error when the layer has no rest shape, or not all
 /// of its vertices belong to that
-void resetPose(MeshModel &layer, const ResetPoseParam &param, const Remark &remark);
+void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark);
 
 #endif

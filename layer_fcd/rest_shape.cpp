@@ -8,12 +8,10 @@
 #include "parameters.h"
 #include "rest_shape.h"
 
-#include <vcg/complex/allocate.h>
 #include <vcg/complex/algorithms/update/bounding.h>
 
 #include <algorithm>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -23,19 +21,6 @@
 using vcg::fcd::ParallelFor;
 
 namespace {
-
-const char *const positionName = "fcd_rest", *const normalName = "fcd_rest_normal", *const vertexName = "fcd_posed_2",
-                  *const posedName = "fcd_posed_layer_3";
-static_assert(std::is_trivial<PosedVertex>::value && std::is_trivially_copyable<Posed>::value,
-              "plain data, whoever has made it; zero for new vertices");
-
-template <class T>
-T *values(const CMeshO &mesh, const std::string &name) {
-    return host::vertexAttribute<T>(mesh, name.c_str());
-}
-
-/// The attribute of an earlier rest shape. \param what positionName, or normalName
-std::string earlierName(const char *what, std::uint32_t number) { return what + ("_" + std::to_string(number)); }
 
 /// The sum of shapeTerm over the live vertices.
 template <class PositionOf>
@@ -50,29 +35,29 @@ std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
 }
 
 /// Turns the normals of a shape over that look to the other side than the faces there.
-void turnToFaces(const CMeshO &mesh, const Point3m *position, Point3m *normal) {
+void turnToFaces(const CMeshO &mesh, Shape &shape) {
     std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
     for (const CFaceO &face : mesh.face)
         if (!face.IsD()) {
             std::uint32_t corner[3];
             vcg::tri::ReadSlots(mesh, face, 3, corner);
-            const auto at = [&](int k) { return toVector(position[corner[k]]); };
+            const auto at = [&](int k) { return toVector(shape.position[corner[k]]); };
             const Eigen::Vector3d p = at(0), n = (at(1) - p).cross(at(2) - p);
             for (std::uint32_t slot : corner)
                 sum[slot] += n;
         }
     forVertices(mesh, [&](std::size_t i) {
-        if (toVector(normal[i]).dot(sum[i]) < 0)
-            normal[i] = -normal[i];
+        if (toVector(shape.normal[i]).dot(sum[i]) < 0)
+            shape.normal[i] = -shape.normal[i];
     });
 }
 
 /// Gives a shape of the mesh the normals of its faces. Those of the mesh's own faces are to be computed anew then.
-void takeNormals(CMeshO &mesh, Point3m *position, Point3m *normal) {
+void takeNormals(CMeshO &mesh, Shape &shape) {
     const auto change = [&] {
         forVertices(mesh, [&](std::size_t i) {
-            std::swap(mesh.vert[i].P(), position[i]);
-            std::swap(mesh.vert[i].N(), normal[i]);
+            std::swap(mesh.vert[i].P(), shape.position[i]);
+            std::swap(mesh.vert[i].N(), shape.normal[i]);
         });
     };
     change();
@@ -82,124 +67,82 @@ void takeNormals(CMeshO &mesh, Point3m *position, Point3m *normal) {
 
 } // namespace
 
-bool isOfRest(const std::string &attribute) {
-    const auto isEarlier = [&](const std::string &name) {
-        return attribute.rfind(name + "_", 0) == 0 &&
-               attribute.find_first_not_of("0123456789", name.size() + 1) == std::string::npos;
-    };
-    return attribute == positionName || attribute == normalName || attribute == vertexName || isEarlier(positionName) ||
-           isEarlier(normalName);
-}
-
 bool RestShape::exists(const MeshModel &layer) {
-    const CMeshO &mesh = layer.cm;
-    return values<Point3m>(mesh, positionName) && values<Point3m>(mesh, normalName) &&
-           values<PosedVertex>(mesh, vertexName) && host::meshAttribute<Posed>(mesh, posedName);
+    const LayerState *state = LayerState::of(layer);
+    return state && state->rest && !state->rest->vertex.empty();
 }
 
-const PosedVertex *RestShape::lastPlaces(const CMeshO &mesh) { return values<PosedVertex>(mesh, vertexName); }
+const PosedVertex *RestShape::lastPlaces(const MeshModel &layer) { return LayerState::of(layer)->rest->vertex.data(); }
 
-void RestShape::keep(MeshModel &layer) {
-    CMeshO &mesh = layer.cm;
-    Posed kept;
-    if (exists(layer)) {
-        RestShape last(layer);
-        const bool areHome = last.countStrangers() == 0 || last.followMove();
-        while (last.posed->count > 0 && (!areHome || last.posed->count == Posed::mostEarlier))
-            last.dropEarlier(areHome ? 1 : last.posed->count - 1); // the first is that of the file
-        if (areHome && last.shape() != shapeOf(mesh)) {
-            const std::uint32_t number = last.posed->made;
-            auto *position = host::madeVertexAttribute<Point3m>(mesh, earlierName(positionName, number).c_str()),
-                 *normal = host::madeVertexAttribute<Point3m>(mesh, earlierName(normalName, number).c_str());
-            forVertices(mesh, [&](std::size_t i) {
-                position[i] = last.position[i];
-                normal[i] = last.normal[i];
-            });
-            last.posed->earlier[last.posed->count++] = last.posed->made++;
-        }
-        kept = *last.posed;
-    }
-    Point3m *position = host::madeVertexAttribute<Point3m>(mesh, positionName),
-            *normal = host::madeVertexAttribute<Point3m>(mesh, normalName);
-    auto *vertices = host::madeVertexAttribute<PosedVertex>(mesh, vertexName);
+void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    RestState kept;
+    kept.position.resize(mesh.vert.size());
+    kept.normal.resize(mesh.vert.size());
+    kept.vertex.resize(mesh.vert.size());
     forVertices(mesh, [&](std::size_t i) {
         const Point3m &p = mesh.vert[i].cP();
-        position[i] = p;
-        normal[i] = mesh.vert[i].cN();
-        vertices[i] = {{p[0], p[1], p[2]}, placeOf(p)};
+        kept.position[i] = p;
+        kept.normal[i] = mesh.vert[i].cN();
+        kept.vertex[i] = {{p[0], p[1], p[2]}, placeOf(p)};
     });
     kept.faces = facesOf(mesh);
     kept.vertexSlots = mesh.vert.size();
     kept.ownNormals = ::hasOwnNormals(layer);
-    host::madeMeshAttribute<Posed>(mesh, posedName) = kept;
+    LayerState &all = LayerState::made(document, layer);
+    if (exists(layer)) {
+        RestShape last(layer);
+        if (last.countStrangers() == 0 || last.followMove()) {
+            const bool isOther = last.shape() != shapeOf(mesh);
+            std::vector<Shape> &earlier = last.state.earlier;
+            earlier.reserve(mostEarlier + 1); // from here on, nothing can fail
+            if (earlier.size() == mostEarlier)
+                earlier.erase(earlier.begin() + 1); // the first is that of the file
+            if (isOther)
+                earlier.push_back(std::move(static_cast<Shape &>(last.state)));
+            kept.earlier = std::move(earlier);
+        }
+    }
+    all.rest = std::move(kept);
 }
 
 void RestShape::drop(MeshModel &layer) {
-    using Allocator = vcg::tri::Allocator<CMeshO>;
-    for (const char *name : {positionName, normalName, vertexName})
-        Allocator::DeletePerVertexAttribute(layer.cm, name);
-    Allocator::DeletePerMeshAttribute(layer.cm, posedName);
+    if (LayerState *state = LayerState::of(layer))
+        state->rest.reset();
 }
 
-RestShape::RestShape(MeshModel &layer)
-    : layer(layer), mesh(layer.cm), position(values<Point3m>(mesh, positionName)),
-      normal(values<Point3m>(mesh, normalName)), vertices(values<PosedVertex>(mesh, vertexName)),
-      posed(host::meshAttribute<Posed>(mesh, posedName)) {}
+RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*LayerState::of(layer)->rest) {}
 
 std::uint64_t RestShape::placeOf(const Point3m &position) {
     return std::max(XXH3_64bits(&position[0], 3 * sizeof(Scalarm)), XXH64_hash_t(1));
 }
 
 std::uint64_t RestShape::shape() const {
-    return shapeSum(mesh, [this](std::size_t i) { return position[i]; });
+    return shapeSum(mesh, [this](std::size_t i) { return state.position[i]; });
 }
 
 std::vector<std::uint64_t> RestShape::shapes() const {
     std::vector<std::uint64_t> all;
-    for (std::uint32_t k = 0; k < posed->count; ++k) {
-        const Point3m *earlier = earlierPositions(k);
-        all.push_back(earlier ? shapeSum(mesh, [earlier](std::size_t i) { return earlier[i]; }) : 0);
-    }
+    for (const Shape &earlier : state.earlier)
+        all.push_back(shapeSum(mesh, [&earlier](std::size_t i) { return earlier.position[i]; }));
     all.push_back(shape());
     return all;
 }
 
-void RestShape::dropEarlier(std::uint32_t place) {
-    for (const char *what : {positionName, normalName})
-        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, earlierName(what, posed->earlier[place]));
-    std::copy(posed->earlier.begin() + place + 1, posed->earlier.begin() + posed->count,
-              posed->earlier.begin() + place);
-    --posed->count;
-}
-
 void RestShape::backTo(std::size_t place) {
-    if (place >= posed->count)
+    if (place >= state.earlier.size())
         return;
-    const Point3m *earlier = earlierPositions(std::uint32_t(place)),
-                  *earlierNormal = earlierNormals(std::uint32_t(place));
-    forVertices(mesh, [&](std::size_t i) {
-        position[i] = earlier[i];
-        normal[i] = earlierNormal[i];
-    });
-    while (posed->count > place)
-        dropEarlier(posed->count - 1);
-}
-
-Point3m *RestShape::earlierPositions(std::uint32_t place) const {
-    return values<Point3m>(mesh, earlierName(positionName, posed->earlier[place]));
-}
-
-Point3m *RestShape::earlierNormals(std::uint32_t place) const {
-    return values<Point3m>(mesh, earlierName(normalName, posed->earlier[place]));
+    static_cast<Shape &>(state) = std::move(state.earlier[place]);
+    state.earlier.resize(place);
 }
 
 bool RestShape::isAtHome(std::size_t slot) {
-    PosedVertex &known = vertices[slot];
+    PosedVertex &known = state.vertex[slot];
     const Point3m &p = mesh.vert[slot].cP();
     const std::uint64_t here = placeOf(p);
     if (here == known.before)
         return true;
-    if (!known.isKnown() || (!known.isAt(p) && p != position[slot]))
+    if (!known.isKnown() || (!known.isAt(p) && p != state.position[slot]))
         return false;
     known.before = here;
     return true;
@@ -216,9 +159,9 @@ std::uint64_t RestShape::countStrangers() {
 
 bool RestShape::isSameMesh() const {
     for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (!mesh.vert[i].IsD() && !vertices[i].isKnown())
+        if (!mesh.vert[i].IsD() && !state.vertex[i].isKnown())
             return false;
-    return posed->vertexSlots == mesh.vert.size() && posed->faces == facesOf(mesh);
+    return state.vertexSlots == mesh.vert.size() && state.faces == facesOf(mesh);
 }
 
 /// Where something else has moved all vertices by one affine map, moves the rest shapes by that. \return whether it has
@@ -227,35 +170,34 @@ bool RestShape::followMove() {
     for (std::size_t i = 0; i < mesh.vert.size(); ++i) {
         if (mesh.vert[i].IsD())
             continue;
-        if (!vertices[i].isKnown())
+        if (!state.vertex[i].isKnown())
             return false;
-        from.push_back(vertices[i].place());
+        from.push_back(state.vertex[i].place());
         to.push_back(toVector(mesh.vert[i].cP()));
     }
     const std::optional<Eigen::Affine3d> found = affineMapOf(from, to, layerRounding);
     if (!found)
         return false;
     const Eigen::Affine3d &move = *found;
-    const bool ofFaces = !posed->ownNormals && mesh.fn > 0;
+    const bool ofFaces = !state.ownNormals && mesh.fn > 0;
     const Eigen::Matrix3d turn = move.linear().inverse().transpose();
-    const auto follow = [&](Point3m *positions, Point3m *normals) {
+    const auto follow = [&](Shape &shape) {
         forVertices(mesh, [&](std::size_t i) {
-            positions[i] = toPoint(move * toVector(positions[i]));
-            const Eigen::Vector3d n = toVector(normals[i]), turned = turn * n;
+            shape.position[i] = toPoint(move * toVector(shape.position[i]));
+            const Eigen::Vector3d n = toVector(shape.normal[i]), turned = turn * n;
             if (turned.norm() > 0)
-                normals[i] = toPoint(turned * (n.norm() / turned.norm()));
+                shape.normal[i] = toPoint(turned * (n.norm() / turned.norm()));
         });
         if (ofFaces)
-            takeNormals(mesh, positions, normals);
+            takeNormals(mesh, shape);
     };
-    follow(position, normal);
-    for (std::uint32_t k = 0; k < posed->count; ++k)
-        follow(earlierPositions(k), earlierNormals(k));
+    follow(state);
+    std::for_each(state.earlier.begin(), state.earlier.end(), follow);
     if (ofFaces)
         computeFaceNormals(mesh, {});
     forVertices(mesh, [&](std::size_t i) {
         place(i, mesh.vert[i].cP());
-        vertices[i].before = placeOf(mesh.vert[i].cP());
+        state.vertex[i].before = placeOf(mesh.vert[i].cP());
     });
     return true;
 }
@@ -275,23 +217,23 @@ void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
 
 std::uint64_t RestShape::followFaces() {
     const std::uint64_t present = facesOf(mesh);
-    posed->vertexSlots = mesh.vert.size();
-    if (present == posed->faces)
+    state.vertexSlots = mesh.vert.size();
+    if (present == state.faces)
         return present;
-    posed->faces = present;
-    posed->ownNormals = ::hasOwnNormals(layer);
-    if (posed->ownNormals || mesh.fn == 0)
+    state.faces = present;
+    state.ownNormals = ::hasOwnNormals(layer);
+    if (state.ownNormals || mesh.fn == 0)
         return present;
-    turnToFaces(mesh, position, normal);
-    for (std::uint32_t k = 0; k < posed->count; ++k)
-        turnToFaces(mesh, earlierPositions(k), earlierNormals(k));
+    turnToFaces(mesh, state);
+    for (Shape &earlier : state.earlier)
+        turnToFaces(mesh, earlier);
     return present;
 }
 
 void RestShape::restore() {
     forVertices(mesh, [this](std::size_t i) {
-        place(i, position[i]);
-        mesh.vert[i].N() = normal[i];
+        place(i, state.position[i]);
+        mesh.vert[i].N() = state.normal[i];
     });
     computeFaceNormals(mesh, {});
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);

@@ -81,7 +81,8 @@ vcg::Color4b colorOfTag(int tag) {
     return color(shade(210), shade(60), shade(50));
 }
 
-TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target) {
+TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag,
+                   const TagTarget &target) {
     CMeshO &mesh = layer.cm;
     const vcg::PointerToAttribute *attribute = nullptr;
     bool single = std::is_same<CVertexO::QualityType, float>::value;
@@ -95,7 +96,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
                         " is too large to be kept in single precision. Use smaller numbers.");
     const TagCount count = vcg::tri::CountTags(mesh, tag);
     if (target.colorize || target.attribute.isEmpty())
-        keepAside(layer, target.colorize, target.attribute.isEmpty());
+        keepAside(document, layer, target.colorize, target.attribute.isEmpty());
 
     const auto write = [&](const auto &number) {
         for (std::size_t i = 0; i < tag.size(); ++i)
@@ -130,7 +131,7 @@ TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarge
 
 // --- FCD: Tag Selection ---
 
-TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param) {
+TagCount tagSelection(const MeshDocument &document, MeshModel &layer, const TagSelectionParam &param) {
     const CMeshO &mesh = layer.cm;
     std::vector<char> selected = onSelectedFaces(layer);
     for (std::size_t i = 0; i < selected.size(); ++i)
@@ -150,16 +151,16 @@ TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param) {
     for (std::size_t i = 0; i < tag.size(); ++i)
         if (selected[i])
             tag[i] = wanted;
-    return writeTags(layer, tag, param.target);
+    return writeTags(document, layer, tag, param.target);
 }
 
 // --- FCD: Tags from Files ---
 
-TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param) {
+TagCount tagFromFiles(const MeshDocument &document, MeshModel &layer, const TagsFromFilesParam &param) {
     HandleParam source;
     source.source = HandleParam::Files;
     source.tagFile = param.tagFile;
-    return writeTags(layer, readTags(layer, source), param.target);
+    return writeTags(document, layer, readTags(layer, source), param.target);
 }
 
 // --- FCD: Save Tags ---

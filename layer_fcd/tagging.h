@@ -14,14 +14,15 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
 vcg::Color4b colorOfTag(int tag);
 
 /// Gives \p layer the tags, one per slot of its vertices. \throw vcg::fcd::Error before anything is changed
-vcg::fcd::TagCount writeTags(MeshModel &layer, const std::vector<int> &tag, const TagTarget &target);
+vcg::fcd::TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag,
+                             const TagTarget &target);
 
 /// Tags the selected vertices, and the vertices of selected faces; the others keep their tags, or are free where the
 /// layer has none yet. \throw vcg::fcd::Error, and leaves the layer as it was
-vcg::fcd::TagCount tagSelection(MeshModel &layer, const TagSelectionParam &param);
+vcg::fcd::TagCount tagSelection(const MeshDocument &document, MeshModel &layer, const TagSelectionParam &param);
 
 /// Tags all vertices as a file says. \throw vcg::fcd::Error, and leaves the layer as it was
-vcg::fcd::TagCount tagFromFiles(MeshModel &layer, const TagsFromFilesParam &param);
+vcg::fcd::TagCount tagFromFiles(const MeshDocument &document, MeshModel &layer, const TagsFromFilesParam &param);
 
 /// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; the files are then as
 /// they were

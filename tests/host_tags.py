@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What tagging leaves of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import resource
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -396,3 +398,97 @@ def test_faces_have_the_colour_of_one_patch():
         both = patch[:, k] == patch[:, (k + 1) % 3]
         assert same_points(color[both], corner[both, k])
     assert (color[:, None] == corner).all(2).any(1).all()
+
+
+def deleted(ms):
+    if ms.mesh_number():
+        ms.delete_current_mesh()
+    return ms
+
+
+def cleared(ms):
+    ms.clear()
+    return ms
+
+
+@pytest.mark.parametrize("close", [deleted, cleared])
+def test_a_closed_layer_leaves_no_memory(close):
+    """What the filters keep of a layer that is tagged and posed, 130 bytes a vertex, goes with it."""
+    points = np.random.default_rng(0).random((40000, 3))
+    sizes, ms = [], new_set()
+    for _ in range(25):
+        ms = close(ms)
+        ms.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=points))
+        ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="x < 0.1")
+        ms.apply_filter(TAG, role=0)
+        ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="x > 0.9")
+        ms.apply_filter(TAG, role=2)
+        ms.apply_filter(POSE, transforms="2: translate 0 0 0.05")
+        sizes.append(int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize())
+    assert sizes[-1] - sizes[9] < 0.2 * 15 * 130 * len(points)  # of what would be left
+
+
+@pytest.mark.parametrize("name", ["fcd_rest", "fcd_rest_normal", "fcd_posed_2", "fcd_posed_layer_3", "fcd_marks_1", "fcd_tagged_2", "fcd_scan_1"])
+def test_attributes_of_the_user_are_his_whatever_they_are_called(name):
+    ms = coloured()
+    set_quality(ms, "0")
+    mesh = ms.current_mesh()
+    mesh.add_vertex_custom_scalar_attribute(np.arange(float(mesh.vertex_number())), name)
+    mesh.add_vertex_custom_point_attribute(mesh.vertex_matrix(), name + "_")
+    rest = mesh.vertex_matrix()
+    tag_ends(ms)
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter(RESET)
+    ms.apply_filter(CLEAR)
+    assert same_points(mesh.vertex_matrix(), rest)
+    assert np.array_equal(mesh.vertex_custom_scalar_attribute_array(name), np.arange(float(mesh.vertex_number())))
+    assert same_points(mesh.vertex_custom_point_attribute_matrix(name + "_"), rest)
+
+
+def split_at(ms):
+    ms.compute_selection_by_condition_per_face(condselect="x0 > 0.4")
+    ms.generate_from_selected_faces()
+    return 1
+
+
+def duplicate(ms):
+    ms.generate_copy_of_current_mesh()
+    return ms.current_mesh().id()
+
+
+def merge(ms):
+    ms.create_cube()
+    ms.generate_by_merging_visible_meshes(mergevertices=False)
+    return ms.current_mesh().id()
+
+
+@pytest.mark.parametrize("pose", [False, True], ids=["", "posed"])
+@pytest.mark.parametrize("by", [split_at, duplicate, merge])
+@pytest.mark.parametrize("first", ["", "cleared", "deleted"])
+def test_what_a_host_makes_of_tagged_layers_has_their_own_colours_back(by, first, pose):
+    """Also where the tagged layer is cleared, or gone, by then."""
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    own = {tuple(p): (tuple(c), q) for p, c, q in zip(ms.current_mesh().vertex_matrix(), *look(ms))}
+    where = {tuple(p): tuple(p) for p in ms.current_mesh().vertex_matrix()}
+    tag_ends(ms)
+    if pose:
+        before = ms.current_mesh().vertex_matrix()
+        ms.apply_filter(POSE, **BEND)
+        where = {tuple(b): tuple(a) for a, b in zip(before, ms.current_mesh().vertex_matrix())}
+    made = by(ms)
+    if first and any(mesh.id() == 0 for mesh in ms):
+        ms.set_current_mesh(0)
+        ms.apply_filter(CLEAR) if first == "cleared" else ms.delete_current_mesh()
+    ms.set_current_mesh(made)
+    colors = look(ms)[0]
+    ms.apply_filter(CLEAR)
+    mesh = ms.current_mesh()
+    known = 0
+    for p, c, q, tagged in zip(mesh.vertex_matrix(), *look(ms), colors):
+        if tuple(p) in where:
+            assert (tuple(c), q) == own[where[tuple(p)]]
+            known += 1
+        else:
+            assert np.array_equal(c, tagged)  # of the cube
+    assert known > 100

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "inherited_scan.h"
+#include "kept_deformation.h"
+#include "layer_state.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <type_traits>
+#include <utility>
+
+#include <QVariant>
+
+static_assert(std::is_trivial<PosedVertex>::value, "zero for new vertices");
+
+namespace {
+
+/// What changes with the layout of a state and of all that it holds: only a library that was built in the same way may
+/// find it. Whoever changes a layout where no size here tells counts the first number on.
+const std::string &layoutName() {
+    static const std::string name = [] {
+        std::string text = "fcd_layer_state";
+        for (const std::size_t number :
+             {std::size_t(1), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
+              sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
+              std::size_t(EIGEN_MAX_ALIGN_BYTES), std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
+              std::size_t(EIGEN_MINOR_VERSION)})
+            text += "_" + std::to_string(number);
+#ifdef _LIBCPP_VERSION
+        text += "_libc++";
+#endif
+        return text;
+    }();
+    return name;
+}
+
+/// How a mesh tells its state where vertices go. The host frees no attribute of a mesh that goes: this has no memory.
+class StateAttribute final : public host::Follower {
+  public:
+    explicit StateAttribute(std::weak_ptr<LayerState> state) : state(std::move(state)) {}
+
+    std::shared_ptr<LayerState> get() const { return state.lock(); }
+
+    void Resize(std::size_t n) override {
+        if (const auto its = get())
+            its->resize(n);
+    }
+    void Reorder(std::vector<std::size_t> &newSlots) override {
+        if (const auto its = get())
+            its->reorder(newSlots);
+    }
+
+  private:
+    std::weak_ptr<LayerState> state;
+};
+
+/// The states of a document's layers, by the numbers of these.
+using States = std::map<int, std::shared_ptr<LayerState>>;
+
+/// Those of \p document, null where it has none. It knows them by a property, and keeps them with the connection that
+/// tells which layers go.
+States *statesOf(const MeshDocument &document) {
+    return reinterpret_cast<States *>(document.property(layoutName().c_str()).toULongLong());
+}
+
+States &madeStatesOf(const MeshDocument &document) {
+    if (States *known = statesOf(document))
+        return *known;
+    const auto states = std::make_shared<States>();
+    QObject::connect(&document, &MeshDocument::meshRemoved, [states, &document](int gone) {
+        const auto its = states->find(gone);
+        if (its == states->end())
+            return;
+        const std::shared_ptr<LayerState> state = its->second;
+        states->erase(its);
+        try {
+            handDown(document, *state);
+        } catch (const std::bad_alloc &) { // its colours are lost, the program is not
+        }
+    });
+    const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
+                                                     QVariant::fromValue(qulonglong(states.get())));
+    return *states;
+}
+
+/// body(values) for all values per vertex slot that there are.
+template <class Body>
+void forColumns(LayerState &state, const Body &body) {
+    const auto forShape = [&](Shape &shape) {
+        body(shape.position);
+        body(shape.normal);
+    };
+    if (state.rest) {
+        forShape(*state.rest);
+        body(state.rest->vertex);
+        std::for_each(state.rest->earlier.begin(), state.rest->earlier.end(), forShape);
+    }
+    if (state.scan)
+        body(state.scan->number);
+    if (!state.marks.empty())
+        body(state.marks);
+}
+
+} // namespace
+
+bool LayerState::isIts(const vcg::PointerToAttribute &attribute) {
+    return attribute._name.rfind(layoutName(), 0) == 0 && host::isCalled<StateAttribute>(attribute);
+}
+
+LayerState *LayerState::of(const CMeshO &mesh) {
+    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
+        if (isIts(attribute))
+            return static_cast<const StateAttribute *>(attribute._handle)->get().get(); // which the document keeps
+    return nullptr;
+}
+
+LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
+    if (LayerState *known = of(layer))
+        return *known;
+    States &states = madeStatesOf(document);
+    // A host that closes all at once says nothing of it.
+    const std::vector<const MeshModel *> layers = host::layers(document);
+    for (auto each = states.begin(); each != states.end();) {
+        const bool isThere = std::any_of(layers.begin(), layers.end(), [&each](const MeshModel *there) {
+            return there->id() == each->first && of(*there) == each->second.get();
+        });
+        each = isThere ? std::next(each) : states.erase(each);
+    }
+    const auto state = std::make_shared<LayerState>();
+    CMeshO &mesh = layer.cm;
+    vcg::PointerToAttribute attribute;
+    attribute._name = layoutName();
+    while (vcg::tri::HasPerVertexAttribute(mesh, attribute._name))
+        attribute._name += "_"; // somebody else's
+    attribute._handle = new StateAttribute(state);
+    attribute._sizeof = 0; // a host takes what is as large as a number or a point for one
+    attribute._padding = 0;
+    attribute._type = typeid(StateAttribute);
+    attribute.n_attr = ++mesh.attrn;
+    mesh.vert_attr.insert(attribute);
+    states[layer.id()] = state;
+    return *state;
+}
+
+std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &document, const MeshModel &layer) {
+    std::vector<const LayerState *> all;
+    if (const States *states = statesOf(document))
+        for (const auto &[number, state] : *states)
+            if (number != layer.id())
+                all.push_back(state.get());
+    return all;
+}
+
+void LayerState::resize(std::size_t n) {
+    if (n == 0) // the mesh goes
+        for (std::size_t i = 0; scan && i < scan->number.size(); ++i)
+            leave(i);
+    forColumns(*this, [n](auto &values) { values.resize(n); });
+}
+
+void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
+    const std::size_t none = std::numeric_limits<std::size_t>::max();
+    for (std::size_t i = 0; scan && i < scan->number.size() && i < newSlots.size(); ++i)
+        if (newSlots[i] == none)
+            leave(i);
+    forColumns(*this, [&](auto &values) {
+        for (std::size_t i = 0; i < values.size() && i < newSlots.size(); ++i)
+            if (newSlots[i] != none)
+                values[newSlots[i]] = values[i];
+    });
+}
+
+/// A vertex is deleted: another layer, into which it was copied, may ask for what is kept of it.
+void LayerState::leave(std::size_t slot) {
+    if (scan->number[slot] != 0 && rest && rest->vertex[slot].isKnown())
+        scan->gone.emplace_back(toPoint(rest->vertex[slot].place()), scan->number[slot]);
+}

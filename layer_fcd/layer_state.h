@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_LAYER_STATE_H
+#define FCD_LAYER_STATE_H
+
+#include <vcg_ext/sequence/pose_sequence.h> // before Qt
+
+#include "meshlab_host.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+struct Deformation;
+
+/// What the rest shape knows of a vertex; zero for a vertex that something else makes.
+struct PosedVertex {
+    Eigen::Vector3d place() const { return Eigen::Vector3d(double(now[0]), double(now[1]), double(now[2])); }
+    bool isKnown() const { return before != 0; }
+    bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
+
+    std::array<Scalarm, 3> now; ///< the position that the last pose gave it
+    std::uint64_t
+        before; ///< that which it had then, as RestShape::placeOf tells it: a preview begins there; 0: unknown
+};
+
+/// A shape of a layer: positions and normals per vertex slot.
+struct Shape {
+    std::vector<Point3m> position, normal;
+};
+
+/// The rest shape of a layer that is posed in place (rest_shape.h).
+struct RestState : Shape {
+    std::vector<PosedVertex> vertex; ///< per vertex slot
+    std::uint64_t faces = 0;         ///< facesOf the mesh
+    std::size_t vertexSlots = 0;     ///< of the mesh
+    bool ownNormals = false;         ///< as hasOwnNormals tells it
+    std::vector<Shape> earlier;      ///< rest shapes of before, that of the file first
+};
+
+/// A vertex that was live when its layer was tagged.
+struct TaggedVertex {
+    Point3m place;             ///< then
+    std::uint32_t tagColor;    ///< that it got by its tag, as numberOf tells it
+    bool hasColor, hasQuality; ///< by its tag
+};
+
+/// Colours and quality of a layer as they were before tags took their place, with the places that the vertices had
+/// then: what is new since lies on that surface (kept_scan.h).
+struct KeptScan {
+    bool color = false, quality = false;       ///< kept, or known not to have been there
+    bool hadColor = false, hadQuality = false; ///< and there was some
+    bool countedQuality = false;               ///< the layer said that it had some, be it 0
+    vcg::Color4b lowColor, highColor;          ///< of the tags, by channel
+    double lowTag = 0, highTag = 0;            ///< with 0, which vertices have that nothing has given a quality
+    std::uint64_t faces = 0;                   ///< facesOf the mesh then
+    std::size_t vertexSlots = 0;               ///< of the mesh then
+    Matrix44m matrix;                          ///< of the layer then
+    std::vector<TaggedVertex> vertices;
+    std::vector<vcg::Color4b> colors;             ///< of each of these; empty unless color
+    std::vector<CVertexO::QualityType> qualities; ///< of each of these; empty unless quality
+    std::vector<std::uint32_t> number;            ///< per vertex slot: which of these it is, from 1; 0: a new one
+    std::vector<std::pair<Point3m, std::uint32_t>> gone; ///< places in a pose, and numbers, of those that were deleted
+};
+
+/// What a layer was made from, and how it was then (results.h).
+struct ResultState {
+    int source = 0;             ///< number of that layer
+    std::uint64_t contents = 0; ///< as contentsOf tells them
+    QString label;
+};
+
+/// All that is known of a layer and that its mesh has no place for. The document keeps it, until the layer or the
+/// document goes. The mesh has one attribute without any memory: through it the host tells where the vertices go, and
+/// the values per vertex slot that are here go with them.
+struct LayerState {
+    std::optional<RestState> rest;                  ///< none: it has never been posed in place
+    std::optional<KeptScan> scan;                   ///< none: no tags stand in the place of colours or quality
+    std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (marks.h)
+    std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
+    std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
+    std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
+    std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
+
+    /// That of a layer, null where nothing is known of it.
+    static LayerState *of(const CMeshO &mesh);
+    static LayerState *of(const MeshModel &layer) { return of(layer.cm); }
+    /// The same, made where there is none.
+    static LayerState &made(const MeshDocument &document, MeshModel &layer);
+    /// Those of the other layers of a document.
+    static std::vector<const LayerState *> ofOthers(const MeshDocument &document, const MeshModel &layer);
+
+    /// Whether an attribute of a mesh is that by which states follow their vertices.
+    static bool isIts(const vcg::PointerToAttribute &attribute);
+
+    /// The values per slot are for so many of them from now on, zero for new ones.
+    void resize(std::size_t n);
+    /// The value at each slot goes to the slot that is told; to none where that is the largest number.
+    void reorder(const std::vector<std::size_t> &newSlots);
+
+  private:
+    void leave(std::size_t slot);
+};
+
+#endif
