@@ -67,7 +67,7 @@ std::string BendSession::leave(const Remark &remark) {
     } else if (!isLeft) {
         calls = poseByFilter(remark);
         rest.leave();
-        rest.know(shapeOf(layer.cm));
+        rest.know();
         isLeft = true;
     }
     solver.clear();

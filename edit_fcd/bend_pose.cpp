@@ -67,7 +67,7 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
     if (full) {
         computeFaceNormals(layer.cm, {});
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-        rest.know(shapeOf(layer.cm));
+        rest.know();
     }
     times.write = 1000 * watch.Seconds();
     return times;
@@ -83,6 +83,5 @@ bool BendSession::isUpToDate() const {
     const CMeshO &mesh = layer.cm;
     Eigen::Matrix4d present;
     mesh.Tr.ToEigenMatrix(present);
-    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere &&
-           shapeOf(mesh) == rest.known();
+    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && rest.isAsKnown();
 }

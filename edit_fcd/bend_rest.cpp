@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_rest.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_matrix.h>
 #include <layer_fcd/rest_shape.h>
 
@@ -30,7 +31,7 @@ void BendRest::keep() {
         }
     center = all.center();
     size = surface.box.diagonal().norm();
-    shape = shapeOf(mesh);
+    know();
     posed = false;
 }
 
@@ -74,5 +75,12 @@ void BendRest::restore() {
     for (std::size_t f = 0; f < faceNormal.size(); ++f)
         layer.cm.face[f].N() = faceNormal[f];
     layer.cm.bbox = box;
-    shape = shapeOf(layer.cm);
+    know();
 }
+
+void BendRest::know() {
+    shape = shapeOf(layer.cm);
+    shownNormals = normalsOf(layer.cm);
+}
+
+bool BendRest::isAsKnown() const { return shape == shapeOf(layer.cm) && shownNormals == normalsOf(layer.cm); }

@@ -23,7 +23,9 @@ class BendRest {
     bool isPosed() const { return posed; }
     /// The vertices have another shape from now on; once that is written, know() it.
     void leave() { posed = true; }
-    void know(std::uint64_t newShape) { shape = newShape; }
+    void know();
+    /// Whether the layer has the shape, and the normals, that it had when that was known last.
+    bool isAsKnown() const;
     std::uint64_t known() const { return shape; } ///< the shape that the layer was given last, as shapeOf tells it
 
     /// Positions and normals of the vertices in a pose; none at rest.
@@ -55,7 +57,7 @@ class BendRest {
     Eigen::Vector3d center;
     double size = 1;
     vcg::fcd::SurfaceMark surface;
-    std::uint64_t shape = 0;
+    std::uint64_t shape = 0, shownNormals = 0;
     bool posed = false;
 };
 

@@ -2,6 +2,7 @@
 #include "bend_session.h"
 
 #include <layer_fcd/marks.h>
+#include <layer_fcd/tag_sources.h>
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
@@ -16,25 +17,17 @@ using vcg::fcd::PoseSequence;
 
 namespace {
 
-const std::size_t mostTags = 64;       // of those that a person gives
 const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
 const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
 
 } // namespace
 
-/// The tags of a layer, null where nothing is tagged. What is no tags, patches for example, counts as nothing.
+/// The tags of a layer, null where nothing is tagged. A quality that is no tags counts as nothing.
 std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
-    auto present = std::make_shared<BendTags>();
-    try {
-        *present = presentTags(layer, {});
-    } catch (const Error &) { // no whole numbers
-        return nullptr;
-    }
-    std::set<int> different;
-    for (auto tag = present->begin(); tag != present->end() && different.size() <= mostTags; ++tag)
-        if (tag == present->begin() || *tag != *std::prev(tag))
-            different.insert(*tag);
-    return different.size() > mostTags || different == std::set<int>{1} ? nullptr : present;
+    HandleParam param;
+    param.source = HandleParam::Known;
+    auto present = std::make_shared<const BendTags>(readTags(layer, param));
+    return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
 }
 
 bool BendSession::isAsLeft() const {

@@ -7,6 +7,7 @@
 
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
+#include <layer_fcd/marks.h>
 #include <layer_fcd/pose_in_place.h>
 #include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tag_sources.h>
@@ -22,7 +23,7 @@ FitSession::FitSession(MeshDocument &document, MeshModel &layer)
     : document(document), layer(layer), rest(layer), hasDirections(::hasDirections(layer)) {
     keepRest();
     HandleParam param;
-    param.mayLack = true;
+    param.source = HandleParam::Known;
     for (const int tag : readTags(layer, param))
         isFree = isFree && tag == 1;
 }
@@ -35,7 +36,7 @@ void FitSession::keepRest() {
     lastPull.reset();
 }
 
-bool FitSession::isUpToDate() const { return rest.fits() && shapeOf(layer.cm) == rest.known(); }
+bool FitSession::isUpToDate() const { return rest.fits() && rest.isAsKnown(); }
 
 void FitSession::resume(const FitState &state) {
     now = state;
@@ -160,7 +161,7 @@ FitStart FitSession::start(bool byLandmarksOnly) const {
 FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) const {
     FitMeshParam param;
     param.target = &target;
-    param.handles.mayLack = true;
+    param.handles.source = HandleParam::Known;
     param.landmarks = landmarks();
     param.landmarksOnly = landmarksOnly;
     param.fit.linear = hasDirections;
@@ -239,7 +240,7 @@ void FitSession::know(bool full) {
         computeBoxAndNormals(layer.cm);
     else if (full)
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    rest.know(shapeOf(layer.cm));
+    rest.know();
 }
 
 void FitSession::restore() { rest.restore(); }
@@ -277,6 +278,8 @@ std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) co
     std::string call = "ms.apply_filter('generate_fcd_fitted_mesh', target_layer=" + std::to_string(target.id());
     if (!now.pairs.empty())
         call += ", landmarks_file='pairs.csv'"; // as 'Save pairs' writes them
+    if (mayHaveTags(layer) && !hasTags(layer))
+        call += ", handles=4"; // none
     if (param.landmarksOnly)
         call += ", landmarks_only=True";
     if (param.fit.start != defaults.fit.start)

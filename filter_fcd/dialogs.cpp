@@ -4,7 +4,7 @@
 #include "dialogs.h"
 #include "filter_parameters.h"
 
-#include <layer_fcd/layer_contents.h>
+#include <layer_fcd/marks.h>
 
 #include <algorithm>
 
@@ -32,8 +32,11 @@ void LastValues::recall(int filter, RichParameterList &list, const MeshDocument 
     const auto last = lists.find(filter);
     if (last == lists.end())
         return;
+    // What writes over a file, or undoes what something else has done, is asked for each time.
+    const QStringList guards{"to", "keep_shape"};
     for (const RichParameter &parameter : list)
-        if (!host::isLayerParameter(parameter) && last->second.hasParameter(parameter.name()))
+        if (!host::isLayerParameter(parameter) && !host::isSaveFile(parameter) && !guards.contains(parameter.name()) &&
+            last->second.hasParameter(parameter.name()))
             list.setValue(parameter.name(), last->second.getParameterByName(parameter.name()).value());
     const QString &like = handleLayers.at(filter);
     for (const MeshModel *layer : host::layers(document))
@@ -48,7 +51,7 @@ int likelySource(const MeshModel &layer, int last) {
     const auto isSelected = [](const auto &element) { return !element.IsD() && element.IsS(); };
     const bool isAnySelected = std::any_of(mesh.vert.begin(), mesh.vert.end(), isSelected) ||
                                std::any_of(mesh.face.begin(), mesh.face.end(), isSelected);
-    return isAnySelected && !mayHaveTags(layer) ? 1 : 0;
+    return isAnySelected && !hasTags(layer) ? 1 : 0;
 }
 
 namespace {

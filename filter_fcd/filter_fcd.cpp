@@ -40,7 +40,7 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 
 FilterFcd::FilterFcd() {
     announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, PoseSequence, PoseInPlace, ResetPose, CopyDeformation,
-              SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags});
+              SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags, SaveSession, LoadSession});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -61,6 +61,7 @@ int FilterFcd::changes(int id) const {
     // A number of vertices that changes means no preview. A preview of this could not be taken back: the host does not
     // restore attributes.
     case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
+    case LoadSession: return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case TagSelection:
     case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
@@ -113,12 +114,15 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case TagSelection: return toRichParameters(TagSelectionParam());
     case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
+    case SaveSession:
+    case LoadSession: return sessionParameters(id == SaveSession);
     }
     return RichParameterList(); // Clear Tags has none
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
                                                 vcg::CallBackPos *callback) {
+    const TidyLater tidy(document);
     if (host::inWindow() && document.mm())
         lastValues.keep(id, parameters, document, meant(id, *document.mm(), document));
     switch (id) {
@@ -146,6 +150,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
         return reportTags(input(document), tagFromFiles(document, input(document), param), param.target);
     }
     case ClearTags: return clearTags(document, input(document));
+    case SaveSession:
+    case LoadSession: return session(id, parameters, document, input(document));
     case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), toLog()));
     }
     throw Error("Unknown filter.");

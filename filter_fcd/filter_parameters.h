@@ -20,6 +20,10 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
 RichParameterList toRichParameters(const TagSelectionParam &param);
 RichParameterList toRichParameters(const TagsFromFilesParam &param);
 RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocument &document);
+/// The file of a session. \param saves it is written; otherwise, it is read
+RichParameterList sessionParameters(bool saves);
+/// The same, read. \throw vcg::fcd::Error when it is empty
+QString sessionFile(const RichParameterList &list, bool saves);
 
 /// \throw vcg::fcd::Error when a value makes no sense
 BuildGraphParam buildGraphParam(const RichParameterList &list);

@@ -26,6 +26,8 @@ QString FilterFcd::filterName(int id) const {
     case TagsFromFiles: return "FCD: Tags from Files";
     case ClearTags: return "FCD: Clear Tags";
     case SaveTags: return "FCD: Save Tags";
+    case SaveSession: return "FCD: Save Session";
+    case LoadSession: return "FCD: Load Session";
     }
     return QString();
 }
@@ -45,6 +47,8 @@ QString FilterFcd::scriptName(int id) const {
     case TagsFromFiles: return "compute_fcd_tags_from_files";
     case ClearTags: return "clear_fcd_tags";
     case SaveTags: return "save_fcd_tags";
+    case SaveSession: return "save_fcd_session";
+    case LoadSession: return "load_fcd_session";
     }
     return QString();
 }
@@ -126,7 +130,8 @@ QString FilterFcd::filterInfo(int id) const {
                    "moment; each further pose takes a fraction of that, also when you come back to the dialog.<br>"
                    "A pose is always one of the <b>rest shape</b>, that which the layer had before its first pose, "
                    "or when one was applied or kept last: poses "
-                   "do not add up, and pose 0 is the rest shape. 'FCD: Reset Pose' brings it back. Changes positions and normals, "
+                   "do not add up, and pose 0 is the rest shape. 'FCD: Reset Pose' brings it back. Changes positions "
+                   "and normals, "
                    "nothing else. All motions are in world coordinates. Warp, bend, deform with preview; ARAP.") +
                reference;
     case ResetPose:
@@ -183,6 +188,16 @@ QString FilterFcd::filterInfo(int id) const {
         return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
                "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> then deforms as it would with the tags of "
                "the layer and these motions. The layer is not changed.";
+    case SaveSession:
+        return "Writes what is known of the current layer to a file, to go on another day: its marks, the colours and "
+               "the quality that tags stand in the place of, its rest shape and those before it, its poses and key "
+               "frames. No mesh file keeps these. Save the layer itself, too. The layer is not changed.";
+    case LoadSession:
+        return "Reads a session of 'FCD: Save Session' for the current layer, which must be the layer of then, opened "
+               "from its file: in the shape that it was saved in, or in its rest shape, from which it is brought to "
+               "the pose of then. What the filters and the tool knew of it, they know again. Vertices that have got "
+               "other colours or another quality since keep them.<br>"
+               "Changes positions, normals, colours and quality where they were others then, nothing else.";
     }
     return QString();
 }

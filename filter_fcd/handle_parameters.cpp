@@ -10,7 +10,8 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
                            QStringList() << "Vertex quality"
                                          << "Selection"
                                          << "Custom vertex attribute"
-                                         << "Files",
+                                         << "Files"
+                                         << "Tags of the layer",
                            "Handles from",
                            "Where it is written what moves and what stays. Each vertex has a <b>tag</b>: <b>0</b> "
                            "stays fixed, <b>1</b> is free "
@@ -23,7 +24,9 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
                            "stay fixed (where both "
                            "are selected the handle wins), all else is free.</li>"
                            "<li><i>Custom vertex attribute</i>: the attribute named below holds the tags.</li>"
-                           "<li><i>Files</i>: a .sel file holds the tags.</li></ul>");
+                           "<li><i>Files</i>: a .sel file holds the tags.</li>"
+                           "<li><i>Tags of the layer</i>: marks of the tool, or what 'FCD: Tag Selection' wrote; where "
+                           "there are none, all is free, whatever the quality is.</li></ul>");
     addParameter<RichString>(
         list, Shown::Advanced, "tag_attribute", handles.tagAttribute, "Attribute with the tags",
         "Name of the per-vertex scalar attribute that holds the tags. Only read when the handles come "
@@ -113,7 +116,7 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
 
 HandleParam handleParam(const RichParameterList &list, const MeshDocument &document) {
     HandleParam handles;
-    handles.source = HandleParam::Source(enumValue(list, "handles", 4));
+    handles.source = HandleParam::Source(enumValue(list, "handles", 5));
     handles.tagAttribute = list.getString("tag_attribute");
     handles.tagFile = list.getOpenFileName("tag_file");
     handles.transformFile = list.getOpenFileName("transform_file");

@@ -61,6 +61,13 @@ std::uint64_t elementsSum(const Elements &elements, std::uint64_t seed, const Ad
     });
 }
 
+/// Adds the values of an attribute that is of one of these types.
+template <class... Plain>
+void addValues(const vcg::PointerToAttribute &attribute, std::size_t count, ContentBytes &bytes) {
+    if (count > 0 && (host::isOfType<Plain>(attribute) || ...))
+        bytes.add(XXH3_64bits(attribute._handle->DataBegin(), count * std::size_t(attribute._sizeof)));
+}
+
 } // namespace
 
 std::uint64_t contentsOf(const MeshModel &layer) {
@@ -72,9 +79,12 @@ std::uint64_t contentsOf(const MeshModel &layer) {
         for (int k = 0; k < count; ++k)
             bytes.add(vcg::tri::Index(mesh, element.cV(k)));
     };
+    const bool isCloud = mesh.fn == 0;
     ContentBytes all;
     all.add(elementsSum(mesh.vert, 1, [&](const CVertexO &vertex, ContentBytes &bytes) {
         bytes.addEach(vertex.cP(), 3);
+        if (isCloud)
+            bytes.addEach(vertex.cN(), 3);
         bytes.addEach(vertex.cC(), 4);
         bytes.add(vertex.cQ());
         if (isVertexTextured)
@@ -97,8 +107,15 @@ std::uint64_t contentsOf(const MeshModel &layer) {
         all.addText(texture);
     for (const auto *attributes : {&mesh.vert_attr, &mesh.face_attr, &mesh.edge_attr}) {
         for (const vcg::PointerToAttribute &attribute : *attributes)
-            if (!LayerState::isIts(attribute))
+            if (!LayerState::isIts(attribute)) {
                 all.addText(attribute._name);
+                addValues<char, bool, int, unsigned, float, double, Point3m, vcg::Point3f, vcg::Color4b>(
+                    attribute,
+                    attributes == &mesh.vert_attr   ? mesh.vert.size()
+                    : attributes == &mesh.face_attr ? mesh.face.size()
+                                                    : mesh.edge.size(),
+                    all);
+            }
         all.addText("");
     }
     return all.hash(0);
@@ -132,12 +149,29 @@ bool hasQuality(const MeshModel &layer) {
                        [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
 }
 
-bool mayHaveTags(const MeshModel &layer) {
-    if (hasMarks(layer))
-        return true;
-    return hasQuality(layer) && std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(), [](const CVertexO &vertex) {
-               return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ());
-           });
+/// The sum of term(slot) over the live vertices.
+template <class Term>
+static std::uint64_t verticesSum(const CMeshO &mesh, const Term &term) {
+    return sumOf(mesh.vert.size(), [&](std::size_t first, std::size_t last) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                sum += term(i);
+        return sum;
+    });
+}
+
+std::uint64_t qualityOf(const CMeshO &mesh) {
+    const std::uint64_t sum = verticesSum(mesh, [&mesh](std::size_t i) {
+        const auto quality = mesh.vert[i].cQ();
+        return XXH3_64bits_withSeed(&quality, sizeof quality, i);
+    });
+    return std::max(sum, std::uint64_t(1));
+}
+
+std::uint64_t normalsOf(const CMeshO &mesh) {
+    return verticesSum(
+        mesh, [&mesh](std::size_t i) { return XXH3_64bits_withSeed(&mesh.vert[i].cN()[0], 3 * sizeof(Scalarm), i); });
 }
 
 bool hasDirections(const MeshModel &layer) {

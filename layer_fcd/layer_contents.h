@@ -59,12 +59,14 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 
 /// Whether \p layer has a quality that is not 0 everywhere.
 bool hasQuality(const MeshModel &layer);
-/// Whether it has marks, or that may be tags: whole numbers.
-bool mayHaveTags(const MeshModel &layer);
+/// A number for the quality of all vertices; not 0.
+std::uint64_t qualityOf(const CMeshO &mesh);
+/// A number for their normals.
+std::uint64_t normalsOf(const CMeshO &mesh);
 
 /// A number for all that a person can see or change of \p layer: matrix, elements and their positions, corners,
-/// colours, quality and texture coordinates, names of textures and of attributes. Normals, which a host computes anew,
-/// are left out.
+/// colours, quality and texture coordinates, normals of a cloud, names of textures, attributes with their values. Those
+/// of a mesh, which a host computes anew, are left out: hasOwnNormals tells of others.
 std::uint64_t contentsOf(const MeshModel &layer);
 
 /// Whether \p layer has normals of its own (hasOwnNormals), or principal directions, which turn with the surface.

@@ -209,6 +209,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             computeFlaggedNormals(mesh, found->turning, flagged);
         else
             computeFaceNormals(mesh, found->moving);
+        restShape.knowNormals();
         result.secondsNormals = watch.Seconds();
     } catch (const std::bad_alloc &) {
         if (isFirst)

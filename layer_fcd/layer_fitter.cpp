@@ -66,6 +66,8 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
         target = &checkedTarget(layer, param.target);
         targetName = inQuotes(*target);
     }
+    if (remark && param.handles.source == HandleParam::Quality && hasQuality(layer) && !mayHaveTags(layer))
+        remark("The quality of " + name + " is no tags, so nothing of it is held.");
     handles = readHandles(layer, rest, param.handles);
     landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
@@ -164,6 +166,7 @@ void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurf
             const Eigen::Matrix3d map = fitted.result.linear[i].cast<double>();
             mesh.vert[i].N() = toPoint((vcg::fcd::Cofactors(map) * toVector(rest.normals()[i])).stableNormalized());
         });
+    rest.knowNormals();
 }
 
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,

@@ -112,7 +112,8 @@ bool LayerState::isIts(const vcg::PointerToAttribute &attribute) {
 LayerState *LayerState::of(const CMeshO &mesh) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
         if (isIts(attribute))
-            return static_cast<const StateAttribute *>(attribute._handle)->get().get(); // which the document keeps
+            if (LayerState *its = static_cast<const StateAttribute *>(attribute._handle)->get().get())
+                return its; // which the document keeps
     return nullptr;
 }
 
@@ -130,6 +131,9 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     }
     const auto state = std::make_shared<LayerState>();
     CMeshO &mesh = layer.cm;
+    const auto dead = std::find_if(mesh.vert_attr.begin(), mesh.vert_attr.end(), isIts); // of a state that is gone
+    if (dead != mesh.vert_attr.end())
+        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, dead->_name);
     vcg::PointerToAttribute attribute;
     attribute._name = layoutName();
     while (vcg::tri::HasPerVertexAttribute(mesh, attribute._name))
@@ -142,6 +146,19 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     mesh.vert_attr.insert(attribute);
     states[layer.id()] = state;
     return *state;
+}
+
+bool LayerState::isEmpty() const {
+    return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !result;
+}
+
+void LayerState::tidy(MeshModel &layer) {
+    const LayerState *state = of(layer);
+    for (const vcg::PointerToAttribute &attribute : layer.cm.vert_attr)
+        if (state && state->isEmpty() && isIts(attribute)) {
+            vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(layer.cm, attribute._name);
+            return;
+        }
 }
 
 std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &document, const MeshModel &layer) {

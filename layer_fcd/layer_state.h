@@ -39,6 +39,8 @@ struct RestState : Shape {
     std::uint64_t faces = 0;         ///< facesOf the mesh
     std::size_t vertexSlots = 0;     ///< of the mesh
     bool ownNormals = false;         ///< as hasOwnNormals tells it
+    std::uint64_t normalsNow = 0;    ///< normalsOf the mesh after the last pose, where it has own ones
+    std::uint64_t normalsBefore = 0; ///< and before that: a preview begins there
     std::vector<Shape> earlier;      ///< rest shapes of before, that of the file first
 };
 
@@ -71,6 +73,7 @@ struct KeptScan {
 struct ResultState {
     int source = 0;             ///< number of that layer
     std::uint64_t contents = 0; ///< as contentsOf tells them
+    bool ownNormals = false;    ///< as hasOwnNormals tells it
     QString label;
 };
 
@@ -81,6 +84,7 @@ struct LayerState {
     std::optional<RestState> rest;                  ///< none: it has never been posed in place
     std::optional<KeptScan> scan;                   ///< none: no tags stand in the place of colours or quality
     std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (marks.h)
+    std::uint64_t measured = 0;                     ///< qualityOf the mesh when a filter here measured it; 0: none did
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
@@ -91,6 +95,8 @@ struct LayerState {
     static LayerState *of(const MeshModel &layer) { return of(layer.cm); }
     /// The same, made where there is none.
     static LayerState &made(const MeshDocument &document, MeshModel &layer);
+    /// Where nothing is known of a layer, its mesh is as if nothing ever was.
+    static void tidy(MeshModel &layer);
     /// Those of the other layers of a document.
     static std::vector<const LayerState *> ofOthers(const MeshDocument &document, const MeshModel &layer);
 
@@ -103,7 +109,25 @@ struct LayerState {
     void reorder(const std::vector<std::size_t> &newSlots);
 
   private:
+    bool isEmpty() const;
     void leave(std::size_t slot);
+};
+
+/// A filter that fails, or has nothing to keep, leaves nothing with the current layer.
+class TidyLater {
+  public:
+    explicit TidyLater(MeshDocument &document) : document(document), layer(document.mm() ? document.mm()->id() : -1) {}
+    TidyLater(const TidyLater &) = delete;
+    TidyLater &operator=(const TidyLater &) = delete;
+    ~TidyLater() {
+        for (const MeshModel *each : host::layers(document))
+            if (each->id() == layer)
+                LayerState::tidy(*const_cast<MeshModel *>(each));
+    }
+
+  private:
+    MeshDocument &document;
+    const int layer;
 };
 
 #endif

@@ -118,6 +118,12 @@ inline bool isLayerParameter(const RichParameter &parameter) {
     return dynamic_cast<const RichMesh *>(&parameter) != nullptr;
 }
 
+/// Whether a parameter names a file that is written.
+inline bool isSaveFile(const RichParameter &parameter) {
+    const QString type = parameter.stringType(); // 2020.09 lets no plugin know the class
+    return type == "RichSaveFile" || type == "RichFileSave";
+}
+
 /// The layer that a layer parameter names, null when there is none.
 inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, const MeshDocument &document) {
 #ifdef FCD_MESHLAB_2020

@@ -63,14 +63,17 @@ QString withLayers(const QString &steps, const MeshDocument &document, const Mes
     for (QRegularExpressionMatchIterator i = step.globalMatch(steps); i.hasNext();) {
         const QRegularExpressionMatch match = i.next();
         const QString name = match.captured(1) + match.captured(2);
-        const MeshModel *found = nullptr;
+        std::vector<const MeshModel *> called;
         for (const MeshModel *other : host::layers(document))
             if (other->label() == name)
-                found = other;
-        if (!found)
+                called.push_back(other);
+        if (called.empty())
             throw Error("transforms names the layer '" + name.toStdString() +
                         "', but no layer has that name. Write the name as the list of layers shows it.");
-        const Eigen::Matrix4d matrix = motionTo(*found, layer);
+        if (called.size() > 1)
+            throw Error("transforms names the layer '" + name.toStdString() + "', and " +
+                        std::to_string(called.size()) + " layers have that name. Rename the one that is meant.");
+        const Eigen::Matrix4d matrix = motionTo(*called.front(), layer);
         result += steps.mid(end, match.capturedStart() - end) + "matrix";
         for (int k = 0; k < 16; ++k)
             result += " " + QString::number(k < 12 ? matrix(k / 4, k % 4) : k == 15, 'g', 17);

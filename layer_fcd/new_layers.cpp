@@ -151,6 +151,7 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
         packing.forEach(
             [&](std::size_t i, std::size_t j) { layer.cm.vert[j].Q() = CVertexO::QualityType(quality[i]); });
+        LayerState::made(document, layer).measured = qualityOf(layer.cm);
     }
     computeNormals(layer.cm);
     if (linear.empty())
@@ -200,6 +201,7 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
         vertex.Q() = CVertexO::QualityType(patch);
         vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
     });
+    LayerState::made(document, layer).measured = qualityOf(layer.cm);
     // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
     // patch.
     for (CFaceO &face : layer.cm.face)

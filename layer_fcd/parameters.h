@@ -44,7 +44,8 @@ struct BuildGraphParam {
 /// Where tags and motions of the handles come from. Motions are in world coordinates: as seen on the screen, that is
 /// after the layer's matrix.
 struct HandleParam {
-    enum Source { Quality, Selection, Attribute, Files };
+    /// Known: marks, or what a filter for tags wrote into the quality; else all is free.
+    enum Source { Quality, Selection, Attribute, Files, Known };
     enum Center { Barycenter, Origin, Point };
 
     Source source = Quality;
@@ -52,7 +53,7 @@ struct HandleParam {
     QString tagFile;                  ///< .sel (Files)
     QString transformFile;            ///< .def, may be empty; read with every source
     QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
-    bool mayLack = false;             ///< where no vertex has a tag, all are free
+    bool mayLack = false;             ///< where no vertex has a tag, or the quality is no tags, all are free
     QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
 
     // The motion of handles that neither of these moves: first as the layer, then matrix, rotation and translation.

@@ -89,6 +89,7 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     kept.faces = facesOf(mesh);
     kept.vertexSlots = mesh.vert.size();
     kept.ownNormals = ::hasOwnNormals(layer);
+    kept.normalsNow = kept.normalsBefore = kept.ownNormals ? normalsOf(mesh) : 0;
     LayerState &all = LayerState::made(document, layer);
     if (exists(layer)) {
         RestShape last(layer);
@@ -203,9 +204,15 @@ bool RestShape::followMove() {
 }
 
 void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
-    const std::uint64_t strangers = countStrangers();
-    if (strangers == 0)
+    const std::uint64_t strangers = countStrangers(), normals = state.ownNormals ? normalsOf(mesh) : 0;
+    const bool areOwn = normals == state.normalsNow || normals == state.normalsBefore;
+    state.normalsBefore = normals;
+    if (strangers == 0) {
+        if (remark && !areOwn)
+            remark("Something else has computed the normals of '" + layer.label().toStdString() +
+                   "' since its last pose. They are those of the rest shape, turned, again: compute them anew.");
         return;
+    }
     if (!followMove())
         throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
                               "' was changed since its last pose: " + std::to_string(strangers) + " of its " +
@@ -237,6 +244,12 @@ void RestShape::restore() {
     });
     computeFaceNormals(mesh, {});
     vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
+    knowNormals();
+}
+
+void RestShape::knowNormals() {
+    if (state.ownNormals)
+        state.normalsNow = normalsOf(mesh);
 }
 
 std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {

@@ -53,6 +53,8 @@ class RestShape {
     /// Before a pose. Where something else has moved the layer as a whole, its rest shapes are moved alike, and a
     /// remark says so. \throw vcg::fcd::Error when it has moved or made some vertices; \p remedy says what to do
     void checkVertices(const std::string &remedy, const Remark &remark);
+    /// The layer has the normals that a pose gave it.
+    void knowNormals();
     /// Whether vertices and faces are those of the last pose, wherever something else may have moved them.
     bool isSameMesh() const;
     /// Turns the normals of vertices whose faces something else has turned over. \return facesOf the mesh

@@ -2,6 +2,7 @@
 #include <vcg_ext/base/graph.h> // before Qt
 
 #include "layer_contents.h"
+#include "layer_normals.h"
 #include "layer_state.h"
 #include "results.h"
 
@@ -10,6 +11,10 @@ namespace {
 const ResultState *resultOf(const MeshModel &layer) {
     const LayerState *state = LayerState::of(layer);
     return state && state->result ? &*state->result : nullptr;
+}
+
+bool isAsMade(const MeshModel &layer, const ResultState &result) {
+    return contentsOf(layer) == result.contents && (result.ownNormals || !hasOwnNormals(layer));
 }
 
 } // namespace
@@ -23,13 +28,14 @@ void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshM
 
 void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
     for (MeshModel *result : results)
-        LayerState::made(document, *result).result = {source.id(), contentsOf(*result), result->label()};
+        LayerState::made(document, *result).result = {source.id(), contentsOf(*result), hasOwnNormals(*result),
+                                                      result->label()};
     showLast(document, source, results);
 }
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
     const ResultState *result = resultOf(layer);
-    if (!result || result->contents != contentsOf(layer))
+    if (!result || !isAsMade(layer, *result))
         return layer;
     for (const MeshModel *other : host::layers(document))
         if (other->id() == result->source && other->cm.vn > 0)
@@ -41,8 +47,7 @@ std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel 
     std::vector<MeshModel *> results;
     for (const MeshModel *layer : host::layers(document)) {
         const ResultState *result = resultOf(*layer);
-        if (result && result->source == source.id() && layer->label() == result->label &&
-            contentsOf(*layer) == result->contents)
+        if (result && result->source == source.id() && layer->label() == result->label && isAsMade(*layer, *result))
             results.push_back(const_cast<MeshModel *>(layer));
     }
     return results;

@@ -8,6 +8,7 @@
 #include "point_sources.h"
 #include "tag_sources.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -56,10 +57,12 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
     return tag;
 }
 
-std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone) {
+std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone, bool mayLack) {
     const CMeshO &mesh = layer.cm;
     if (hasMarks(layer))
         return marksOf(layer);
+    if (mayLack && !mayHaveTags(layer))
+        return std::vector<int>(mesh.vert.size(), 1);
     std::vector<int> tag = tagsFrom(layer, "quality", [&](std::size_t i) { return double(mesh.vert[i].cQ()); });
     bool tagged = false;
     for (std::size_t i = 0; i < tag.size() && !tagged; ++i)
@@ -141,16 +144,27 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 
 } // namespace
 
+bool mayHaveTags(const MeshModel &layer) {
+    if (hasMarks(layer))
+        return true;
+    const LayerState *state = LayerState::of(layer);
+    return hasQuality(layer) && !(state && state->measured == qualityOf(layer.cm)) &&
+           std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(),
+                       [](const CVertexO &vertex) { return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ()); });
+}
+
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
     const bool freeIfNone = param.mayLack || !param.pointFile.isEmpty();
     switch (param.source) {
-    case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone);
+    case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone, param.mayLack);
     case HandleParam::Selection: return tagsFromSelection(layer, freeIfNone);
     case HandleParam::Attribute: return tagsFromAttribute(layer, param.tagAttribute);
     case HandleParam::Files:
         if (freeIfNone && param.tagFile.isEmpty())
             return std::vector<int>(layer.cm.vert.size(), 1);
         return tagsFromFile(layer, param.tagFile);
+    case HandleParam::Known:
+        return hasTags(layer) ? tagsFromQuality(layer, freeIfNone, true) : std::vector<int>(layer.cm.vert.size(), 1);
     }
     throw Error("Unknown source of tags.");
 }

@@ -6,10 +6,13 @@
 
 #include <vector>
 
-/// The tags of \p layer, one per slot of its vertex vector. With point handles, or where tags may lack, all is
-/// free where nothing is tagged.
-/// \throw vcg::fcd::Error when they cannot be had
+/// The tags of \p layer, one per slot of its vertex vector. With point handles, or where tags may lack, all is free
+/// where nothing is tagged. \throw vcg::fcd::Error when they cannot be had
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
+
+/// Whether \p layer has marks, or a quality that may be tags: whole numbers, and nothing that a filter here has
+/// measured.
+bool mayHaveTags(const MeshModel &layer);
 
 /// Tags (per slot of the layer's vertex vector) and point handles of \p layer, without motions.
 /// \param rest positions per vertex slot, null where the layer is at rest

@@ -100,6 +100,20 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     assert not result["converged"] and "did not come to rest: raise fit_steps" in log
 
 
+@pytest.mark.parametrize("quality", [1, 2], ids=["distance", "matched"])
+def test_a_fit_is_fitted_again_whatever_was_measured_of_it(capfd, quality):
+    """A quality that a fit has measured is no tags, also where its numbers are whole."""
+    ms, _ = pair()
+    fit(ms, fit_quality=quality, graph_layers=False)
+    again = ms.current_mesh().id()
+    assert len(np.unique(ms.current_mesh().vertex_scalar_array())) > 1
+    for handles in (0, 4):
+        ms.set_current_mesh(again)
+        result, log = fit_logged(ms, capfd, handles=handles, graph_layers=False)
+        assert result["fixed_vertices"] == 0 and result["free_vertices"] == ms.current_mesh().vertex_number()
+        assert ("is no tags, so nothing of it is held" in log) == (handles == 0)
+
+
 def test_what_is_wrong_with_landmarks_and_target_is_logged(capfd, tmp_path):
     ms, truth = pair()
     chosen = np.arange(300, 7200, 500)
@@ -406,3 +420,17 @@ def test_a_matrix_that_is_not_finite():
     ms, _ = pair()
     ms.apply_filter("set_matrix", transformmatrix=np.diag([np.inf, 1, 1, 1]), freeze=False)
     check_error(ms, "holds a number that is not finite")
+
+
+def test_a_quality_is_tags_where_a_filter_for_tags_wrote_it():
+    ms, _ = pair()
+    source = ms.current_mesh().id()
+    set_quality(ms, "z < 0.5 ? 0 : 1")  # as a filter that counts something would leave it
+    assert ms.apply_filter(FIT, target_layer=0, handles=4, graph_layers=False)["fixed_vertices"] == 0
+    ms.set_current_mesh(source)
+    ms.compute_selection_by_condition_per_vertex(condselect="z < 0.5")
+    ms.apply_filter("compute_fcd_tags_from_selection", role=0)
+    fixed = np.count_nonzero(ms.current_mesh().vertex_scalar_array() == 0)
+    for handles in (0, 4):
+        ms.set_current_mesh(source)
+        assert ms.apply_filter(FIT, target_layer=0, handles=handles, graph_layers=False)["fixed_vertices"] == fixed > 0

@@ -253,6 +253,31 @@ def test_the_log_says_that_the_rest_shape_follows(capfd, filter):
         assert ("Something else has moved all of 'bone.ply' alike since its last pose" in capfd.readouterr().err) == said
 
 
+def test_who_else_computed_normals_is_told_that_a_pose_gives_those_of_the_rest_shape(capfd):
+    """Of a cloud, whose normals no pose can compute."""
+    points = np.random.default_rng(1).random((3000, 3)) * [4, 1, 0.02]
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=np.tile([0.0, 0, 1], (3000, 1)),
+                               v_scalar_array=np.where(points[:, 0] < 1, 0, np.where(points[:, 0] > 3, 2, 1.0))))
+    said = "Something else has computed the normals"
+
+    def log(name, **parameters):
+        capfd.readouterr()
+        ms.set_verbosity(True)
+        ms.apply_filter(name, **parameters)
+        ms.set_verbosity(False)
+        return capfd.readouterr().err
+
+    assert said not in log(POSE, **LIFT)
+    assert said not in log(POSE, **LIFT)
+    ms.compute_normal_for_point_clouds(k=12)
+    assert said in log(POSE, **LIFT)
+    assert said not in log(POSE, **LIFT)
+    ms.compute_normal_for_point_clouds(k=12)
+    assert said in log(RESET)
+    assert same_points(ms.current_mesh().vertex_normal_matrix(), np.tile([0.0, 0, 1], (3000, 1)))
+
+
 def test_each_apply_can_be_taken_back():
     ms = clean_bone()
     shapes = [snapshot(ms.current_mesh())]

@@ -238,6 +238,11 @@ def test_a_handle_moves_as_another_layer_lies():
     ms.set_current_mesh(0)
     with pytest.raises(pymeshlab.PyMeshLabException, match="no layer has that name"):
         ms.apply_filter(DEFORM, transforms='2: layer "nobody"')
+    ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix()))
+    ms.apply_filter("set_mesh_name", newname=label)
+    ms.set_current_mesh(0)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="2 layers have that name"):
+        ms.apply_filter(DEFORM, transforms=f"2: layer '{label}'")
 
 
 # 90 degrees about z, and away; and what the layer that is deformed has itself: neither is the identity.

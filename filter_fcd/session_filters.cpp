@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common_parameters.h"
+#include "filter_fcd.h"
+
+#include <layer_fcd/session_file.h>
+
+// FCD: Save Session and FCD: Load Session.
+
+using host::addParameter;
+using host::Shown;
+using vcg::fcd::Error;
+
+RichParameterList sessionParameters(bool saves) {
+    RichParameterList list;
+    if (saves)
+        addParameter<host::RichSaveFileParam>(list, Shown::Always, "session_file", QString(), "*.fcd",
+                                              "Session goes to (.fcd)",
+                                              "The file to write. An existing file is replaced.");
+    else
+        addParameter<host::RichFileParam>(list, Shown::Always, "session_file", QString(), QStringList("*.fcd"),
+                                          "Session (.fcd)", "A file of 'FCD: Save Session' for this very layer.");
+    return list;
+}
+
+QString sessionFile(const RichParameterList &list, bool saves) {
+    const QString file = saves ? list.getSaveFileName("session_file") : list.getOpenFileName("session_file");
+    if (file.isEmpty())
+        throw Error(saves ? "session_file is empty. Give the .fcd file to write the session to."
+                          : "session_file is empty. Give the .fcd file with the session.");
+    return file;
+}
+
+namespace {
+
+/// What a session has. \param saved it was saved; otherwise, loaded
+std::string describe(const SessionContents &contents, bool saved) {
+    std::string has;
+    const auto add = [&has](const std::string &what) { has += (has.empty() ? "" : ", ") + what; };
+    if (contents.marks)
+        add("marks");
+    if (contents.colors)
+        add("what tags stand in the place of");
+    if (contents.rest)
+        add(contents.earlier == 0   ? std::string("the rest shape")
+            : contents.earlier == 1 ? std::string("the rest shape and the one before it")
+                                    : "the rest shape and the " + std::to_string(contents.earlier) + " before it");
+    if (contents.poses > 0)
+        add(contents.poses == 1 ? std::string("a pose") : std::to_string(contents.poses) + " poses");
+    std::string line = (saved ? "Saved: " : "Loaded: ") + has + ".";
+    if (contents.moved > 0)
+        line += " The layer was at rest, and has the pose of then now.";
+    return line;
+}
+
+} // namespace
+
+HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterList &parameters, MeshDocument &document,
+                                                    MeshModel &layer) const {
+    const QString file = sessionFile(parameters, id == SaveSession);
+    const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
+    logLine(describe(contents, id == SaveSession));
+    return {{"marks", contents.marks},     {"colors", contents.colors}, {"rest_shape", contents.rest},
+            {"earlier", contents.earlier}, {"poses", contents.poses},   {"moved_vertices", contents.moved}};
+}

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session_format.h" // which includes others before Qt
+
+#include "layer_contents.h"
+#include "layer_normals.h"
+#include "rest_shape.h"
+#include "save_files.h"
+#include "session_file.h"
+
+#include <vcg_ext/handles/handle_file.h>
+
+#include <vcg/complex/algorithms/update/bounding.h>
+
+#include <limits>
+#include <sstream>
+
+#include <QCryptographicHash>
+#include <QFile>
+
+using vcg::fcd::Error;
+
+namespace {
+
+const char *const formatName = "FCD session";
+const int version = 1;
+
+QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
+    const CMeshO &mesh = live.mesh;
+    const auto vertexOf = [&](std::size_t i) {
+        return scan.number[i] ? scan.vertices[scan.number[i] - 1] : TaggedVertex{Point3m(), 0, false, false};
+    };
+    const auto copy = [](const vcg::Color4b &color, std::uint8_t *to) { std::copy_n(&color[0], 4, to); };
+    QCborMap map{{QString("color"), scan.color},
+                 {QString("quality"), scan.quality},
+                 {QString("had_color"), scan.hadColor},
+                 {QString("had_quality"), scan.hadQuality},
+                 {QString("counted_quality"), scan.countedQuality},
+                 {QString("low_tag"), scan.lowTag},
+                 {QString("high_tag"), scan.highTag},
+                 {QString("has_color"),
+                  live.array<std::uint8_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).hasColor; })},
+                 {QString("has_quality"),
+                  live.array<std::uint8_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).hasQuality; })},
+                 {QString("tag_color"),
+                  live.array<std::uint32_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).tagColor; })},
+                 {QString("shown_color"),
+                  live.array<std::uint8_t>(4, [&](std::size_t i, auto *to) { copy(mesh.vert[i].cC(), to); })},
+                 {QString("shown_quality"),
+                  live.array<double>(1, [&](std::size_t i, auto *to) { *to = double(mesh.vert[i].cQ()); })}};
+    if (scan.color)
+        map.insert(QString("colors"), live.array<std::uint8_t>(4, [&](std::size_t i, auto *to) {
+            copy(scan.number[i] ? scan.colors[scan.number[i] - 1] : mesh.vert[i].cC(), to);
+        }));
+    if (scan.quality)
+        map.insert(QString("qualities"), live.array<double>(1, [&](std::size_t i, auto *to) {
+            *to = double(scan.number[i] ? scan.qualities[scan.number[i] - 1] : mesh.vert[i].cQ());
+        }));
+    for (const auto &[name, color] :
+         {std::make_pair("low_color", scan.lowColor), std::make_pair("high_color", scan.highColor)})
+        map.insert(QString(name), arrayOf(std::vector<std::uint8_t>(&color[0], &color[0] + 4)));
+    return map;
+}
+
+/// The same, read; for the vertices of a layer, which were at \p place.
+KeptScan scanOf(const Reader &from, const LiveVertices &live, const std::vector<double> &place) {
+    const CMeshO &mesh = live.mesh;
+    KeptScan scan;
+    scan.color = from.flag("color");
+    scan.quality = from.flag("quality");
+    scan.hadColor = from.flag("had_color");
+    scan.hadQuality = from.flag("had_quality");
+    scan.countedQuality = from.flag("counted_quality");
+    scan.lowTag = from.number("low_tag");
+    scan.highTag = from.number("high_tag");
+    for (const auto &[name, color] :
+         {std::make_pair("low_color", &scan.lowColor), std::make_pair("high_color", &scan.highColor)}) {
+        const auto values = from.array<std::uint8_t>(name, 4, 1);
+        *color = vcg::Color4b(values[0], values[1], values[2], values[3]);
+    }
+    const auto hasColor = from.array<std::uint8_t>("has_color", 1),
+               hasQuality = from.array<std::uint8_t>("has_quality", 1);
+    const auto tagColor = from.array<std::uint32_t>("tag_color", 1);
+    scan.number.assign(mesh.vert.size(), 0);
+    scan.vertices.resize(std::size_t(mesh.vn));
+    live.read(hasColor, 1, [&](std::size_t i, const std::uint8_t *value) {
+        const auto j = std::size_t(value - hasColor.data());
+        scan.number[i] = std::uint32_t(j + 1);
+        scan.vertices[j] = {Point3m(Scalarm(place[3 * j]), Scalarm(place[3 * j + 1]), Scalarm(place[3 * j + 2])),
+                            tagColor[j], hasColor[j] != 0, hasQuality[j] != 0};
+    });
+    if (scan.color) {
+        const auto values = from.array<std::uint8_t>("colors", 4);
+        for (std::size_t j = 0; j < scan.vertices.size(); ++j)
+            scan.colors.emplace_back(values[4 * j], values[4 * j + 1], values[4 * j + 2], values[4 * j + 3]);
+    }
+    if (scan.quality)
+        for (const double value : from.array<double>("qualities", 1))
+            scan.qualities.push_back(CVertexO::QualityType(value));
+    scan.faces = facesOf(mesh);
+    scan.vertexSlots = mesh.vert.size();
+    scan.matrix = mesh.Tr;
+    return scan;
+}
+
+Shape shapeOf(const Reader &from, const LiveVertices &live) {
+    Shape shape;
+    const auto read = [&](const char *key, std::vector<Point3m> &points) {
+        points.resize(live.mesh.vert.size());
+        live.read(from.array<double>(key, 3), 3, [&](std::size_t i, const double *p) {
+            points[i] = Point3m(Scalarm(p[0]), Scalarm(p[1]), Scalarm(p[2]));
+        });
+    };
+    read("position", shape.position);
+    read("normal", shape.normal);
+    return shape;
+}
+
+/// How far the vertices of a layer are from a shape, at most.
+double distanceFrom(const CMeshO &mesh, const Shape &shape) {
+    double most = 0;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            most = std::max(most, (toVector(mesh.vert[i].cP()) - toVector(shape.position[i])).norm());
+    return most;
+}
+
+SessionContents contentsOf(const LayerState &state) {
+    SessionContents contents;
+    contents.marks = !state.marks.empty();
+    contents.colors = state.scan.has_value();
+    contents.rest = state.rest.has_value();
+    contents.earlier = state.rest ? int(state.rest->earlier.size()) : 0;
+    contents.poses = state.poses ? int(state.poses->pose.size()) : 0;
+    return contents;
+}
+
+} // namespace
+
+SessionContents saveSession(const MeshModel &layer, const QString &file) {
+    const CMeshO &mesh = layer.cm;
+    const LayerState *state = LayerState::of(layer);
+    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses))
+        throw Error("Nothing is known of the layer " + inQuotes(layer) +
+                    " that a session would keep. Tag, mark or pose it first.");
+    const LiveVertices live(mesh);
+    QCborMap map{{QString("vertices"), mesh.vn},
+                 {QString("faces"), mesh.fn},
+                 {QString("corners"), live.corners()},
+                 {QString("position"), live.points([&](std::size_t i) { return mesh.vert[i].cP(); })},
+                 {QString("normal"), live.points([&](std::size_t i) { return mesh.vert[i].cN(); })}};
+    if (!state->marks.empty())
+        map.insert(QString("marks"),
+                   live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = state->marks[i] + 1; }));
+    if (state->scan)
+        map.insert(QString("scan"), mapOf(*state->scan, live));
+    if (state->rest) {
+        QCborMap rest = live.shape(*state->rest);
+        rest.insert(QString("own_normals"), state->rest->ownNormals);
+        QCborArray earlier;
+        for (const Shape &shape : state->rest->earlier)
+            earlier.append(live.shape(shape));
+        rest.insert(QString("earlier"), earlier);
+        map.insert(QString("rest"), rest);
+    }
+    if (state->poses)
+        map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state->poses)));
+    const QByteArray bytes = map.toCborValue().toCbor();
+    const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
+                                    {QString("version"), version},
+                                    {QString("sha256"), QCryptographicHash::hash(bytes, QCryptographicHash::Sha256)},
+                                    {QString("layer"), bytes}}
+                               .toCborValue()
+                               .toCbor();
+    saveFiles({{file, all.toStdString()}});
+    return contentsOf(*state);
+}
+
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file) {
+    CMeshO &mesh = layer.cm;
+    const std::string name = inQuotes(file);
+    const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
+    const std::string all = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(),
+                                               100000000 + (each + shapes) * std::size_t(mesh.vn)); // poses are text
+    const QCborMap outer = QCborValue::fromCbor(QByteArray::fromStdString(all)).toMap();
+    if (outer.value(QString("format")).toString() != formatName)
+        throw Error(name + " is no session of 'FCD: Save Session' (save_fcd_session).");
+    if (outer.value(QString("version")).toInteger() != version)
+        throw Error(name +
+                    " is a session of another version. Load it with the program that wrote it, or save it again.");
+    const Reader whole(outer, file, mesh.vn);
+    const QByteArray bytes = whole.bytes("layer");
+    if (QCryptographicHash::hash(bytes, QCryptographicHash::Sha256) != whole.bytes("sha256"))
+        whole.fail("it was changed, or not written to its end");
+    const QCborValue inner = QCborValue::fromCbor(bytes);
+    if (!inner.isMap())
+        whole.fail("layer is missing");
+    const Reader from(inner.toMap(), file, mesh.vn);
+    const int vertices = int(from.number("vertices")), faces = int(from.number("faces"));
+    if (vertices != mesh.vn || faces != mesh.fn)
+        throw Error(name + " is of a layer with " + std::to_string(vertices) + " vertices and " +
+                    std::to_string(faces) + " faces, and " + inQuotes(layer) + " has " + std::to_string(mesh.vn) +
+                    " and " + std::to_string(mesh.fn) + ". Open the file of that layer, and load the session for it.");
+    const LiveVertices live(mesh);
+    if (from.bytes("corners") != live.corners())
+        throw Error(name + " is of a layer with other faces than " + inQuotes(layer) +
+                    ", or in another order. Open the file of that layer, and load the session for it.");
+
+    LayerState next;
+    const Shape shown = shapeOf(from, live);
+    if (from.has("marks")) {
+        next.marks.assign(mesh.vert.size(), 0);
+        live.read(from.array<std::int32_t>("marks", 1), 1, [&](std::size_t i, const std::int32_t *tag) {
+            next.marks[i] = std::max(*tag, std::numeric_limits<int>::lowest() + 1) - 1;
+        });
+    }
+    if (from.has("rest")) {
+        const Reader rest = from.in("rest");
+        RestState &read = next.rest.emplace();
+        static_cast<Shape &>(read) = shapeOf(rest, live);
+        read.ownNormals = rest.flag("own_normals");
+        const QCborArray earlier = rest.list("earlier");
+        if (std::size_t(earlier.size()) > RestShape::mostEarlier)
+            rest.fail("earlier has too many shapes");
+        for (const QCborValue &shape : earlier)
+            read.earlier.push_back(shapeOf(rest.in(shape, "earlier"), live));
+        read.vertex.resize(mesh.vert.size());
+        read.faces = facesOf(mesh);
+        read.vertexSlots = mesh.vert.size();
+    }
+    if (from.has("scan"))
+        next.scan = scanOf(from.in("scan"), live, from.array<double>("position", 3));
+    if (from.has("poses"))
+        next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
+
+    // The layer may be at rest, as when its scan was opened again.
+    Eigen::AlignedBox3d box;
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD())
+            box.extend(toVector(vertex.cP()));
+    const double near = 1e-6 * box.diagonal().norm(), distance = distanceFrom(mesh, shown);
+    const bool isAtRest = distance > near && next.rest && distanceFrom(mesh, *next.rest) <= near;
+    if (distance > near && !isAtRest) {
+        std::ostringstream text;
+        text << name << " is of another shape than " << inQuotes(layer) << " has: a vertex is " << distance
+             << " from where it was. Open the file of that layer, or undo what has moved it, and load the session "
+                "again.";
+        throw Error(text.str());
+    }
+    const KeptScan *scan = next.scan ? &*next.scan : nullptr;
+    std::vector<std::uint8_t> shownColor;
+    std::vector<double> shownQuality;
+    if (scan) {
+        shownColor = from.in("scan").array<std::uint8_t>("shown_color", 4);
+        shownQuality = from.in("scan").array<double>("shown_quality", 1);
+    }
+
+    // From here on, nothing fails.
+    LayerState &state = LayerState::made(document, layer);
+    SessionContents contents = contentsOf(next);
+    if (isAtRest) {
+        contents.moved = mesh.vn;
+        forVertices(mesh, [&](std::size_t i) {
+            mesh.vert[i].P() = shown.position[i];
+            mesh.vert[i].N() = shown.normal[i];
+        });
+        computeFaceNormals(mesh, {});
+        vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
+    }
+    if (next.rest)
+        forVertices(mesh, [&](std::size_t i) {
+            const Point3m &p = mesh.vert[i].cP();
+            next.rest->vertex[i] = {{p[0], p[1], p[2]}, RestShape::placeOf(p)};
+        });
+    if (scan && scan->color) {
+        layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+        live.read(shownColor, 4, [&](std::size_t i, const std::uint8_t *c) {
+            if (!scan->hadColor || mesh.vert[i].cC() == scan->colors[scan->number[i] - 1])
+                mesh.vert[i].C() = vcg::Color4b(c[0], c[1], c[2], c[3]);
+        });
+    }
+    if (scan && scan->quality) {
+        layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+        live.read(shownQuality, 1, [&](std::size_t i, const double *q) {
+            if (mesh.vert[i].cQ() == scan->qualities[scan->number[i] - 1])
+                mesh.vert[i].Q() = CVertexO::QualityType(*q);
+        });
+    }
+    if (next.rest)
+        next.rest->normalsNow = next.rest->normalsBefore = next.rest->ownNormals ? normalsOf(mesh) : 0;
+    state.marks = std::move(next.marks);
+    state.scan = std::move(next.scan);
+    state.rest = std::move(next.rest);
+    state.poses = std::move(next.poses);
+    return contents;
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_SESSION_FILE_H
+#define FCD_SESSION_FILE_H
+
+#include "layer_state.h"
+#include "parameters.h" // Remark
+
+#include <QString>
+
+#include <string>
+
+/// \file
+/// A session: what is known of a layer (layer_state.h), in a file, for another run of the program. CBOR (RFC 8949), a
+/// map that any CBOR library reads:
+///
+///     "format"   "FCD session"
+///     "version"  1
+///     "sha256"   of the bytes of "layer"
+///     "layer"    the bytes of a map, encoded as CBOR:
+///       "vertices", "faces"  how many are live; all arrays have a value for each live vertex, in their order
+///       "corners"            XXH3 of the live faces' corners, three vertices each, as unsigned 32 bits
+///       "position", "normal" of the layer, 3 a vertex
+///       "marks"              tags; only what there is, also of the following
+///       "rest"               {"own_normals", "position", "normal", "earlier": [{"position", "normal"}, ...]}
+///       "scan"               {"shown_color", "shown_quality": what the layer has; "colors", "qualities": what it had
+///                            before it was tagged, where "color", "quality" say so; "has_color", "has_quality":
+///                            whether a vertex has those of its tag; and the other fields of KeptScan}
+///       "poses"              a table, as ReadPoseSequence reads it
+///
+/// Arrays are typed arrays (RFC 8746), little-endian.
+
+/// What a session has, or had.
+struct SessionContents {
+    bool marks = false, colors = false, rest = false;
+    int earlier = 0; ///< rest shapes
+    int poses = 0;
+    int moved = 0; ///< vertices that have another position since it was loaded
+};
+
+/// Writes what is known of \p layer. \throw vcg::fcd::Error when nothing is, or the file cannot be written; it is then
+/// as it was
+SessionContents saveSession(const MeshModel &layer, const QString &file);
+
+/// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest
+/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay.
+/// \throw vcg::fcd::Error what is wrong with the file, or how the layer differs; it is then as it was
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file);
+
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_SESSION_FORMAT_H
+#define FCD_SESSION_FORMAT_H
+
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
+#include <vcg_ext/surface/read_surface.h>
+
+#include "layer_labels.h"
+#include "layer_state.h"
+#include "mesh_copy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <QCborArray>
+#include <QCborMap>
+#include <QCborValue>
+#include <QtEndian>
+
+/// \file
+/// What a session (session_file.h) is made of: arrays with a value for each live vertex, and what a file says.
+
+/// The tag of a typed array, RFC 8746.
+template <class T>
+constexpr QCborTag tagOf() {
+    return QCborTag(std::is_same<T, double>::value          ? 86
+                    : std::is_same<T, std::uint32_t>::value ? 70
+                    : std::is_same<T, std::int32_t>::value  ? 78
+                                                            : 64);
+}
+
+template <class T>
+QCborValue arrayOf(std::vector<T> values) {
+    if (sizeof(T) > 1)
+        qToLittleEndian<T>(values.data(), qsizetype(values.size()), values.data());
+    return QCborValue(tagOf<T>(),
+                      QByteArray(reinterpret_cast<const char *>(values.data()), int(values.size() * sizeof(T))));
+}
+
+/// The live vertices of a layer, in their order.
+class LiveVertices {
+  public:
+    explicit LiveVertices(const CMeshO &mesh) : mesh(mesh), packing(mesh.vert, mesh.vn) {}
+
+    /// \p count values for each: take(slot, values).
+    template <class T, class Take>
+    QCborValue array(int count, const Take &take) const {
+        std::vector<T> values(std::size_t(mesh.vn) * std::size_t(count));
+        packing.forEach([&](std::size_t i, std::size_t j) { take(i, &values[j * std::size_t(count)]); });
+        return arrayOf(std::move(values));
+    }
+
+    template <class Points>
+    QCborValue points(const Points &pointOf) const {
+        return array<double>(3, [&](std::size_t i, double *values) {
+            const Point3m &p = pointOf(i);
+            for (int k = 0; k < 3; ++k)
+                values[k] = double(p[k]);
+        });
+    }
+
+    QCborMap shape(const Shape &shape) const {
+        return {{QString("position"), points([&](std::size_t i) -> auto & { return shape.position[i]; })},
+                {QString("normal"), points([&](std::size_t i) -> auto & { return shape.normal[i]; })}};
+    }
+
+    /// A number for the live faces, in hexadecimal digits.
+    QByteArray corners() const {
+        std::vector<std::uint32_t> corner;
+        corner.reserve(3 * std::size_t(mesh.fn));
+        for (const CFaceO &face : mesh.face)
+            for (int k = 0; !face.IsD() && k < 3; ++k)
+                corner.push_back(std::uint32_t(packing(vcg::tri::Index(mesh, face.cV(k)))));
+        return QByteArray::number(qulonglong(XXH3_64bits(corner.data(), corner.size() * sizeof(std::uint32_t))), 16);
+    }
+
+    /// give(slot, values) of an array with \p count values for each.
+    template <class T, class Give>
+    void read(const std::vector<T> &values, int count, const Give &give) const {
+        packing.forEach([&](std::size_t i, std::size_t j) { give(i, &values[j * std::size_t(count)]); });
+    }
+
+    const CMeshO &mesh;
+
+  private:
+    Packing packing;
+};
+
+/// What a file says, of which nothing is trusted.
+class Reader {
+  public:
+    Reader(QCborMap map, const QString &file, int vertices) : map(std::move(map)), file(file), vertices(vertices) {}
+
+    [[noreturn]] void fail(const std::string &what) const {
+        throw vcg::fcd::Error(inQuotes(file) + " is no session that can be read: " + what +
+                              ". Save the session again.");
+    }
+
+    bool has(const char *key) const { return map.contains(QString(key)); }
+
+    Reader in(const char *key) const { return Reader(mapOf(map.value(QString(key)), key), file, vertices); }
+    Reader in(const QCborValue &value, const char *key) const { return Reader(mapOf(value, key), file, vertices); }
+
+    bool flag(const char *key) const {
+        const QCborValue value = map.value(QString(key));
+        if (!value.isBool())
+            fail(std::string(key) + " is neither true nor false");
+        return value.toBool();
+    }
+    double number(const char *key) const {
+        const QCborValue value = map.value(QString(key));
+        if (!value.isDouble() && !value.isInteger())
+            fail(std::string(key) + " is no number");
+        return value.toDouble();
+    }
+    std::string text(const char *key) const {
+        const QCborValue value = map.value(QString(key));
+        if (!value.isString())
+            fail(std::string(key) + " is no text");
+        return value.toString().toStdString();
+    }
+    QByteArray bytes(const char *key) const {
+        const QCborValue value = map.value(QString(key));
+        if (!value.isByteArray())
+            fail(std::string(key) + " is missing");
+        return value.toByteArray();
+    }
+    QCborArray list(const char *key) const {
+        const QCborValue value = map.value(QString(key));
+        if (!value.isArray())
+            fail(std::string(key) + " is no list");
+        return value.toArray();
+    }
+
+    /// \p count values for each vertex, all finite.
+    template <class T>
+    std::vector<T> array(const char *key, int count, int elements = -1) const {
+        const QCborValue value = map.value(QString(key));
+        const QByteArray bytes =
+            value.isTag() && value.tag() == tagOf<T>() ? value.taggedValue().toByteArray() : QByteArray();
+        std::vector<T> values(std::size_t(elements < 0 ? vertices : elements) * std::size_t(count));
+        if (std::size_t(bytes.size()) != values.size() * sizeof(T))
+            fail(std::string(key) + " has not the values that it should have");
+        std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char *>(values.data()));
+        if (sizeof(T) > 1)
+            qFromLittleEndian<T>(values.data(), qsizetype(values.size()), values.data());
+        if (!std::all_of(values.begin(), values.end(), [](T each) { return std::isfinite(double(each)); }))
+            fail(std::string(key) + " has a number that is not finite");
+        return values;
+    }
+
+  private:
+    QCborMap mapOf(const QCborValue &value, const char *key) const {
+        if (!value.isMap())
+            fail(std::string(key) + " is missing");
+        return value.toMap();
+    }
+
+    QCborMap map;
+    QString file;
+    int vertices;
+};
+
+#endif

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a session keeps of a layer for another run of the program, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import hashlib
+
+import numpy as np
+import pymeshlab
+import pytest
+
+from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_returned, clean_bone, new_set, same_points, set_quality, snapshot
+from host_tags import BEND, CLEAR, coloured, look, tag_ends
+
+SAVE, LOAD, SEQUENCE = "save_fcd_session", "load_fcd_session", "generate_fcd_pose_sequence"
+RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "moved_vertices": int}
+
+
+def reopened(ms, folder, file="layer.ply"):
+    """The current layer, saved and opened in a set of its own."""
+    ms.save_current_mesh(str(folder / file))
+    again = new_set()
+    again.load_new_mesh(str(folder / file))
+    return again
+
+
+def posed():
+    """A bone with colours and a quality of its own, tagged, posed, kept, posed again, with a pose that has a name."""
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    own = look(ms)
+    tag_ends(ms)
+    shapes = [ms.current_mesh().vertex_matrix()]
+    ms.apply_filter(POSE, **BEND)
+    shapes.append(ms.current_mesh().vertex_matrix())
+    ms.apply_filter(RESET, keep_shape=True)
+    ms.apply_filter(POSE, transforms="2: translate 0 0.3 0")
+    shapes.append(ms.current_mesh().vertex_matrix())
+    return ms, own, shapes
+
+
+@pytest.mark.parametrize("at_rest", [False, True])
+def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
+    ms, own, shapes = posed()
+    before = snapshot(ms.current_mesh())
+    result = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    check_returned(result, RETURNS)
+    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "moved_vertices": 0}
+    assert_unchanged(before, ms.current_mesh())
+    shown = look(ms)
+    if at_rest:  # the layer has its rest shape in the file
+        ms.apply_filter(RESET)
+    again = reopened(ms, tmp_path)
+    result = again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    assert result["moved_vertices"] == (again.current_mesh().vertex_number() if at_rest else 0)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+    assert all(same_points(a, b) for a, b in zip(look(again), shown))
+    # A pose is one of the rest shape, which goes back step by step.
+    again.apply_filter(POSE, transforms="2: translate 0 0.3 0")
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+    again.apply_filter(RESET)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[1])
+    again.apply_filter(RESET)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[0])
+    again.apply_filter(CLEAR)
+    assert all(same_points(a, b) for a, b in zip(look(again), own))
+
+
+def test_a_session_brings_tags_to_the_scan_itself(tmp_path):
+    """The layer is opened as it was before it was tagged; what was painted since stays."""
+    ms = coloured()
+    set_quality(ms, "5")
+    own = look(ms)
+    scan = reopened(ms, tmp_path)
+    tag_ends(ms)
+    ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    scan.compute_selection_by_condition_per_vertex(condselect="y > 0")
+    scan.compute_color_by_function_per_vertex(x="1", y="2", z="3", onselected=True)
+    painted = scan.current_mesh().vertex_selection_array()
+    scan.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    assert same_points(look(scan)[0][~painted], look(ms)[0][~painted]) and same_points(look(scan)[1], look(ms)[1])
+    assert len(np.unique(look(scan)[0][painted], axis=0)) == 1
+    scan.apply_filter(CLEAR)
+    assert same_points(look(scan)[0][~painted], own[0][~painted]) and same_points(look(scan)[1], own[1])
+
+
+def test_poses_with_names_go_along(tmp_path):
+    ms = clean_bone()
+    tag_ends(ms)
+    table = tmp_path / "poses.csv"
+    table.write_text('time, easing, up, down\nmotions, , "2: translate 0 0 0.3", "2: translate 0 0 -0.3"\n')
+    ms.apply_filter(SEQUENCE, poses_file=str(table), frame_layers=1)
+    ms.set_current_mesh(0)
+    assert ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))["poses"] == 2
+    again = reopened(ms, tmp_path)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="keeps no poses"):
+        again.apply_filter(SEQUENCE, frame_layers=1)
+    again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    again.apply_filter(SEQUENCE, frame_layers=1)
+    assert same_points(again.current_mesh().vertex_matrix(), ms.mesh(ms.mesh_number() - 1).vertex_matrix())
+
+
+def refused(ms, word, **parameters):
+    before = snapshot(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match=word):
+        ms.apply_filter(LOAD, **parameters)
+    assert_unchanged(before, ms.current_mesh())
+
+
+def test_what_differs_is_said(tmp_path):
+    ms, _, _ = posed()
+    file = str(tmp_path / "s.fcd")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Nothing is known of the layer"):
+        clean_bone().apply_filter(SAVE, session_file=file)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="session_file is empty. Give the .fcd file to write"):
+        ms.apply_filter(SAVE, session_file="")
+    refused(ms, "session_file is empty. Give the .fcd file with the session", session_file="")
+    ms.apply_filter(SAVE, session_file=file)
+    other = reopened(ms, tmp_path)
+    other.compute_coord_by_function(x="x + (vi == 7 ? 0.5 : 0)")
+    refused(other, "is of another shape than .* a vertex is 0.5", session_file=file)
+    other = reopened(ms, tmp_path)
+    other.meshing_invert_face_orientation(forceflip=True)
+    refused(other, "with other faces than", session_file=file)
+    other.compute_selection_by_condition_per_vertex(condselect="vi == 3")
+    other.meshing_remove_selected_vertices()
+    refused(other, "is of a layer with .* vertices and .* faces", session_file=file)
+    (tmp_path / "text.fcd").write_text("nothing")
+    refused(ms, "is no session of 'FCD: Save Session'", session_file=str(tmp_path / "text.fcd"))
+    data = bytearray((tmp_path / "s.fcd").read_bytes())
+    at = data.index(b"version") + 7
+    assert data[at] == 1
+    data[at] = 9
+    (tmp_path / "later.fcd").write_bytes(data)
+    refused(ms, "a session of another version", session_file=str(tmp_path / "later.fcd"))
+
+
+def with_layer(data, layer):
+    """A session whose checksum is that of other contents."""
+    old = hashlib.sha256(contents(data)).digest()
+    at = data.index(b"layer") + 5
+    assert data[at] == 0x5a and old in data
+    whole = data[:at + 1] + len(layer).to_bytes(4, "big") + layer
+    end = at + 5 + int.from_bytes(data[at + 1:at + 5], "big")
+    return (whole + data[end:]).replace(old, hashlib.sha256(layer).digest())
+
+
+def contents(data):
+    at = data.index(b"layer") + 5
+    return data[at + 5:at + 5 + int.from_bytes(data[at + 1:at + 5], "big")]
+
+
+def test_a_file_that_was_changed_is_refused_or_harmless(tmp_path):
+    """Any bit, any length, and any contents with a good checksum."""
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    layer = contents(data)
+    rng = np.random.default_rng(3)
+    assert with_layer(data, layer) == data
+    again = reopened(ms, tmp_path)
+    before = snapshot(again.current_mesh())
+    wrong = tmp_path / "wrong.fcd"
+
+    def flipped(what):
+        what = bytearray(what)
+        what[rng.integers(len(what))] ^= 1 << rng.integers(8)
+        return bytes(what)
+
+    tries = [flipped(data) for _ in range(100)] + [data[:k] for k in rng.integers(len(data), size=20)]
+    for each in tries:
+        wrong.write_bytes(each)
+        with pytest.raises(pymeshlab.PyMeshLabException, match="no session|another version"):
+            again.apply_filter(LOAD, session_file=str(wrong))
+        assert_unchanged(before, again.current_mesh())
+    keys = [m for m in range(len(layer)) if layer[m:m + 3] in (b"pos", b"nor", b"ear", b"own", b"sca", b"has", b"had", b"low", b"tag", b"sho", b"ver", b"fac", b"col", b"qua", b"res", b"cou", b"hig", b"cor")]
+    loaded = 0
+    for k in range(300):
+        bad = bytearray(layer)
+        at = keys[k % len(keys)] + int(rng.integers(-3, 24)) if k % 3 else int(rng.integers(len(layer)))
+        bad[min(max(at, 0), len(bad) - 1)] = int(rng.integers(256))
+        wrong.write_bytes(with_layer(data, bytes(bad)))
+        try:
+            again.apply_filter(LOAD, session_file=str(wrong))
+            loaded += 1
+        except pymeshlab.PyMeshLabException:
+            continue
+        for name, parameters in ((POSE, BEND), (RESET, {}), (CLEAR, {})):  # on whatever it says
+            try:
+                again.apply_filter(name, **parameters)
+            except pymeshlab.PyMeshLabException:
+                pass
+        again = reopened(ms, tmp_path)
+    assert 0 < loaded < 300
