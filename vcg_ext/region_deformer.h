@@ -67,7 +67,7 @@ struct ReadRegion {
     HeldNodes held;                    ///< of these points
     std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
-    std::uint32_t first = 0; ///< as of MovingRegion; not known where it is the only one
+    std::uint32_t first = 0; ///< as of MovingRegion
     int most = mostPatches;  ///< patches, where their number is not given
 };
 
