@@ -46,8 +46,9 @@ SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::f
     }
     vcg::fcd::FieldParam sampling;
     sampling.accuracy = param.accuracy;
-    saved.field = vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed, linear,
-                                        sampling, progress.Slice(0.1, 0.95), matrix.linear());
+    saved.field =
+        vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed, linear, sampling,
+                              progress.Slice(0.1, 0.95), matrix.linear(), deformation.prepared->deformer->FreeIn());
     progress(1, "Done");
     const std::string text = vcg::fcd::DeformationText(saved.field.samples);
     saved.bytes = text.size();

@@ -225,7 +225,8 @@ nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) 
             rest.swap(deformed);
             folded = vcg::fcd::Invert(linear);
         }
-        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, param, progress.Slice(0.1, 1));
+        sampled = vcg::fcd::SampleField(prepared->view, rest, deformed, linear, param, progress.Slice(0.1, 1),
+                                        Eigen::Matrix3d::Identity(), prepared->deformer->FreeIn());
         made = std::make_unique<Field>(std::move(sampled.samples), progress.Slice(1, 1));
     });
     nb::dict all;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <set>
 
 using vcg::fcd::DeformationGraph;
@@ -68,20 +69,28 @@ void Prepared::prepare(const nb::object &report, const Make &make) {
         tags = param.bendsUnheld ? vcg::fcd::CountTags(handles.tag, nullptr, threads)
                                  : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
         deformer = make(*this, progress.Slice(0.02, 1));
-        findStill();
-        for (std::size_t i = 0; i < view.vertexSlots; ++i)
-            if (view.At(i).allFinite())
-                box.extend(Eigen::Vector3d(view.At(i)));
+        findStill(progress);
+        std::mutex lock; // of box
+        ParallelFor(threads, view.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
+            Eigen::AlignedBox3d part;
+            for (std::size_t i = first; i < last; ++i)
+                if (view.At(i).allFinite())
+                    part.extend(Eigen::Vector3d(view.At(i)));
+            const std::lock_guard<std::mutex> guard(lock);
+            box.extend(part);
+        });
         seconds = watch.Seconds();
     });
 }
 
-void Prepared::findStill() {
+void Prepared::findStill(const Progress &progress) {
     std::vector<char> moves(view.vertexSlots, 0);
     deformer->ForMoving([&](std::size_t slot) { moves[slot] = 1; });
-    for (std::size_t i = 0; i < moves.size(); ++i)
-        if (!moves[i])
-            still.push_back(std::uint32_t(i));
+    still = vcg::fcd::CollectInOrder<std::uint32_t>(progress.Slice(1, 1), "Preparing the mapping", Index(moves.size()),
+                                                    [&](Index i, std::vector<std::uint32_t> &found) {
+                                                        if (!moves[std::size_t(i)])
+                                                            found.push_back(std::uint32_t(i));
+                                                    });
 }
 
 nb::tuple Prepared::graph() const {

@@ -60,7 +60,7 @@ class Prepared {
 
   private:
     void prepare(const nb::object &report, const Make &make);
-    void findStill();
+    void findStill(const vcg::fcd::Progress &progress);
     std::vector<std::int32_t> firstNodes() const; // of each region, and how many there are
 
     mutable std::once_flag placesMade;

@@ -402,6 +402,27 @@ def test_very_many_regions_share_a_graph_and_the_log_says_so(capfd):
     assert (np.abs(moved[1::3] - points[1::3]).max(axis=1) < 1).all()
 
 
+def test_many_regions_that_could_have_more_patches_have_fewer_and_the_log_says_so(capfd):
+    around, along, count = 28, 24, 190
+    angle, z = (a.ravel() for a in np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(along) * 0.23, indexing="ij"))
+    a = (np.arange(around)[:, None] * along + np.arange(along - 1)).ravel()
+    b = ((np.arange(around)[:, None] + 1) % around * along + np.arange(along - 1)).ravel()
+    tube, faces = np.column_stack([np.cos(angle), np.sin(angle), z]), np.vstack([np.column_stack([a, b, a + 1]), np.column_stack([b, b + 1, a + 1])])
+    tags = np.where(z < 0.1, 0.0, np.where(z > 5.2, 2.0, 1.0))
+    points = np.concatenate([tube + [4 * k, 0, 0] for k in range(count)])
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(points, np.concatenate([faces + len(tube) * k for k in range(count)]),
+                               v_scalar_array=np.tile(tags, count)))
+    result, log = deform_logged(ms, capfd, transforms="2: rotate 1 0 0 30")
+    assert f"so many regions that {count} of them have fewer patches than they would have alone" in log
+    moved = ms.current_mesh().vertex_matrix()
+    one = new_set()
+    one.add_mesh(pymeshlab.Mesh(tube, faces, v_scalar_array=tags))
+    alone, log = deform_logged(one, capfd, transforms="2: rotate 1 0 0 30")
+    assert "fewer patches" not in log
+    assert result["nodes"] < count * alone["nodes"] and (moved[::along] == points[::along]).all()
+
+
 def slender(around=24, along=67):
     """A tube of length 11 and radius 1 along z, its ends tagged 0 and 2."""
     angle, z = (a.ravel() for a in np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(0, 11, along), indexing="ij"))

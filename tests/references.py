@@ -2,9 +2,11 @@
 """Makes the references in meshes/, NAME_sr_arap.ply: CGAL's SR-ARAP of NAME.ply, run to convergence by tests/quality.sh; some minutes.
 
     build/venv/bin/python tests/references.py [NAME ...]
+    build/venv/bin/python tests/references.py --distances [NAME ...]    how far this plugin's results are from them, over five seeds
 
 The quads of these meshes have their diagonals one way, and CGAL's result goes with them: a reference is the mean of two, of the mesh as it
 is and with all of these the other way. By how much each of the two is off, half of their distance, is printed; tests take it as their limit."""
+import os
 import subprocess
 import sys
 import tempfile
@@ -69,5 +71,25 @@ def main(names):
             print(f"{name}: each of the two is {distance(*two, rest) / 2:.3f} % from their mean")
 
 
+def distances(names):
+    pymeshlab.load_plugin(str(Path(os.environ.get("FCD_PLUGIN", ROOT / "build" / "plugins" / "pymeshlab-2025.7" / "libfilter_fcd.so"))))
+    for name in names:
+        stem, said = str(ROOT / "meshes" / name), []
+        wanted, (rest, _) = read(f"{stem}_sr_arap.ply")[0], read(f"{stem}.ply")
+        for what, patches, seeds in (("by itself", 0, 5), ("300 patches", 300, 5), ("a node at every vertex", 20 * len(rest), 1)):
+            found = []
+            for seed in range(1, seeds + 1):
+                ms = pymeshlab.MeshSet()
+                ms.load_new_mesh(f"{stem}.ply")
+                result = ms.apply_filter("generate_fcd_deformed_mesh", handles=3, tag_file=f"{stem}.sel", transform_file=f"{stem}.def",
+                                         graph_layers=False, initial_patches=patches, random_seed=seed)
+                found.append((distance(ms.current_mesh().vertex_matrix(), wanted, rest), result["nodes"]))
+            said.append(f"{what}: {min(found)[0]:.3f} to {max(found)[0]:.3f} %, {np.mean([nodes for _, nodes in found]):.0f} nodes")
+        print(f"{name}: " + "; ".join(said))
+
+
 if __name__ == "__main__":
-    main(sys.argv[1:] or NAMES)
+    if sys.argv[1:2] == ["--distances"]:
+        distances(sys.argv[2:] or NAMES)
+    else:
+        main(sys.argv[1:] or NAMES)

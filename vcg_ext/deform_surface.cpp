@@ -29,15 +29,11 @@ GraphGeometry GeometryOf(const SurfaceGraph &surface, const Patches &patches, co
     return g;
 }
 
-/// The normals at the centres of patches. \param vertices with the nodes that they are at
-void TakeNormals(const NormalOf &normal, const std::vector<MovingRegion::Bent> &vertices, const Patches &patches,
-                 GraphGeometry &g) {
-    if (!normal)
-        return;
-    for (const MovingRegion::Bent &vertex : vertices)
-        if (const Index patch = patches.patchOf[std::size_t(vertex.node)];
-            patch >= 0 && patches.center[std::size_t(patch)] == vertex.node)
-            g.normal.col(patch) = normal(vertex.slot);
+/// Takes the normal of a vertex that is at the centre of a patch. \param node of the vertex
+void TakeNormal(const NormalOf &normal, std::uint32_t slot, Index node, const Patches &patches, GraphGeometry &g) {
+    if (const Index patch = patches.patchOf[std::size_t(node)];
+        patch >= 0 && patches.center[std::size_t(patch)] == node)
+        g.normal.col(patch) = normal(slot);
 }
 
 /// Angle of a rotation given as a unit quaternion (w, x, y, z).
@@ -66,8 +62,10 @@ void ShowGraph(const NormalOf &normal, const MovingRegion &region, const RegionP
     const DeformationGraph &graph = region.graph;
     const double scale = surface.frame.scale;
     GraphGeometry rest = GeometryOf(surface, region.patches, graph);
-    for (const auto *list : {&region.bent, &region.beside})
-        TakeNormals(normal, *list, region.patches, rest);
+    if (normal)
+        for (const auto *list : {&region.bent, &region.beside})
+            for (const MovingRegion::Bent &vertex : *list)
+                TakeNormal(normal, vertex.slot, vertex.node, region.patches, rest);
     rest.energy = Eigen::Map<const Eigen::VectorXd>(pose.graph.nodeEnergy.data(), graph.Size()) * (scale * scale);
     GraphGeometry deformed = rest;
     for (Index j = 0; j < graph.Size(); ++j) {
@@ -184,11 +182,9 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
                                                         GraphWeights::Border, progress.Slice(0.9, 0.95));
     CentroidalGraph result;
     result.geometry = GeometryOf(surface, patches, graph);
-    std::vector<MovingRegion::Bent> vertices;
-    vertices.reserve(surface.slots.size());
-    for (std::uint32_t slot : surface.slots)
-        vertices.push_back({slot, surface.nodeOf[slot]});
-    TakeNormals(normal, vertices, patches, result.geometry);
+    if (normal)
+        for (std::uint32_t slot : surface.slots)
+            TakeNormal(normal, slot, surface.nodeOf[slot], patches, result.geometry);
     AssignLarge(result.patchOf, mesh.vertexSlots, Index(-1));
     ParallelFor(progress.Slice(0.98, 1), "Building the graph", mesh.vertexSlots, 1 << 16,
                 [&](std::size_t first, std::size_t last) {

@@ -12,10 +12,16 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Whether what holds a region moves as it does in a pose that is at rest: then the region is that pose, too.
-bool IsAsIn(const RegionPose &pose, const HeldMotions &given) { return pose.graph.converged && pose.given == given; }
-
-const RegionPose *RegionOf(const SurfacePose *pose, std::size_t i) { return pose ? &pose->region[i] : nullptr; }
+/// The box of the nodes of a region, world units but for the origin.
+Eigen::AlignedBox3d BoxOf(const MovingRegion &region) {
+    const Frame &frame = region.surface.frame;
+    const Eigen::Matrix3Xf &at = region.graph.graph.position;
+    Eigen::AlignedBox3d box;
+    if (at.cols() > 0)
+        for (const Eigen::Vector3f &corner : {at.rowwise().minCoeff().eval(), at.rowwise().maxCoeff().eval()})
+            box.extend(Eigen::Vector3d(corner.cast<double>() * frame.scale + frame.origin));
+    return box;
+}
 
 } // namespace
 
@@ -69,20 +75,26 @@ SurfacePose Deformer::SumOf(HeldMotions given, std::vector<RegionPose> poses) co
     return pose;
 }
 
-SurfacePose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
-                            const Progress &progress) const {
+SurfacePose Deformer::SolveRegions(HeldMotions motions, const Pose *last, const RegionSolver &solve,
+                                   const Progress &progress) const {
     std::vector<RegionPose> poses(regions.size());
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
-        const HeldMotions own = Region(i).OwnOf(motions);
-        const RegionPose *before = RegionOf(last, i);
-        if (const auto kept = before ? nullptr : Region(i).Kept(own))
-            poses[i] = *kept;
-        else if (before && IsAsIn(*before, own))
-            poses[i] = *before;
-        else
-            poses[i] = Region(i).Solve(own, solver, before, part);
+        HeldMotions own = Region(i).OwnOf(motions);
+        const RegionPose *before = last ? &last->region[i] : nullptr;
+        const bool isSame = before && before->graph.converged && before->given == own; // and at rest
+        poses[i] = isSame ? *before : solve(Region(i), std::move(own), before, part);
     });
     return SumOf(std::move(motions), std::move(poses));
+}
+
+SurfacePose Deformer::Solve(HeldMotions motions, const SolverParam &solver, const Pose *last,
+                            const Progress &progress) const {
+    const auto solve = [&](const RegionDeformer &region, HeldMotions own, const RegionPose *before,
+                           const Progress &part) {
+        const auto kept = before ? nullptr : region.Kept(own);
+        return kept ? *kept : region.Solve(std::move(own), solver, before, part);
+    };
+    return SolveRegions(std::move(motions), last, solve, progress);
 }
 
 SurfacePose Deformer::Solve(const Handles &handles, const DeformationParam &param, const Progress &progress) const {
@@ -104,17 +116,12 @@ SurfacePose Deformer::SolveAlong(const Way &way, const DeformationParam &param, 
         const auto found = motionsAt.find({step, steps});
         return found != motionsAt.end() ? found->second : motionsAt[{step, steps}] = way(step, steps);
     };
-    std::vector<RegionPose> poses(regions.size());
-    ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
-        const RegionPose *before = RegionOf(begin, i);
-        if (before && IsAsIn(*before, Region(i).OwnOf(end)))
-            poses[i] = *before;
-        else
-            poses[i] =
-                Region(i).SolveAlong([&](int step, int steps) { return Region(i).OwnOf(motionsOf(step, steps)); },
-                                     param, param.steps, before, part);
-    });
-    return SumOf(std::move(end), std::move(poses));
+    const auto solve = [&](const RegionDeformer &region, const HeldMotions &, const RegionPose *before,
+                           const Progress &part) {
+        return region.SolveAlong([&](int step, int steps) { return region.OwnOf(motionsOf(step, steps)); }, param,
+                                 param.steps, before, part);
+    };
+    return SolveRegions(end, begin, solve, progress);
 }
 
 int Deformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin) const {
@@ -129,18 +136,14 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     ForRegions(progress, "Estimating the error", [&](std::size_t i, const Progress &part) {
         error[i] = Region(i).DiscretisationError(pose.region[i], solver, part);
     });
-    if (regions.size() == 1)
-        return error[0] > 0 ? error[0] / DiagonalOf(regions[0]->graph) : error[0];
     double squares = 0, areas = 0; // world units
     Eigen::AlignedBox3d box;
     for (std::size_t i = 0; i < regions.size(); ++i) {
         const SurfaceGraph &surface = regions[i]->surface;
-        const double area = surface.area * surface.frame.scale * surface.frame.scale;
-        squares += area * error[i] * error[i] * surface.frame.scale * surface.frame.scale;
+        const double square = surface.frame.scale * surface.frame.scale, area = surface.area * square;
+        squares += area * error[i] * error[i] * square;
         areas += area;
-        for (Index j = 0; j < regions[i]->graph.Size(); ++j)
-            box.extend(Eigen::Vector3d(regions[i]->graph.graph.position.col(j).cast<double>() * surface.frame.scale +
-                                       surface.frame.origin));
+        box.extend(BoxOf(*regions[i]));
     }
     return squares == 0 ? 0 : std::sqrt(squares / areas) / box.diagonal().norm();
 }

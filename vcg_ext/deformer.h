@@ -74,6 +74,10 @@ class Deformer : public MovingSurface {
   private:
     friend class DeformerMaker;
     Deformer() = default;
+    using RegionSolver =
+        std::function<RegionPose(const RegionDeformer &, HeldMotions own, const RegionPose *last, const Progress &)>;
+    /// The poses of all regions; one whose motions are those of \p last, where it is at rest, is as it is there.
+    Pose SolveRegions(HeldMotions motions, const Pose *last, const RegionSolver &solve, const Progress &progress) const;
     Pose SumOf(HeldMotions given, std::vector<RegionPose> regions) const;
     /// body(i, progress) for each region, side by side.
     void ForRegions(const Progress &progress, const char *stage,

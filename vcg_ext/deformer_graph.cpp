@@ -22,34 +22,24 @@ constexpr Index mostNodes = 200000;
 
 double RegionDeformer::DiscretisationError(const Pose &pose, const SolverParam &solver,
                                            const Progress &progress) const {
-    std::shared_ptr<const KeptPose> same;
-    {
-        const std::lock_guard<std::mutex> guard(keptLock);
-        if (kept && kept->solver == solver && kept->pose.given == pose.given &&
-            kept->pose.solved.position == pose.solved.position && kept->pose.solved.linear == pose.solved.linear)
-            same = kept;
-    }
+    std::unique_lock<std::mutex> guard(keptLock);
+    std::shared_ptr<KeptPose> same;
+    if (kept && kept->solver == solver && kept->pose.given == pose.given &&
+        kept->pose.solved.position == pose.solved.position && kept->pose.solved.linear == pose.solved.linear)
+        same = kept;
     if (same && same->error != -1)
         return same->error;
+    guard.unlock();
     NodeConstraints given = ConstraintsOf(pose);
     given.motion = pose.nodeMotion; // the motions of single nodes have become those of the surface around them
     SolverParam steps = solver;
     steps.follow = true;
     const double error = vcg::fcd::DiscretisationError(graph, graph.area, given, pose.solved, param.graphWeights,
                                                        StepsOf(steps), param.shape, progress);
-    if (same) {
-        auto known = std::make_shared<KeptPose>(*same);
-        known->error = error;
-        const std::lock_guard<std::mutex> guard(keptLock);
-        if (kept == same)
-            kept = std::move(known);
-    }
+    guard.lock();
+    if (same)
+        same->error = error;
     return error;
-}
-
-double DiagonalOf(const DeformationGraph &graph) {
-    const Eigen::Matrix3Xf &rest = graph.graph.position;
-    return rest.cols() > 0 ? double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm()) : 0;
 }
 
 void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, KeptClusters &clusters,
@@ -104,7 +94,9 @@ HeldMotions RegionDeformer::Probe(int axis) const {
 double RegionDeformer::TurnError(const Progress &progress) const {
     std::array<double, 3> error;
     error.fill(std::numeric_limits<double>::quiet_NaN()); // what cannot be solved cannot be told
-    const double diagonal = DiagonalOf(graph);
+    const Eigen::Matrix3Xf &rest = graph.graph.position;
+    const double diagonal =
+        rest.cols() > 0 ? double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm()) : 0;
     SolverParam solver;
     solver.tolerance = coarseError / 200; // at rest to a small part of what most surfaces are off
     solver.maxIterations = 100;

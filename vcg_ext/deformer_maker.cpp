@@ -36,19 +36,16 @@ class DeformerMaker {
             for (std::size_t i = first; i < last; ++i)
                 whole.tag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, tag[i]);
         });
-        same = SameAs(kept, whole);
-        LeaveOut(same, whole);
-        std::vector<std::uint32_t> leaves;
-        if (mesh.isCloud)
-            for (const auto &each : same)
-                leaves.push_back(each->first);
+        same = SameAs(whole);
+        TagSame(whole.tag, mesh.isCloud ? 0 : noVertex); // any point may be a neighbour
         RegionReader reader(param, metric);
-        ReadRegions found = reader.Read(whole, leaves, progress.Slice(0, 0.4));
+        ReadRegions found = reader.Read(whole, progress.Slice(0, 0.4));
+        TagSame(whole.tag, 1);
         const bool isMany = !same.empty() && same.size() + found.regions.size() > std::size_t(SurfaceRegions::most);
-        if (isMany || !Prepare(found.regions, progress.Slice(0.4, 0.95))) { // as if nothing were kept
-            whole.leftOut.clear();
+        if (isMany || IsBesideSame(found.regions) ||
+            !Prepare(found.regions, progress.Slice(0.4, 0.95))) { // as if nothing were kept
             same.clear();
-            found = reader.Read(whole, {}, progress.Slice(0, 0.4));
+            found = reader.Read(whole, progress.Slice(0, 0.4));
             Prepare(found.regions, progress.Slice(0.4, 0.95));
         }
         made->apart = std::move(found.apart);
@@ -68,10 +65,10 @@ class DeformerMaker {
   private:
     /// The regions of a deformer of the same mesh that are regions of \p whole, too: none of their vertices has got
     /// another tag, and no point handle came or went.
-    static std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const Deformer *kept, const RegionSource &whole) {
+    std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const RegionSource &whole) const {
         std::vector<std::shared_ptr<const RegionDeformer>> same;
         if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->report.together > 0 ||
-            kept->placedNodes > 0)
+            param.nodes.cols() > 0)
             return same;
         std::vector<char> changed(whole.tag.size(), 0);
         for (std::size_t i = 0; i < changed.size(); ++i)
@@ -91,13 +88,22 @@ class DeformerMaker {
         return same;
     }
 
-    static void LeaveOut(const std::vector<std::shared_ptr<const RegionDeformer>> &same, RegionSource &whole) {
-        if (same.empty() || whole.mesh.isCloud) // where any point may be a neighbour
-            return;
-        AssignLarge(whole.leftOut, whole.tag.size(), Index(-1));
+    /// Gives the free vertices of what is kept another tag.
+    void TagSame(std::vector<int> &tag, int its) const {
         for (const auto &region : same)
             for (const MovingRegion::Bent &vertex : region->bent)
-                whole.leftOut[vertex.slot] = 0;
+                tag[vertex.slot] = its;
+    }
+
+    /// Whether points of a cloud that became free have neighbours among those of what is kept, of which these are none.
+    bool IsBesideSame(const std::vector<ReadRegion> &read) const {
+        return mesh.isCloud && std::any_of(read.begin(), read.end(), [&](const ReadRegion &each) {
+                   return std::any_of(same.begin(), same.end(), [&](const auto &region) {
+                       return std::any_of(region->bent.begin(), region->bent.end(), [&](const MovingRegion::Bent &v) {
+                           return each.surface.nodeOf[v.slot] >= 0;
+                       });
+                   });
+               });
     }
 
     /// Prepares what was read. \return whether what is kept has as many patches as it would have now
@@ -204,8 +210,18 @@ class DeformerMaker {
         }
         sum.gaps = std::max(sum.gaps, gaps); // between regions, too
         sum.pointCloud = mesh.isCloud;
-        sum.components = all.loose.components;
+        sum.components = same.empty() ? all.loose.components : CountComponents(); // not all was read
         sum.isolated += all.loose.isolated;
+    }
+
+    Index CountComponents() const {
+        const Deformer &all = *made;
+        DisjointSets joined(Index(all.regions.size()));
+        Index components = Index(all.regions.size()) + all.loose.parts;
+        for (std::size_t r = 0; r < all.regions.size(); ++r)
+            for (const MovingRegion::Bent &vertex : all.regions[r]->beside)
+                components -= joined.Join(Index(r), Index(all.At(vertex.slot).number));
+        return components;
     }
 
     void FollowLoose(const Progress &progress) {

@@ -31,7 +31,7 @@ void DeformationParam::Validate() const {
 
 RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf,
                                const Progress &progress)
-    : MovingRegion(std::move(read.surface), std::move(read.held)), askedPatches(param.graph.initialPatches),
+    : MovingRegion(std::move(read.surface), std::move(read.held), read.first), askedPatches(param.graph.initialPatches),
       most(read.most), point(std::move(read.point)), param(param), beyond(param.graphWeights) {
     this->param.nodes = {};
     weights = beyond.surfaceBalls ? param.weights : MappingWeights::Euclidean;
@@ -44,8 +44,6 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
     ListVertices(nodeOf, progress.Slice(0.95, 1));
     surface.slots = {};
     const auto toMesh = [&](std::uint32_t &slot) { slot = read.slotOf[slot]; };
-    if (!read.slotOf.empty() && !bent.empty())
-        toMesh(first);
     if (!read.slotOf.empty())
         for (std::vector<Bent> *list : {&bent, &beside})
             for (Bent &vertex : *list)

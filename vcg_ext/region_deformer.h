@@ -67,7 +67,7 @@ struct ReadRegion {
     HeldNodes held;                    ///< of these points
     std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
-    std::uint32_t first = 0; ///< as of MovingRegion; not known where it is the only one
+    std::uint32_t first = 0; ///< as of MovingRegion
     int most = mostPatches;  ///< patches, where their number is not given
 };
 
@@ -132,7 +132,7 @@ class RegionDeformer : public MovingRegion {
         SolverParam solver;
         std::vector<HeldMotions> way;
         Pose pose;
-        double error = -1; // DiscretisationError, once it is known
+        double error = -1; // DiscretisationError, once it is known; of keptLock
     };
 
     void FindHolding();
@@ -166,11 +166,8 @@ class RegionDeformer : public MovingRegion {
     mutable std::mutex lock;          // of the next one, for as long as it takes to make it
     mutable std::shared_ptr<const System> latest;
     mutable std::mutex keptLock; // of the next one
-    mutable std::shared_ptr<const KeptPose> kept;
+    mutable std::shared_ptr<KeptPose> kept;
 };
-
-/// The size that an error in frame units is compared with: the diagonal of the box of the nodes.
-double DiagonalOf(const DeformationGraph &graph);
 
 } // namespace vcg::fcd
 

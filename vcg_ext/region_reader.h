@@ -14,19 +14,6 @@
 
 namespace vcg::fcd {
 
-/// What a free surface is read from: a mesh or a part of one.
-struct RegionSource {
-    SurfaceView mesh;
-    std::vector<int> tag;              ///< one per slot, noVertex where it is deleted
-    std::vector<Index> leftOut;        ///< per slot, -1 for those that are read; empty: all are
-    std::vector<std::uint32_t> slotOf; ///< of each slot, that of the whole mesh; empty: the same
-    std::vector<std::uint32_t> faceOf; ///< of each face, as slotOf
-    std::vector<std::size_t> point;    ///< slots of the point handles in it
-    bool isOne = false;                ///< one region, whatever it hangs together by
-
-    std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
-};
-
 /// The regions of a surface, and what else was met in it.
 struct ReadRegions {
     std::vector<ReadRegion> regions;
@@ -45,16 +32,14 @@ class RegionReader {
     /// Refers to \p param. \param metric as of Frame
     RegionReader(const DeformerParam &param, const Eigen::Matrix3d &metric) : param(param), metric(metric) {}
 
-    /// \param leaves the first free slots of regions of a cloud that need not be read
     /// \throw BadInput a coordinate that is not finite, point handles that make no sense, nodes that belong elsewhere
     /// \throw Cancelled
-    ReadRegions Read(const RegionSource &whole, const std::vector<std::uint32_t> &leaves, const Progress &progress);
+    ReadRegions Read(const RegionSource &source, const Progress &progress) { return ReadPart(source, true, progress); }
 
   private:
-    ReadRegions ReadPart(const RegionSource &source, const std::vector<std::uint32_t> *leaves,
-                         const Progress &progress);
+    ReadRegions ReadPart(const RegionSource &source, bool isWhole, const Progress &progress);
     void Divide(const RegionSource &source, SurfaceGraph surface, const HeldNodes &held, const SurfaceRegions &regions,
-                const std::vector<char> &isLeft, const Progress &progress, ReadRegions &found);
+                const Progress &progress, ReadRegions &found);
     ReadRegion RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const;
     void FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held, ReadRegions &found);
 

@@ -330,6 +330,7 @@ def test_what_bends_in_one_place_does_not_depend_on_what_bends_elsewhere(kind):
         vertices, tags, faces = vertices[faces.ravel()], tags[faces.ravel()], np.arange(faces.size).reshape(-1, 3)
     together = Deformer(vertices, faces, tags)
     pose = together.pose(motions)
+    saved = pose.deformation()
     nodes = 0
     for k, middle in enumerate((1.5, 5, 8.5)):
         here = abs(vertices[:, 0] - middle) < 1.3
@@ -337,6 +338,7 @@ def test_what_bends_in_one_place_does_not_depend_on_what_bends_elsewhere(kind):
         one = alone.pose({2 + k: motions[2 + k]})
         nodes += one.info.nodes
         assert same(one.vertices[here], pose.vertices[here])
+        assert same(one.deformation()(vertices[here]), saved(vertices[here]))
     assert pose.info.nodes == nodes == len(together.graph.nodes) == len(pose.nodes)
     assert together.patch_of.max() == nodes - 1
     weights = together.weights()

@@ -38,7 +38,7 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
 /// CountFlipped where all is one patch that \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
     const std::vector<int> free(mesh.vert.size(), 1);
-    SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, {}, Eigen::Matrix3d::Identity(), {});
+    SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, Eigen::Matrix3d::Identity(), {});
     vcg::fcd::MovingSurface moving;
     moving.nodeOf = surface.nodeOf;
     auto region = std::make_shared<vcg::fcd::MovingRegion>(std::move(surface), vcg::fcd::HeldNodes());

@@ -22,7 +22,7 @@ TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
             tag.insert(tag.end(), {0, 1, 2});
             MeshD mesh(shape);
             mesh.DeleteVertex(7);
-            const Region region = FreeRegion(Read(mesh), tag, {});
+            const Region region = FreeRegion(Read(mesh), tag);
             std::vector<unsigned char> expected;
             for (int t : tag)
                 expected.push_back(t == 1 ? Region::none : Region::candidate);
@@ -45,13 +45,12 @@ TEST(FreeRegion, IsWhatIsFreeAndWhatIsHeldBesideIt) {
         }
 }
 
-TEST(FreeRegion, LeavesOutWhatIsExcluded) {
+TEST(FreeRegion, LeavesOutWhatIsNoVertex) {
     const Shape shape = TwoSheets(6, 1);
     std::vector<int> tag(72, 1);
-    std::vector<char> excluded(72, 0);
-    std::fill(excluded.begin() + 36, excluded.end(), 1);
+    std::fill(tag.begin() + 36, tag.end(), noVertex);
     for (const Shape &s : {shape, Points(shape)}) {
-        const Region region = FreeRegion(Read(MeshD(s)), tag, excluded);
+        const Region region = FreeRegion(Read(MeshD(s)), tag);
         for (int i = 0; i < 72; ++i)
             EXPECT_EQ(region.flag[i], i < 36 ? Region::part : Region::none);
     }
@@ -62,7 +61,7 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
     const std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) {
         return p[0] < 0.6 ? 0 : p[0] < 0.8 ? 1 : 2;
     });
-    const Region region = FreeRegion(Read(MeshD(shape)), tag, {});
+    const Region region = FreeRegion(Read(MeshD(shape)), tag);
     std::vector<unsigned char> expected;
     for (int t : tag)
         expected.push_back(t == 1 ? Region::part : Region::candidate);
@@ -94,7 +93,7 @@ TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
             cloud.position.emplace_back(x, double(i / each) / lines, 0.1 * std::sin(9 * x));
             tag.push_back(x < 0.2 || (x > 0.5 && x < 0.52) ? 0 : i % 4000 == 0 ? 2 : 1);
         }
-        const Region region = FreeRegion(Read(MeshD(cloud)), tag, {});
+        const Region region = FreeRegion(Read(MeshD(cloud)), tag);
         const Eigen::Map<const Eigen::Matrix3Xd> position(cloud.position[0].data(), 3, cloud.Size());
         const PointTree<double> blocks(position, 1);
         vcg::fcd::detail::CloudNeighbourhood<double> neighbourhood(blocks);
@@ -118,14 +117,14 @@ TEST(FreeRegion, OfACloudHasTheNearestPlacesHoweverManyPointsAreThere) {
     const auto tagsOf = [](const Shape &shape) {
         return TagsOf(shape, [](const Eigen::Vector3d &p) { return p[0] < 8 ? 0 : p[0] < 12 ? 1 : 2; });
     };
-    const Region region = FreeRegion(Read(MeshD(once)), tagsOf(once), {});
+    const Region region = FreeRegion(Read(MeshD(once)), tagsOf(once));
     for (double jitter : {0.0, 1e-6})
         for (int times : {2, 30}) {
             std::mt19937 random(1);
             Shape many;
             for (int i = 0; i < times * once.Size(); ++i)
                 many.position.push_back(once.position[i / times] + (i % times ? jitter : 0) * RandomVector(random));
-            const Region more = FreeRegion(Read(MeshD(many)), tagsOf(many), {});
+            const Region more = FreeRegion(Read(MeshD(many)), tagsOf(many));
             int parts = 0, missed = 0; // few, where a cell of the grid of places ends among points a hair apart
             for (int i = 0; i < many.Size(); ++i)
                 if (region.flag[i / times] == Region::part) {
@@ -142,7 +141,7 @@ TEST(FreeRegion, OfACloudIsTheSameWithAPointFarAway) {
     std::vector<int> tag = TagsOf(cloud, [&](const Eigen::Vector3d &p) { return p[0] < 0.3 * n ? 0 : 1; });
     const auto seconds = [&](const Shape &shape, Region &region) {
         const Stopwatch watch;
-        region = FreeRegion(Read(MeshD(shape)), tag, {});
+        region = FreeRegion(Read(MeshD(shape)), tag);
         return watch.Seconds();
     };
     Region alone, with;

@@ -22,8 +22,9 @@ static std::vector<std::size_t> PointsOf(const Handles &handles) {
 }
 
 static LooseSurface LooseOf(const MeshD &mesh, const Handles &handles, SurfaceGraph &surface, unsigned threads = 0) {
-    surface = ReadFreeSurface(Read(mesh), handles.tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
-    return FindLoose(handles.tag, PointsOf(handles), surface, FindComponents(surface, surface.tag, Threads(threads)));
+    surface = ReadFreeSurface(Read(mesh), handles.tag, Eigen::Matrix3d::Identity(), Threads(threads));
+    return FindLoose(handles.tag, PointsOf(handles), surface, FindComponents(surface, surface.tag, Threads(threads)),
+                     Threads(threads));
 }
 
 /// Tubes, spheres, triangles and single vertices, each held in places or not at all.
@@ -88,8 +89,11 @@ TEST(FindLoose, IsWhatNothingHolds) {
         EXPECT_EQ(loose.components, Index(all.size()));
         EXPECT_EQ(loose.isPartOfSurface, loose.parts > loose.isolated);
         // Read without them, the surface is held everywhere.
-        const SurfaceGraph rest =
-            ReadFreeSurface(Read(mesh), c.handles.tag, loose.partOf, Eigen::Matrix3d::Identity(), {});
+        std::vector<int> tag = c.handles.tag;
+        for (std::size_t i = 0; i < loose.partOf.size(); ++i)
+            if (loose.partOf[i] >= 0)
+                tag[i] = noVertex;
+        const SurfaceGraph rest = ReadFreeSurface(Read(mesh), tag, Eigen::Matrix3d::Identity(), {});
         for (int i = 0; i < n; ++i) {
             if (!loose.partOf.empty() && loose.partOf[i] >= 0) {
                 EXPECT_EQ(rest.nodeOf[i], -1);
@@ -97,7 +101,7 @@ TEST(FindLoose, IsWhatNothingHolds) {
                 EXPECT_EQ(rest.nodeOf[i] >= 0, surface.nodeOf[i] >= 0);
             }
         }
-        EXPECT_FALSE(FindLoose(c.handles.tag, {}, rest, FindComponents(rest, rest.tag, {})).isPartOfSurface);
+        EXPECT_FALSE(FindLoose(tag, {}, rest, FindComponents(rest, rest.tag, {}), {}).isPartOfSurface);
         for (unsigned threads : {1u, 7u}) {
             const LooseSurface same = LooseOf(mesh, c.handles, surface, threads);
             EXPECT_EQ(same.partOf, loose.partOf);

@@ -90,6 +90,10 @@ int ExpectUnion(const Tagged &each, const DeformationParam &param) {
                     again = PosedBy(view, each.handles, param, one.deformer.get());
         EXPECT_EQ(kept.deformer->regions[0], all.deformer->regions[r]);
         EXPECT_EQ(again.deformer->regions[r], one.deformer->regions[0]);
+        if (!view.isCloud) { // of which not all that joins what is held is looked at
+            EXPECT_EQ(kept.deformer->report.components, one.deformer->report.components);
+            EXPECT_EQ(again.deformer->report.components, all.deformer->report.components);
+        }
         EXPECT_TRUE(SameBits(kept.position, one.position));
         EXPECT_TRUE(SameBits(again.position, all.position));
     }
@@ -107,6 +111,33 @@ TEST(Regions, AResultIsTheUnionOfTheirResults) {
             if (const Tagged each(shape, seed); each.HasWork())
                 compared += ExpectUnion(each, param);
     EXPECT_GT(compared, 20);
+}
+
+TEST(Regions, APointHandleChangesNoneOfTheOthers) {
+    DeformationParam param;
+    int compared = 0;
+    for (unsigned seed = 1; seed <= 8; ++seed)
+        for (const Shape &shape :
+             {Sphere(40, 40), Points(Sphere(50, 50)), Points(Join(Sphere(30, 30), Sphere(30, 30)))}) {
+            const Tagged each(shape, seed);
+            if (!each.HasWork())
+                continue;
+            const Arrays arrays = Read(MeshD(shape));
+            const SurfaceView view(arrays);
+            const Posed without = PosedBy(view, each.handles, param);
+            if (without.deformer->regions.empty())
+                continue;
+            Handles more = each.handles;
+            const auto &bent = without.deformer->regions.back()->bent;
+            const std::size_t vertex = bent[bent.size() / 2].slot;
+            more.point.push_back({vertex, shape.position[vertex] + Vector3d(0.05, 0, 0)});
+            const Posed anew = PosedBy(view, more, param), kept = PosedBy(view, more, param, without.deformer.get()),
+                        again = PosedBy(view, each.handles, param, anew.deformer.get());
+            EXPECT_TRUE(SameBits(kept.position, anew.position)) << "seed " << seed;
+            EXPECT_TRUE(SameBits(again.position, without.position)) << "seed " << seed;
+            compared += without.deformer->regions.size() > 1;
+        }
+    EXPECT_GT(compared, 5);
 }
 
 TEST(Regions, AlsoOfClouds) {

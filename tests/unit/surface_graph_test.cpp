@@ -628,7 +628,7 @@ TEST(SurfaceGraph, AFewStrayVerticesDoNotCoarsenTheFrame) {
 /// What is free and held of a mesh, and its graph.
 template <class Mesh>
 static SurfaceGraph RegionOf(const Mesh &mesh, const std::vector<int> &tag, unsigned threads = 0) {
-    const Region region = FreeRegion(Read(mesh), tag, {}, Eigen::Matrix3d::Identity(), Threads(threads));
+    const Region region = FreeRegion(Read(mesh), tag, Eigen::Matrix3d::Identity(), Threads(threads));
     return BuildSurfaceGraph(Read(mesh), &region, tag, Eigen::Matrix3d::Identity(), Threads(threads));
 }
 
@@ -846,7 +846,7 @@ TEST(SurfaceGraphOfARegion, CanBeCancelledAnywhere) {
             tag.push_back(int(t));
         const auto read = [&](const CallbackLog &log) {
             const Progress progress = log.Progress(1);
-            const Region region = FreeRegion(Read(mesh), tag, {}, Eigen::Matrix3d::Identity(), progress.Slice(0, 0.2));
+            const Region region = FreeRegion(Read(mesh), tag, Eigen::Matrix3d::Identity(), progress.Slice(0, 0.2));
             BuildSurfaceGraph(Read(mesh), &region, tag, Eigen::Matrix3d::Identity(), progress.Slice(0.2, 1));
         };
         CallbackLog all;

@@ -59,12 +59,16 @@ struct Crumbs {
         const SurfaceView view(arrays);
         const Eigen::Matrix3d metric = Vector3d(1, 1.5, 0.7).asDiagonal();
         const Progress progress = Threads(threads);
-        const SurfaceGraph surface = ReadFreeSurface(view, tag, {}, metric, progress);
-        const LooseSurface loose = FindLoose(tag, {}, surface, FindComponents(surface, surface.tag, progress));
+        RegionSource source;
+        source.mesh = view;
+        source.tag = tag;
+        const SurfaceGraph surface = ReadFreeSurface(view, tag, metric, progress);
+        const LooseSurface loose =
+            FindLoose(tag, {}, surface, FindComponents(surface, surface.tag, progress), progress);
         const SurfaceRegions regions = FindRegions(surface, FindComponents(surface, surface.tag, progress));
-        const std::vector<SubMesh> parts = TakeRegions(view, surface, surface.tag, tag, {}, regions, progress);
+        const std::vector<RegionSource> parts = TakeRegions(source, surface, surface.tag, regions, progress);
         for (Index r = 0; r < regions.count; ++r) {
-            const SubMesh &part = parts[std::size_t(r)];
+            const RegionSource &part = parts[std::size_t(r)];
             std::vector<int> alone = tag;
             std::vector<Index> of;
             for (std::size_t i = 0; i < tag.size(); ++i)
@@ -72,10 +76,10 @@ struct Crumbs {
                     if (surface.nodeOf[i] >= 0)
                         regions.Of(surface.graph, surface.nodeOf[i], of);
                     if (surface.nodeOf[i] < 0 || std::find(of.begin(), of.end(), r) == of.end())
-                        alone[i] = 0;
+                        alone[i] = loose.partOf.empty() || loose.partOf[i] < 0 ? 0 : noVertex;
                 }
-            SurfaceGraph own = ReadFreeSurface(part.arrays.View(), part.tag, {}, metric, progress);
-            const SurfaceGraph whole = ReadFreeSurface(view, alone, loose.partOf, metric, progress);
+            SurfaceGraph own = ReadFreeSurface(part.mesh, part.tag, metric, progress);
+            const SurfaceGraph whole = ReadFreeSurface(view, alone, metric, progress);
             std::vector<Index> nodeOf(tag.size(), -1);
             for (std::size_t i = 0; i < part.slotOf.size(); ++i)
                 nodeOf[part.slotOf[i]] = own.nodeOf[i];
@@ -167,7 +171,7 @@ TEST(FindRegions, JoinsTheSmallestWhereThereAreVeryMany) {
         many.tag.back() = 2;
     }
     const Arrays arrays = Read(MeshD(many.shape));
-    const SurfaceGraph surface = ReadFreeSurface(SurfaceView(arrays), many.tag, {}, Eigen::Matrix3d::Identity(), {});
+    const SurfaceGraph surface = ReadFreeSurface(SurfaceView(arrays), many.tag, Eigen::Matrix3d::Identity(), {});
     const SurfaceRegions regions = FindRegions(surface, FindComponents(surface, surface.tag, {}));
     EXPECT_EQ(regions.count, SurfaceRegions::most);
     EXPECT_EQ(regions.together, 22); // with the sphere, and the one that they become

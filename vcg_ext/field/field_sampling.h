@@ -11,19 +11,20 @@ namespace vcg::fcd {
 
 /// How a deformation is sampled.
 struct FieldParam {
-    Index moving = 4000;  ///< samples to begin with where the surface moves, >= 1
+    Index moving = 4000;  ///< samples to begin with where a region moves, or what is in none, >= 1
     Index resting = 1000; ///< and where it rests
     /// Most that a vertex may be off, units of the positions, >= 0. 0: a fiftieth of the largest motion, which is less
-    /// than the discretisation leaves, and at most a ten-thousandth of the diagonal of the box of what moves.
+    /// than the discretisation leaves, and at most a ten-thousandth of the diagonal of the box of what moves, of each
+    /// region.
     double accuracy = 0;
-    Index most = 1 << 20; ///< samples that are added to for that, > 0: a file of 115 MB at most; for what rests there
-                          ///< is no such bound
+    Index most = 1 << 20; ///< samples of a region that are added to for that, > 0: a file of 115 MB at most; for what
+                          ///< rests there is no such bound
 };
 
 /// A sampled deformation, and what it differs by from the one that was sampled.
 struct SampledField {
     FieldSamples samples;
-    double accuracy = 0; ///< that was aimed at, units of the positions
+    double accuracy = 0; ///< that was aimed at, units of the positions: the largest of the regions
     double rms = 0;      ///< of the distances at the vertices that move, units of the positions
     double largest = 0;  ///< of the distances at all vertices, also those that rest; samples know it, too
     Index off = 0;       ///< vertices where it is more than the accuracy: more samples did not help, or were too many
@@ -38,10 +39,15 @@ struct SampledField {
 /// \param mesh its faces are read (none: a cloud); its own positions only tell which vertices lie at one place
 /// \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface turns and
 ///        stretches there \param metric the linear part of the map from the mesh's coordinates to those
+/// \param regionOf one per slot: the region that it is free in, -1 for none (MovingSurface::FreeIn); empty: all in
+/// none.
+///        What is sampled of a region depends on nothing else, unless another one is so near that it had to be told
+///        from it
 /// \throw BadInput no vertices, a coordinate that is not finite, or an accuracy below 0 or not finite \throw Cancelled
 SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param = {},
-                         const Progress &progress = {}, const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
+                         const Progress &progress = {}, const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(),
+                         const std::vector<Index> &regionOf = {});
 
 /// Inverts the maps of a deformation, so that SampleField takes it the other way: from where the surface went to where
 /// it was. \return how many are folded: there is no way back there, and they become the identity

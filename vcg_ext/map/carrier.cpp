@@ -132,8 +132,6 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
     Eigen::Matrix3Xd corner(3, 4); // the place, and as far from it as the frame is wide
     corner << Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity();
     ParallelFor(threads, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
-        GraphMapping::Posed::Scratch scratch;
-        detail::Vertices &at = scratch.vertices;
         for (std::size_t i = first; i < last; ++i) {
             const MovingSurface::Place there = moving.At(place[i]);
             if (!there.region) {
@@ -141,24 +139,19 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
                 continue;
             }
             const SurfaceGraph &surface = there.region->surface;
-            const GraphMapping::Posed &its = *mapped[there.number];
-            const Index node = there.node;
-            const Eigen::Vector3d own = surface.graph.position.col(node).cast<double>();
-            for (int k = 0; k < 4; ++k)
-                at.SetRest(k, surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k))));
-            const Index same[] = {node, node, node, node};
-            if (there.region->IsFree(node))
-                its.Map(same, 4, false, scratch);
-            else
-                for (int k = 0; k < 4; ++k)
-                    at.SetMoved(k, its(node, at.Rest(k)));
+            const Eigen::Vector3d own = surface.graph.position.col(there.node).cast<double>();
+            Eigen::Vector3d rest[4], moved[4];
+            for (int k = 0; k < 4; ++k) {
+                rest[k] = surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k)));
+                moved[k] = (*mapped[there.number])(there.node, rest[k]);
+            }
             Eigen::Matrix3d from, to;
             for (int k = 0; k < 3; ++k) {
-                from.col(k) = at.Rest(k + 1) - at.Rest(0);
-                to.col(k) = at.Moved(k + 1) - at.Moved(0);
+                from.col(k) = rest[k + 1] - rest[0];
+                to.col(k) = moved[k + 1] - moved[0];
             }
             result[i].linear() = to * from.inverse();
-            result[i].translation() = at.Moved(0) - result[i].linear() * at.Rest(0);
+            result[i].translation() = moved[0] - result[i].linear() * rest[0];
         }
     });
     return result;

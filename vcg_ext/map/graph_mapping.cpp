@@ -34,20 +34,26 @@ GraphMapping::GraphMapping(const Graph &surface, const std::vector<Index> &tag, 
 
 GraphMapping::~GraphMapping() = default;
 
+/// add(j, weight) for each node j that has a weight by Eq. 8 to the letter.
+template <class Add>
+void GraphMapping::ForPrintedWeights(Index node, const Add &add) const {
+    const Index patch = patches.patchOf[node];
+    for (std::uint32_t c = candidates->nodes.begin[patch]; c < candidates->nodes.begin[patch + 1]; ++c) {
+        const detail::Ball &ball = candidates->ball[c];
+        const Eigen::Vector3f way = surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
+        const double left = 1 - std::sqrt(double(way.squaredNorm()) * ball.inverse);
+        if (left > 0)
+            add(ball.node, left * left);
+    }
+}
+
 void GraphMapping::InfluencesAt(Index node, Influences &influences) const {
     influences.nodes.clear();
     influences.held.clear();
     const Index patch = patches.patchOf[node];
     const auto x = surface.position.col(node);
     if (!isSmooth) {
-        for (std::uint32_t c = candidates->nodes.begin[patch]; c < candidates->nodes.begin[patch + 1]; ++c) {
-            const detail::Ball &ball = candidates->ball[c];
-            const double left =
-                1 -
-                std::sqrt(double((x - Eigen::Map<const Eigen::Vector3f>(ball.center)).squaredNorm()) * ball.inverse);
-            if (left > 0)
-                influences.nodes.emplace_back(ball.node, float(left * left));
-        }
+        ForPrintedWeights(node, [&](Index j, double weight) { influences.nodes.emplace_back(j, float(weight)); });
     } else {
         thread_local Posed::Scratch scratch;
         PutCandidates(patch, scratch);
@@ -125,8 +131,6 @@ void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch
 
 /// Eqs. 7 and 8. Where they leave no weight, as at the farthest vertex of a patch, its own node has all.
 void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const {
-    const Csr &nodes = mapping.candidates->nodes;
-    const Index patch = mapping.patches.patchOf[node];
     const Eigen::Vector3d rest = vertices.Rest(lane);
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
@@ -138,15 +142,9 @@ void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail
         turn += weight * its;
         total += weight;
     };
-    for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {
-        const detail::Ball &ball = mapping.candidates->ball[c];
-        const Eigen::Vector3f way = mapping.surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
-        const double left = 1 - std::sqrt(double(way.squaredNorm()) * ball.inverse);
-        if (left > 0)
-            add(ball.node, left * left);
-    }
+    mapping.ForPrintedWeights(node, add);
     if (total == 0)
-        add(patch, 1);
+        add(mapping.patches.patchOf[node], 1);
     vertices.SetMoved(lane, rest + shift / total);
     if (linear)
         vertices.SetLinear(lane, (Eigen::Matrix3d::Identity() + turn / total).cast<float>());

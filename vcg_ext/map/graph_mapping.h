@@ -123,6 +123,8 @@ class GraphMapping {
 
   private:
     void PutCandidates(Index patch, Posed::Scratch &scratch) const;
+    template <class Add>
+    void ForPrintedWeights(Index node, const Add &add) const;
 
     const Graph &surface;
     const std::vector<Index> &tag;

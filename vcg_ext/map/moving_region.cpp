@@ -14,7 +14,6 @@ void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress
         return node >= 0 && IsFree(node);
     };
     std::vector<std::vector<Bent>> heldOnes(chunks);
-    std::vector<std::uint32_t> least(chunks, std::uint32_t(-1));
     ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const Index node = nodeOf[surface.slots[i]];
@@ -22,12 +21,10 @@ void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress
                 heldOnes[first / grain].push_back({surface.slots[i], node});
             } else if (node >= 0) {
                 ++begin[first / grain + 1];
-                least[first / grain] = std::min(least[first / grain], surface.slots[i]);
             }
         }
     });
     beside = Together(heldOnes);
-    first = least.empty() ? 0 : *std::min_element(least.begin(), least.end());
     for (std::size_t c = 0; c < chunks; ++c)
         begin[c + 1] += begin[c];
     AssignLarge(bent, begin[chunks], Bent{0, 0});

@@ -54,11 +54,12 @@ struct MovingRegion {
     DeformationGraph graph;
     MappingWeights weights = MappingWeights::Surface;
     std::unique_ptr<GraphMapping> mapping;
-    std::vector<Bent> bent;   ///< the free vertices, those of one patch beside each other
-    std::vector<Bent> beside; ///< the held ones
-    std::uint32_t first = 0;  ///< the smallest slot of a free one
+    std::vector<Bent> bent;    ///< the free vertices, those of one patch beside each other
+    std::vector<Bent> beside;  ///< the held ones
+    const std::uint32_t first; ///< the smallest slot of a free one
 
-    MovingRegion(SurfaceGraph surface, HeldNodes held) : surface(std::move(surface)), held(std::move(held)) {}
+    MovingRegion(SurfaceGraph surface, HeldNodes held, std::uint32_t first = 0)
+        : surface(std::move(surface)), held(std::move(held)), first(first) {}
     MovingRegion(const MovingRegion &) = delete; // its parts refer to each other
     MovingRegion &operator=(const MovingRegion &) = delete;
 

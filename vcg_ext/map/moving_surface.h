@@ -59,6 +59,15 @@ struct MovingSurface {
         return {regions[number].get(), number, nodeOf[slot]};
     }
 
+    /// Per vertex slot: the region that it is free in, -1 for none.
+    std::vector<Index> FreeIn() const {
+        std::vector<Index> region(slotTag.size(), -1);
+        for (std::size_t r = 0; r < regions.size(); ++r)
+            for (const MovingRegion::Bent &vertex : regions[r]->bent)
+                region[vertex.slot] = Index(r);
+        return region;
+    }
+
     /// How many nodes all graphs have.
     Index Nodes() const {
         Index all = 0;

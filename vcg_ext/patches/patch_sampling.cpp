@@ -66,12 +66,13 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
 }
 
 Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<Index> &center,
-                    const Progress &progress) {
+                    const Progress &progress, float spacing) {
     const std::vector<float> mass(graph.Size(), 1);
     detail::Lloyd lloyd(graph, tag, mass, progress.threads);
     for (Index u : center)
         lloyd.center.push_back({u, graph.position.col(u)});
-    const float spacing = 1 / std::sqrt(float(std::max<std::size_t>(1, lloyd.center.size())));
+    if (!(spacing > 0))
+        spacing = 1 / std::sqrt(float(std::max<std::size_t>(1, lloyd.center.size())));
     lloyd.grower.Grow(lloyd.center, spacing / 128, progress);
     Patches patches = TakePatches(lloyd);
     patches.converged = true;

@@ -63,9 +63,9 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
                       const PatchParam &param, const Progress &progress = {}, KeptClusters *kept = nullptr);
 
 /// Patches around given centres (different nodes that take part), which stay where they are; a part that no centre
-/// leads to gets its own.
+/// leads to gets its own. \param spacing of the centres, about, > 0; 0: as of so many
 Patches GrowPatches(const Graph &graph, const std::vector<Index> &tag, const std::vector<Index> &center,
-                    const Progress &progress = {});
+                    const Progress &progress = {}, float spacing = 0);
 
 } // namespace vcg::fcd
 

@@ -5,6 +5,7 @@
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/morton.h>
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/handles/handles.h>
 #include <vcg_ext/surface/cloud_places.h>
 #include <vcg_ext/surface/free_region.h>
 #include <vcg_ext/surface/point_cloud.h>
@@ -30,12 +31,12 @@ class RegionFinder {
         : mesh(mesh), tag(tag), slots(mesh.vertexSlots), state(new std::atomic<unsigned char>[slots]) {}
 
     /// \throw BadInput a coordinate of any vertex is not finite
-    void Classify(const std::vector<char> &excluded, const Progress &progress) {
+    void Classify(const Progress &progress) {
         std::vector<std::size_t> bad((slots + grain - 1) / grain, slots);
         region.box.resize((slots + Region::boxed - 1) / Region::boxed);
         ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
-                const bool takesPart = !mesh.IsDeleted(i) && (excluded.empty() || !excluded[i]);
+                const bool takesPart = !mesh.IsDeleted(i) && tag[i] != noVertex;
                 if (takesPart) {
                     const Eigen::Vector3d p = mesh.At(i);
                     if (!p.allFinite())
@@ -43,7 +44,9 @@ class RegionFinder {
                     region.box[i / Region::boxed].extend(p);
                 }
                 const int held = std::min(int(many), std::max(0, tag[i])) * few;
-                state[i].store((unsigned char)(held | (takesPart ? tag[i] == 1 ? live | free : live : 0)),
+                state[i].store((unsigned char)(held | (!takesPart    ? 0
+                                                       : tag[i] == 1 ? live | free
+                                                                     : live)),
                                std::memory_order_relaxed);
             }
         });
@@ -168,7 +171,7 @@ class RegionFinder {
                     here.faces.push_back(std::uint32_t(f));
                 for (int j = 0, k = 1; j < 3; ++j, k = k == 2 ? 0 : k + 1) {
                     const int one = s[j] / few, other = s[k] / few;
-                    if ((one == other && one != many) || one == 1 || other == 1)
+                    if ((one == other && one != many) || one == 1 || other == 1 || !(s[j] & s[k] & live))
                         continue;
                     const std::size_t a = std::min(slot[j], slot[k]), b = std::max(slot[j], slot[k]);
                     if (std::max(0, tag[a]) != std::max(0, tag[b]))
@@ -302,12 +305,11 @@ class RegionFinder {
 
 } // namespace
 
-Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<char> &excluded,
-                  const Eigen::Matrix3d &metric, const Progress &progress) {
+Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
+                  const Progress &progress) {
     assert(tag.size() == mesh.vertexSlots);
-    assert(excluded.empty() || excluded.size() == mesh.vertexSlots);
     RegionFinder finder(mesh, tag);
-    finder.Classify(excluded, progress.Slice(0, 0.1));
+    finder.Classify(progress.Slice(0, 0.1));
     if (mesh.isCloud)
         finder.ReachNearest(metric, progress.Slice(0.1, 0.9));
     else

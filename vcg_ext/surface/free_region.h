@@ -23,9 +23,9 @@ struct Region {
     std::vector<Eigen::AlignedBox3d> box; ///< of the positions of each \p boxed slots, mesh units
 };
 
-/// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; \p excluded ones (flags, or
-/// empty) are left out. \param metric as of Frame \throw BadInput a coordinate of any vertex is not finite
-Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<char> &excluded,
+/// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; those of tag noVertex are left
+/// out. \param metric as of Frame \throw BadInput a coordinate of any vertex is not finite
+Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag,
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {});
 
 } // namespace vcg::fcd

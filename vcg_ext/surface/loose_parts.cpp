@@ -100,12 +100,9 @@ void NumberPlaces(LooseFollowing &following) {
 
 } // namespace
 
-SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<Index> &partOf,
-                             const Eigen::Matrix3d &metric, const Progress &progress, double weldDistance) {
-    std::vector<char> excluded(partOf.size());
-    for (std::size_t i = 0; i < partOf.size(); ++i)
-        excluded[i] = partOf[i] >= 0;
-    Region region = FreeRegion(mesh, tag, excluded, metric, progress.Slice(0, 0.2));
+SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
+                             const Progress &progress, double weldDistance) {
+    Region region = FreeRegion(mesh, tag, metric, progress.Slice(0, 0.2));
     SurfaceGraph surface = BuildSurfaceGraph(mesh, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
     surface.faces = std::move(region.faces);
     surface.apart = std::move(region.apart);
@@ -113,7 +110,8 @@ SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &ta
 }
 
 LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                       const SurfaceGraph &surface, const FreeComponents &components, double least) {
+                       const SurfaceGraph &surface, const FreeComponents &components, const Progress &progress,
+                       double least) {
     LooseSurface loose;
     loose.components = components.connected;
     const std::vector<Index> &componentOf = components.componentOf;
@@ -138,13 +136,17 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
             isPoint.resize(slotTag.size(), 0);
             isPoint[i] = 1;
         }
-    for (std::size_t i = 0; i < slotTag.size(); ++i) {
+    const std::vector<Index> slots =
+        CollectInOrder(progress, readingStage, Index(slotTag.size()), [&](Index i, std::vector<Index> &found) {
+            const Index u = surface.nodeOf[i];
+            if (slotTag[i] == 1 &&
+                (u < 0 ? isPoint.empty() || !isPoint[i] : componentOf[u] >= 0 && !stays[componentOf[u]]))
+                found.push_back(i);
+        });
+    if (!slots.empty())
+        AssignLarge(loose.partOf, slotTag.size(), Index(-1));
+    for (Index i : slots) {
         const Index u = surface.nodeOf[i];
-        if (slotTag[i] != 1 || (u >= 0 && (componentOf[u] < 0 || stays[componentOf[u]])) ||
-            (!isPoint.empty() && isPoint[i]))
-            continue;
-        if (loose.partOf.empty())
-            AssignLarge(loose.partOf, slotTag.size(), Index(-1));
         if (u < 0) {
             ++loose.isolated;
             ++loose.components;
@@ -152,18 +154,6 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
         loose.partOf[i] = u < 0 ? loose.parts++ : number[componentOf[u]];
     }
     return loose;
-}
-
-void AddLoose(const LooseSurface &part, const std::vector<std::uint32_t> &slotOf, std::size_t slots,
-              LooseSurface &whole) {
-    if (part.parts > 0 && whole.partOf.empty())
-        AssignLarge(whole.partOf, slots, Index(-1));
-    for (std::size_t i = 0; i < part.partOf.size(); ++i)
-        if (part.partOf[i] >= 0)
-            whole.partOf[slotOf.empty() ? i : slotOf[i]] = whole.parts + part.partOf[i];
-    whole.parts += part.parts;
-    whole.components += part.components;
-    whole.isolated += part.isolated;
 }
 
 LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame,

@@ -21,22 +21,15 @@ struct LooseSurface {
     bool isPartOfSurface = false; ///< some loose part has nodes in the surface that it was found in
 };
 
-/// Adds the loose parts of a part of a mesh to those of the whole.
-/// \param slotOf of each slot of the part, that of the mesh, of \p slots; empty: the same
-void AddLoose(const LooseSurface &part, const std::vector<std::uint32_t> &slotOf, std::size_t slots,
-              LooseSurface &whole);
+/// The free surface of a mesh and the held vertices beside it. \param tag as of FreeRegion
+SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
+                             const Progress &progress, double weldDistance = defaultWeldDistance);
 
-/// The free surface of a mesh and the held vertices beside it. \param partOf of LooseSurface; what has a part is left
-/// out
-SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const std::vector<Index> &partOf,
-                             const Eigen::Matrix3d &metric, const Progress &progress,
-                             double weldDistance = defaultWeldDistance);
-
-/// The loose parts of a surface. \param slotTag one per vertex slot, noVertex where it is deleted
+/// The loose parts of a surface. \param slotTag one per vertex slot, noVertex where it is not read
 /// \param point slots of point handles \param components of \p surface
 /// \param least a component of this area, frame units^2, is not loose though nothing holds it
 LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                       const SurfaceGraph &surface, const FreeComponents &components,
+                       const SurfaceGraph &surface, const FreeComponents &components, const Progress &progress,
                        double least = std::numeric_limits<double>::infinity());
 
 /// How loose parts follow what holds or bends nearby, so that a button follows the sleeve.

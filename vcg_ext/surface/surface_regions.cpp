@@ -75,9 +75,11 @@ SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents component
     return regions;
 }
 
-std::size_t SubMesh::Find(std::size_t slot) const {
-    const auto found = std::lower_bound(slotOf.begin(), slotOf.end(), slot);
-    return found != slotOf.end() && *found == slot ? std::size_t(found - slotOf.begin()) : slotOf.size();
+std::size_t RegionSource::Find(std::size_t inMesh) const {
+    if (slotOf.empty())
+        return inMesh;
+    const auto found = std::lower_bound(slotOf.begin(), slotOf.end(), inMesh);
+    return found != slotOf.end() && *found == inMesh ? std::size_t(found - slotOf.begin()) : slotOf.size();
 }
 
 namespace {
@@ -85,14 +87,24 @@ namespace {
 /// Takes the parts of a mesh, as TakeRegions tells.
 class RegionTaker {
   public:
-    RegionTaker(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
-                const std::vector<int> &slotTag, const SurfaceRegions &regions)
-        : mesh(mesh), surface(surface), tag(tag), slotTag(slotTag), regions(regions), parts(std::size_t(regions.count)),
-          edges(parts.size()) {}
+    RegionTaker(const RegionSource &source, const SurfaceGraph &surface, const std::vector<Index> &tag,
+                const SurfaceRegions &regions)
+        : source(source), mesh(source.mesh), surface(surface), tag(tag), slotTag(source.tag), regions(regions),
+          parts(std::size_t(regions.count)), edges(parts.size()) {
+        std::vector<Index> of;
+        for (std::size_t i : source.point)
+            if (const Index u = NodeOf(i); u >= 0) {
+                regions.Of(surface.graph, u, of);
+                for (Index region : of)
+                    parts[std::size_t(region)].point.push_back(i);
+            }
+    }
 
-    std::vector<SubMesh> Take(const std::vector<std::size_t> &point, const Progress &progress) {
+    std::vector<RegionSource> Take(const Progress &progress) {
+        if (mesh.isCloud)
+            return std::move(parts);
         ListElements(progress.Slice(0, 0.3));
-        ListSlots(point, progress.Slice(0.3, 0.5));
+        ListSlots(progress.Slice(0.3, 0.5));
         AssignLarge(local, mesh.vertexSlots, std::uint32_t(-1));
         ParallelTasks(progress.Slice(0.5, 1), readingStage, parts.size(),
                       [&](std::size_t r, const Progress &part) { Fill(r, part); });
@@ -172,7 +184,7 @@ class RegionTaker {
     }
 
     /// The slots of each part: the free ones, those of what holds it, and those of its elements.
-    void ListSlots(const std::vector<std::size_t> &point, const Progress &progress) {
+    void ListSlots(const Progress &progress) {
         std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((mesh.vertexSlots + grain - 1) / grain);
         ParallelFor(progress, readingStage, mesh.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
             std::vector<std::pair<Index, std::uint32_t>> &list = found[first / grain];
@@ -197,17 +209,13 @@ class RegionTaker {
                 parts[std::size_t(region)].slotOf.push_back(slot);
             list = {};
         }
-        std::vector<Index> of;
-        for (std::size_t i : point)
-            if (const Index u = NodeOf(i); u >= 0) {
-                regions.Of(surface.graph, u, of);
-                for (Index region : of)
-                    more.emplace_back(region, std::uint32_t(i));
-            }
+        for (std::size_t r = 0; r < parts.size(); ++r)
+            for (std::size_t i : parts[r].point)
+                more.emplace_back(Index(r), std::uint32_t(i));
         std::sort(more.begin(), more.end());
         more.erase(std::unique(more.begin(), more.end()), more.end());
         for (std::size_t m = 0, end; m < more.size(); m = end) {
-            SubMesh &part = parts[std::size_t(more[m].first)];
+            RegionSource &part = parts[std::size_t(more[m].first)];
             const auto had = std::ptrdiff_t(part.slotOf.size());
             for (end = m; end < more.size() && more[end].first == more[m].first; ++end)
                 if (!std::binary_search(part.slotOf.begin(), part.slotOf.begin() + had, more[end].second))
@@ -217,7 +225,7 @@ class RegionTaker {
     }
 
     void Fill(std::size_t r, const Progress &progress) {
-        SubMesh &part = parts[r];
+        RegionSource &part = parts[r];
         part.arrays = SurfaceArrays(part.slotOf.size(), part.faceOf.size(), edges[r].size(), false);
         AssignLarge(part.tag, part.slotOf.size(), 0);
         ParallelFor(progress.threads, part.slotOf.size(), grain, [&](std::size_t first, std::size_t last) {
@@ -243,14 +251,24 @@ class RegionTaker {
         for (std::size_t e = 0; e < edges[r].size(); ++e)
             for (std::size_t k = 0; k < 2; ++k)
                 part.arrays.End(e)[k] = find(mesh.end[2 * edges[r][e] + k]);
+        for (std::size_t &i : part.point)
+            i = find(i);
+        part.mesh = part.arrays.View();
+        if (source.slotOf.empty())
+            return;
+        for (std::uint32_t &i : part.slotOf)
+            i = source.slotOf[i];
+        for (std::uint32_t &f : part.faceOf)
+            f = source.faceOf[f];
     }
 
+    const RegionSource &source;
     const SurfaceView &mesh;
     const SurfaceGraph &surface;
     const std::vector<Index> &tag;
     const std::vector<int> &slotTag;
     const SurfaceRegions &regions;
-    std::vector<SubMesh> parts;
+    std::vector<RegionSource> parts;
     std::vector<std::vector<std::size_t>> edges;       // of each part
     std::vector<std::uint32_t> local;                  // of each slot that is free: its place in its part
     std::vector<std::pair<Index, std::uint32_t>> more; // parts, and slots that their elements bring into them
@@ -258,10 +276,10 @@ class RegionTaker {
 
 } // namespace
 
-std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
-                                 const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                                 const SurfaceRegions &regions, const Progress &progress) {
-    return RegionTaker(mesh, surface, tag, slotTag, regions).Take(point, progress);
+std::vector<RegionSource> TakeRegions(const RegionSource &source, const SurfaceGraph &surface,
+                                      const std::vector<Index> &tag, const SurfaceRegions &regions,
+                                      const Progress &progress) {
+    return RegionTaker(source, surface, tag, regions).Take(progress);
 }
 
 } // namespace vcg::fcd

@@ -38,23 +38,26 @@ FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Ind
 /// \param components of \p surface
 SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents components);
 
-/// A part of a mesh, to be read by itself: all that one region is read from.
-struct SubMesh {
-    std::vector<std::uint32_t> slotOf; ///< of each of its slots, ascending: that of the mesh
-    std::vector<std::uint32_t> faceOf; ///< of each of its faces: that of the mesh
-    std::vector<int> tag;              ///< one per slot
-    SurfaceArrays arrays;
+/// What a free surface is read from: a mesh, or the part of it that one region is read from.
+struct RegionSource {
+    SurfaceView mesh;
+    SurfaceArrays arrays;              ///< of the mesh, where it is made for it
+    std::vector<int> tag;              ///< one per slot, noVertex where it is not read
+    std::vector<std::uint32_t> slotOf; ///< of each slot, ascending: that of the whole mesh; empty: the same
+    std::vector<std::uint32_t> faceOf; ///< of each face, as slotOf
+    std::vector<std::size_t> point;    ///< slots of the point handles in it
+    bool isOne = false;                ///< one region, whatever it hangs together by
 
-    /// The slot that a slot of the mesh has, or that of none: the number of slots.
-    std::size_t Find(std::size_t slot) const;
+    std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
+    /// The slot that one of the whole mesh has, or that of none: the number of slots.
+    std::size_t Find(std::size_t inMesh) const;
 };
 
-/// The parts of a mesh with faces or edge elements that its regions are read from.
-/// \param surface that was read of \p mesh \param tag as of FindRegions \param slotTag one per slot
-/// \param point slots of point handles
-std::vector<SubMesh> TakeRegions(const SurfaceView &mesh, const SurfaceGraph &surface, const std::vector<Index> &tag,
-                                 const std::vector<int> &slotTag, const std::vector<std::size_t> &point,
-                                 const SurfaceRegions &regions, const Progress &progress);
+/// The parts of a mesh with faces or edge elements that its regions are read from; of those of a cloud only the point
+/// handles. \param surface that was read of \p source \param tag as of FindComponents
+std::vector<RegionSource> TakeRegions(const RegionSource &source, const SurfaceGraph &surface,
+                                      const std::vector<Index> &tag, const SurfaceRegions &regions,
+                                      const Progress &progress);
 
 } // namespace vcg::fcd
 

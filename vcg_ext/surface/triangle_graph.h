@@ -15,7 +15,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -268,21 +267,6 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
             graph.adjacency.begin[u + 1] = sum += graph.adjacency.begin[u + 1];
     });
     return graph;
-}
-
-/// The lengths of a graph's edges, added up in the order of TriangleGraph::edgeLengths, so that the bits are the same.
-inline double SumOfEdges(const Eigen::Matrix3Xf &position, const Csr &adjacency, const Progress &progress) {
-    const std::size_t block = std::size_t(1) << TriangleBlocks::ShiftFor(adjacency.Size());
-    std::vector<double> sums((std::size_t(adjacency.Size()) + block - 1) / block, 0);
-    ParallelFor(progress, readingStage, std::size_t(adjacency.Size()), block, [&](std::size_t first, std::size_t last) {
-        for (Index u = Index(first); u < Index(last); ++u) {
-            const Eigen::Vector3f x = position.col(u);
-            for (Index v : adjacency[u])
-                if (u < v)
-                    sums[first / block] += (position.col(v) - x).norm();
-        }
-    });
-    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 } // namespace vcg::fcd::detail

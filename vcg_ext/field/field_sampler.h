@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIELD_SAMPLER_H
+#define VCG_FCD_FIELD_SAMPLER_H
+
+#include <vcg_ext/field/field_sampling.h>
+#include <vcg_ext/patches/lloyd.h>
+#include <vcg_ext/patches/patch_sampling.h>
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace vcg::fcd::detail {
+
+/// Where patches meet in faces: a triangle where three of them do, (a, b, b) and (a, a, a) of what is narrower. \param
+/// face corners, vertex slots
+std::vector<std::array<Index, 3>> DualOf(const Patches &patches, const SurfaceGraph &surface,
+                                         const std::vector<std::array<Index, 3>> &face, const Progress &progress);
+
+/// The deformation of a mesh as it is sampled, each of its regions by itself.
+class FieldSampler {
+  public:
+    FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
+                 const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
+                 const std::vector<Index> &regionOf, const FieldParam &param)
+        : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
+          pieces(1) {
+        const std::size_t slotCount = surface.nodeOf.size();
+        counts.assign(slotCount, this->face.empty());
+        for (const auto &corners : this->face)
+            for (Index i : corners)
+                counts[std::size_t(i)] = 1;
+        const Index nodes = surface.graph.Size();
+        slotOf.assign(std::size_t(nodes), -1);
+        pieceOf.assign(std::size_t(nodes), 0);
+        std::vector<char> rests(std::size_t(nodes), 1);
+        for (std::size_t i = 0; i < slotCount; ++i) {
+            const Index node = surface.nodeOf[i];
+            if (node < 0) {
+                counts[i] = 0;
+                continue;
+            }
+            if (slotOf[std::size_t(node)] < 0)
+                slotOf[std::size_t(node)] = Index(i);
+            if (!regionOf.empty() && regionOf[i] >= 0)
+                pieceOf[std::size_t(node)] = 1 + regionOf[i];
+            if (!Rests(i))
+                rests[std::size_t(node)] = 0;
+        }
+        if (!regionOf.empty())
+            NumberOthers(rests);
+        pieces.resize(std::size_t(1 + *std::max_element(pieceOf.begin(), pieceOf.end())));
+        FindAccuracy();
+        PutSeeds(rests);
+    }
+
+    /// The dual of the patches around the samples: a triangle where three of them meet in a face, an edge or a point
+    /// for what is narrower than a patch.
+    FieldSamples Sample(const Progress &progress) {
+        std::vector<Index> seed;
+        for (Index u = 0; u < Index(isSeed.size()); ++u)
+            if (isSeed[std::size_t(u)])
+                seed.push_back(u);
+        // The same steps however many there are elsewhere.
+        patches = GrowPatches(surface.graph, {}, seed, progress.Slice(0, 0.5), 1 / std::sqrt(float(param.moving)));
+        for (Index u : patches.center) // those of parts without a seed, too
+            isSeed[std::size_t(u)] = 1;
+
+        FieldSamples samples;
+        std::vector<Index> sampleOf(std::size_t(patches.Size()), -1), used;
+        const auto use = [&](Index patch) {
+            Index &sample = sampleOf[std::size_t(patch)];
+            if (sample < 0) {
+                sample = Index(used.size());
+                used.push_back(slotOf[std::size_t(patches.center[std::size_t(patch)])]);
+            }
+            return sample;
+        };
+        if (face.empty())
+            for (Index patch = 0; patch < patches.Size(); ++patch)
+                use(patch);
+        dual = DualOf(patches, surface, face, progress.Slice(0.5, 1));
+        for (const auto &corners : dual)
+            samples.triangle.push_back({use(corners[0]), use(corners[1]), use(corners[2])});
+        const auto n = Eigen::Index(used.size());
+        samples.position.resize(3, n);
+        samples.displacement.resize(3, n);
+        for (Index i : used) {
+            const Eigen::Index k = Eigen::Index(samples.gradient.size());
+            samples.position.col(k) = rest.col(i);
+            samples.displacement.col(k) = deformed.col(i) - rest.col(i);
+            samples.gradient.emplace_back(linear[std::size_t(i)] - Eigen::Matrix3f::Identity());
+        }
+        return samples;
+    }
+
+    /// Compares at every vertex of what is not done yet, or only where samples were added, and adds samples: wherever
+    /// something would move that rests, and where each octant of a patch is off most. \return whether all is done
+    bool Refine(const DeformationField &field, SampledField &result, const Progress &progress) {
+        Compare(field, result, progress);
+        struct Found {
+            Index off = 0, patches = 0;
+            std::vector<Index> worst, all; // slots that are off
+            bool any = false;
+        };
+        std::vector<Found> found(pieces.size());
+        for (Index center : patches.center)
+            ++found[PieceOf(center)].patches;
+        constexpr std::size_t octants = 8; // of a patch, around its centre
+        std::vector<Index> farthest(octants * std::size_t(patches.Size()), -1);
+        std::map<std::pair<std::size_t, std::size_t>, Index> across; // of patches of another piece, by piece
+        std::vector<Index> added;
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            if (!counts[i] || pieces[PieceOf(surface.nodeOf[i])].isDone)
+                continue;
+            const Index node = surface.nodeOf[i];
+            const std::size_t piece = PieceOf(node), patch = std::size_t(patches.patchOf[std::size_t(node)]);
+            if (Rests(i)) {
+                if (error[i] > 0)
+                    added.push_back(node);
+                continue;
+            }
+            if (!(error[i] > pieces[piece].accuracy))
+                continue;
+            ++found[piece].off;
+            if (isSeed[std::size_t(node)])
+                continue;
+            found[piece].all.push_back(Index(i));
+            const Index center = patches.center[patch];
+            const Eigen::Vector3f way = surface.graph.position.col(node) - surface.graph.position.col(center);
+            const std::size_t octant = octants * patch + (way[0] > 0) + 2 * (way[1] > 0) + 4 * (way[2] > 0);
+            Index &worst = PieceOf(center) == piece ? farthest[octant]
+                                                    : across.emplace(std::make_pair(piece, octant), -1).first->second;
+            if (worst < 0 || error[i] > error[std::size_t(worst)])
+                worst = Index(i);
+        }
+        const auto take = [&](Index i) {
+            if (i >= 0)
+                found[PieceOf(surface.nodeOf[std::size_t(i)])].worst.push_back(i);
+        };
+        std::for_each(farthest.begin(), farthest.end(), take);
+        for (const auto &each : across)
+            take(each.second);
+        for (Found &each : found) {
+            std::vector<Index> &worst = each.worst;
+            if (16 * std::int64_t(each.off) < each.patches) // few: all of them, in fewer rounds
+                worst = std::move(each.all);
+            const Index room = param.most - each.patches;
+            const std::size_t wanted =
+                room > param.most / 50 ? std::size_t(room) / 2 : 0; // what is off most first, bit by bit
+            if (worst.size() > wanted) {
+                std::sort(worst.begin(), worst.end(), [this](Index a, Index b) {
+                    return std::make_pair(-error[std::size_t(a)], a) < std::make_pair(-error[std::size_t(b)], b);
+                });
+                worst.resize(wanted);
+            }
+            for (Index i : worst)
+                added.push_back(surface.nodeOf[std::size_t(i)]);
+        }
+        for (Index node : added) {
+            found[PieceOf(node)].any |= !isSeed[std::size_t(node)];
+            isSeed[std::size_t(node)] = 1;
+        }
+        FindNear(added);
+        bool isDone = true, isCompared = true;
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            Piece &piece = pieces[p];
+            isCompared = isCompared && !piece.isDone;
+            piece.isDone = piece.isDone || (!found[p].any && !piece.isNearby); // when all have been compared
+            // Few that are left are seen to with what comes to light elsewhere.
+            piece.isNearby = found[p].any && 1000 * std::int64_t(found[p].off) > found[p].patches;
+            isDone = isDone && piece.isDone;
+        }
+        if (isDone && !isCompared) // once more, as samples that came since may lie near what was done before
+            for (Piece &piece : pieces)
+                piece.isDone = false;
+        return isDone && isCompared;
+    }
+
+    double Accuracy() const {
+        return std::max_element(pieces.begin(), pieces.end(),
+                                [](const Piece &a, const Piece &b) { return a.accuracy < b.accuracy; })
+            ->accuracy;
+    }
+
+  private:
+    /// A region, a part that moves and is in none, as a handle, or, the first, all else.
+    struct Piece {
+        double accuracy = 0;
+        bool isNearby = false; ///< compared only where samples were added
+        bool isDone = false;
+    };
+
+    std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[std::size_t(node)]); }
+
+    void NumberOthers(const std::vector<char> &rests) {
+        std::vector<Index> part;
+        const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] == 0 && !rests[std::size_t(u)]; };
+        ConnectedComponents(surface.graph.adjacency, isOther, part, {}, "Sampling");
+        const Index first = 1 + *std::max_element(pieceOf.begin(), pieceOf.end());
+        for (std::size_t u = 0; u < part.size(); ++u)
+            if (part[u] >= 0)
+                pieceOf[u] = first + part[u];
+    }
+
+    void FindAccuracy() {
+        struct Extent {
+            Eigen::AlignedBox3d box;
+            double motion = 0, farthest = 0;
+        };
+        std::vector<Extent> extent(pieces.size());
+        for (std::size_t i = 0; i < surface.nodeOf.size(); ++i)
+            if (surface.nodeOf[i] >= 0 && !Rests(i)) {
+                Extent &its = extent[PieceOf(surface.nodeOf[i])];
+                const Eigen::Vector3d from = rest.col(Eigen::Index(i)), to = deformed.col(Eigen::Index(i));
+                its.box.extend(from);
+                its.motion = std::max(its.motion, (to - from).norm());
+                its.farthest = std::max({its.farthest, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
+            }
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            const Extent &its = extent[p];
+            const double automatic =
+                its.box.isEmpty() ? 0 : std::min(1e-4 * its.box.diagonal().norm(), its.motion / 50);
+            pieces[p].accuracy = std::max(param.accuracy > 0 ? param.accuracy : automatic,
+                                          4 * std::numeric_limits<double>::epsilon() * its.farthest); // as rounded
+        }
+    }
+
+    /// \param rests flags of nodes
+    void PutSeeds(const std::vector<char> &rests) {
+        // A wall of samples around what moves, and between pieces: no triangle is part of both what moves and what
+        // rests farther away, and none of two pieces but what joins their walls.
+        isSeed.assign(rests.size(), 0);
+        std::vector<std::vector<Index>> moving(pieces.size()); // nodes
+        std::vector<float> restingArea(surface.nodeArea);
+        for (Index u = 0; u < Index(rests.size()); ++u) {
+            if (!rests[std::size_t(u)]) {
+                restingArea[std::size_t(u)] = 0;
+                moving[PieceOf(u)].push_back(u);
+            }
+            for (Index v : surface.graph.adjacency[u])
+                isSeed[std::size_t(u)] |=
+                    char((rests[std::size_t(u)] && !rests[std::size_t(v)]) || PieceOf(u) != PieceOf(v));
+        }
+        std::vector<float> area;
+        for (const std::vector<Index> &nodes : moving) {
+            area.clear();
+            for (Index u : nodes)
+                area.push_back(surface.nodeArea[std::size_t(u)]);
+            const Index fewer = Index(nodes.size() / 16) + 1; // more come where they are needed
+            for (Index k : RandomSample(area, std::min(param.moving, fewer), 1))
+                isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
+        }
+        for (Index u : RandomSample(restingArea, param.resting, 1))
+            isSeed[std::size_t(u)] = 1;
+    }
+
+    /// Compares at the vertices, and counts.
+    void Compare(const DeformationField &field, SampledField &result, const Progress &progress);
+
+    /// Sets isNear. \param added nodes
+    void FindNear(const std::vector<Index> &added);
+
+    bool Rests(std::size_t i) const {
+        return rest.col(Eigen::Index(i)) == deformed.col(Eigen::Index(i)) && linear[i] == Eigen::Matrix3f::Identity();
+    }
+
+    const SurfaceGraph &surface;
+    const std::vector<std::array<Index, 3>> face;
+    const Eigen::Matrix3Xd &rest, &deformed;
+    const std::vector<Eigen::Matrix3f> &linear;
+    const FieldParam &param;
+    std::vector<Piece> pieces;
+    std::vector<Index> pieceOf; ///< each node
+    std::vector<char> counts;   ///< flags of slots: that of a corner of a face, or of any point of a cloud
+    std::vector<Index> slotOf;  ///< each node
+    std::vector<char> isSeed;   ///< flags of nodes
+    std::vector<float> error;   ///< of each slot, when it was compared last
+    std::vector<char> isNear;   ///< flags of slots: of patches that got a sample since, and beside them
+    Patches patches;
+    std::vector<std::array<Index, 3>> dual; ///< of the patches
+};
+
+} // namespace vcg::fcd::detail
+
+#endif
