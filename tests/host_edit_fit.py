@@ -181,6 +181,28 @@ def test_what_stays_of_a_fit(window, tmp_path):
     assert save_pairs(w, "from_picked.csv").read_bytes() == saved.read_bytes()
 
 
+def test_a_file_is_replaced_only_when_asked(window, tmp_path):
+    """Also one whose ending the tool has added to what was typed."""
+    w, points, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    answer(w, "load", "Load pairs", str(write_pairs(points, tmp_path / "pairs.csv")))
+    w.wait("trace: follow")
+    walk = tmp_path / "walk.csv"
+    walk.write_text("mine")
+    w.click(w.place("save"))
+    for key in ("Return", "y"): # no, which is chosen; yes
+        w.wait_for_title("Save pairs")
+        w.key("ctrl+a")
+        w.do("type", "--delay", "5", str(tmp_path / "walk"))
+        w.key("Return")
+        w.settle()
+        assert walk.read_text() == "mine" and "Saved the pairs" not in w.text()
+        w.shot("asked")
+        w.key("alt+y" if key == "y" else key)
+    w.wait("Saved the pairs")
+    assert len(pairs_of(walk)[0]) == 4
+
+
 def test_bad_pairs_change_nothing(window, tmp_path):
     w, points, _ = open_two(window, tmp_path)
     before = w.save("before.ply").read_bytes()
