@@ -44,7 +44,7 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
     preparing = std::make_unique<BendWork>(
         work, [this, ended] { QMetaObject::invokeMethod(this, ended, Qt::QueuedConnection); });
     view->setCursor(Qt::BusyCursor);
-    preparingTimer.callOnTimeout(this, [this] { refresh(); });
+    every(preparingTimer, [this] { refresh(); });
     preparingTimer.start(100);
     refresh();
     if (std::getenv("FCD_TRACE"))
@@ -60,7 +60,6 @@ void BendTool::whenDone() {
 /// The window looks as if nothing was being done.
 void BendTool::restFromPreparing() {
     preparingTimer.stop();
-    preparingTimer.disconnect(this);
     if (view)
         view->unsetCursor();
 }

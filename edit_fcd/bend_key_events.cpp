@@ -12,36 +12,37 @@ const BendKey *BendTool::keyOf(const QKeyEvent &event) const {
     return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
 }
 
-bool BendTool::eventFilter(QObject *object, QEvent *event) {
-    if (object == view && view && !view->suspendedEditor && session) {
-        if (event->type() == QEvent::Enter)
-            view->setFocus();                            // keys belong to what is under the mouse
-        if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
-            const auto &pressed = *static_cast<QKeyEvent *>(event);
-            const BendKey *key = keyOf(pressed);
-            // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
-            if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
-                event->accept();
-                return true;
-            }
-            if (key)
-                escaped = pressed.timestamp();
-        }
-        if (event->type() == QEvent::MouseButtonDblClick && panel) {
-            guarded([&] { doubleClick(static_cast<QMouseEvent *>(event)); });
+bool BendTool::takesEvent(QEvent &event) {
+    if (!session)
+        return false;
+    if (view->suspendedEditor) {
+        // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+        const bool isPress = event.type() == QEvent::MouseButtonPress;
+        const unsigned long time = // 0: one that this tool hands on
+            isPress ? static_cast<QMouseEvent &>(event).timestamp() : 0;
+        if (time == 0 || time > escaped)
+            return false;
+        escaped = 0;
+        host::suspendEditing(*view);
+        return true;
+    }
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const auto &pressed = static_cast<QKeyEvent &>(event);
+        const BendKey *key = keyOf(pressed);
+        // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+        if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
+            event.accept();
             return true;
         }
+        if (key)
+            escaped = pressed.timestamp();
     }
-    // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
-    if (object == view && view && session && view->suspendedEditor && event->type() == QEvent::MouseButtonPress) {
-        const unsigned long time = static_cast<QMouseEvent *>(event)->timestamp(); // 0: one that this tool hands on
-        if (time > 0 && time <= escaped) {
-            escaped = 0;
-            host::suspendEditing(*view);
-            return true;
-        }
-    }
-    return HostEditTool::eventFilter(object, event);
+    if (event.type() != QEvent::MouseButtonDblClick || !panel)
+        return false;
+    guarded([&] { doubleClick(static_cast<QMouseEvent *>(&event)); });
+    return true;
 }
 
 void BendTool::pressKeyWhileDragging(QKeyEvent *event) {

@@ -124,15 +124,13 @@ void BendTool::draw() {
     }
     if (view && view->suspendedEditor != isSuspended) {
         isSuspended = view->suspendedEditor;
-        QTimer::singleShot(0, this, [this] { refresh(); });
+        later([this] { refresh(); });
     }
     seen = viewNow();
     if (isStepWanted)
-        QTimer::singleShot(0, this, [this] {
-            guarded([&] {
-                if (isStepWanted)
-                    step();
-            });
+        later([this] {
+            if (isStepWanted)
+                step();
         });
     if (preparing) {
         overlay->draw(model->cm);
@@ -145,14 +143,12 @@ void BendTool::draw() {
             overlay->draw(model->cm);
         drawOverlay();
     } else if (!session && !isEnding && view)
-        QTimer::singleShot(0, this, [this] {
-            guarded([&] {
-                if (session || isEnding || !view || !view->md() || !view->md()->mm())
-                    return;
-                const MeshModel &current = *view->md()->mm();
-                if (current.cm.vn > 0 && current.id() != refused)
-                    start(*view->md(), view);
-            });
+        later([this] {
+            if (session || isEnding || !view || !view->md() || !view->md()->mm())
+                return;
+            const MeshModel &current = *view->md()->mm();
+            if (current.cm.vn > 0 && current.id() != refused)
+                start(*view->md(), view);
         });
 }
 

@@ -49,10 +49,8 @@ class BendTool : public LayerTool {
     void pressKey(QKeyEvent *event) override;
     void say(const std::string &text, bool warning = false) override;
 
-    /// Takes keys before the host's shortcuts do.
-    bool eventFilter(QObject *object, QEvent *event) override;
-
   private:
+    bool takesEvent(QEvent &event) override;
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     void open(MeshModel &model);
     void close() override;

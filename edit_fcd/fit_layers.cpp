@@ -121,48 +121,46 @@ bool FitTool::isReady() {
 
 void FitTool::makePanel() {
     panel = new FitPanel(view->window());
-    connect(panel, &FitPanel::targetChosen, this, [this] { guarded([&] { onTarget(); }); });
-    connect(panel, &FitPanel::seenChosen, this, [this] {
-        guarded([&] { showLayers(); });
+    when(panel.data(), &FitPanel::targetChosen, [this] { onTarget(); });
+    when(panel.data(), &FitPanel::seenChosen, [this] {
         view->setFocus();
+        showLayers();
     });
-    connect(panel, &FitPanel::shapeChosen, this, [this] {
-        guarded([&] {
-            if (!isReady())
-                return;
-            session->change();
-            session->setShape(panel->shape());
-            if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
-                setSeen(FitPanel::Both);
-            reshape(true);
-        });
-        refresh();
+    when(panel.data(), &FitPanel::shapeChosen, [this] {
+        later([this] { refresh(); });
+        if (!isReady())
+            return;
+        session->change();
+        session->setShape(panel->shape());
+        if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
+            setSeen(FitPanel::Both);
+        reshape(true);
     });
-    connect(panel, &FitPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
-    connect(panel, &FitPanel::distanceToggled, this, [this] {
-        guarded([&] {
-            if (panel->showsDistance() && panel->seen() != FitPanel::Source)
-                setSeen(FitPanel::Source); // the target lies in it
-            showDistances();
-        });
+    when(panel.data(), &FitPanel::optionsChanged, [this] { onOptions(); });
+    when(panel.data(), &FitPanel::distanceToggled, [this] {
+        if (panel->showsDistance() && panel->seen() != FitPanel::Source)
+            setSeen(FitPanel::Source); // the target lies in it
+        showDistances();
     });
-    connect(panel, &FitPanel::command, this, [this](int which) {
+    when(panel.data(), &FitPanel::command, [this](int which) {
         guarded([&] { onCommand(which); });
         refresh();
     });
     const FitPairList *list = &panel->pairs();
-    connect(list, &FitPairList::selected, this, [this](int row) {
+    when(list, &FitPairList::selected, [this](int row) {
         selected = row;
         view->update();
     });
-    connect(list, &FitPairList::renamed, this, [this](int row, const QString &name) {
+    when(list, &FitPairList::renamed, [this](int row, const QString &name) {
+        later([this] { refresh(); }); // not in the midst of the list's own events
+        if (!isReady())
+            return;
         session->change();
         session->rename(std::size_t(row), name.trimmed().toStdString());
-        QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
     });
-    connect(list, &FitPairList::removed, this, [this](int row) {
+    when(list, &FitPairList::removed, [this](int row) {
         selected = row;
-        QTimer::singleShot(0, this, [this] {
+        later([this] {
             guarded([&] { act(Key::Remove); });
             refresh();
         });

@@ -7,9 +7,9 @@
 // What the tool shows: which layers, and the shape that it gives the one.
 
 FitTool::FitTool(QAction *action) : LayerTool(action) {
-    progressTimer.callOnTimeout(this, [this] { refresh(); });
+    every(progressTimer, [this] { refresh(); });
     optionsTimer.setSingleShot(true);
-    optionsTimer.callOnTimeout(this, [this] { guarded([&] { reshape(true); }); });
+    every(optionsTimer, [this] { reshape(true); });
 }
 
 void FitTool::say(const std::string &text, bool warning) {
@@ -90,11 +90,11 @@ void FitTool::draw() {
     isPainted = true;
     if (view && view->suspendedEditor != isSuspended) {
         isSuspended = view->suspendedEditor;
-        QTimer::singleShot(0, this, [this] { refresh(); });
+        later([this] { refresh(); });
     }
     seen = viewNow();
     if (isStepWanted)
-        QTimer::singleShot(0, this, [this] { guarded([&] { step(); }); });
+        later([this] { step(); });
     if (!layer())
         return;
     if (marks().showsSource)
@@ -161,7 +161,7 @@ void FitTool::begin(BendWork::Work what, std::function<void()> done) {
                     } catch (const vcg::fcd::Cancelled &) { // nothing has changed
                     }
                 });
-                refresh();
+                guarded([&] { refresh(); });
             },
             Qt::QueuedConnection);
     });

@@ -37,10 +37,8 @@ class FitTool : public LayerTool {
     void pressKey(QKeyEvent *event) override;
     void say(const std::string &text, bool warning = false) override;
 
-    /// Takes keys before the host's shortcuts do.
-    bool eventFilter(QObject *object, QEvent *event) override;
-
   private:
+    bool takesEvent(QEvent &event) override;
     enum class Key { Undo, Redo, Remove, Reset, Pull, Cancel, InTurn, Both, Source, Target, ApplyInPlace, ApplyToNew };
 
     MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
