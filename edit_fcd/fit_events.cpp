@@ -300,6 +300,8 @@ void FitTool::chooseFiles(bool load) {
 void FitTool::apply(bool inPlace) {
     const MeshModel &onto = expectedTarget();
     const auto tell = [this](const std::string &call) { say("In a script: " + call); };
+    session->expectFitted(onto);
+    stopWork(); // that would go on with the shape of before
     if (inPlace) {
         session->change();
         tell(session->applyInPlace(onto));

@@ -45,6 +45,7 @@ class FitTool : public LayerTool {
     MeshModel *target() const; ///< null when there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
+    void leave();
     void close() override;
     bool isReady();
     void makePanel();
@@ -80,8 +81,8 @@ class FitTool : public LayerTool {
     QPointer<FitPanel> panel;
     int targetId = -1;
     std::unique_ptr<FitSession> session;
-    /// What other layers of the document were left with, by their number, and the rest shape that it belongs to.
-    std::map<int, std::pair<std::uint64_t, FitState>> left;
+    std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
+    QPointer<MeshDocument> document;
     std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
 
     BendView seen;
