@@ -13,6 +13,7 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
     preparingWhat = what;
     whenPrepared = std::move(done);
     whenStopped = std::move(stopped);
+    session->beginBeside();
     if (model->cm.vn <= preparedAtOnce) {
         try {
             work({});
@@ -38,7 +39,8 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
                 throw;
             }
             restFromPreparing();
-            whenDone();
+            if (layer())
+                whenDone();
         });
     };
     preparing = std::make_unique<BendWork>(
@@ -53,6 +55,7 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
 }
 
 void BendTool::whenDone() {
+    session->endBeside();
     const std::function<void()> done = std::move(whenPrepared); // which may begin other work
     done();
 }
@@ -73,6 +76,7 @@ void BendTool::stopPreparing() {
     const std::function<void()> stopped = std::move(whenStopped);
     if (!layer())
         return;
+    session->endBeside();
     if (stopped)
         stopped();
     refresh();

@@ -55,18 +55,6 @@ BendRest::Shown BendRest::shown() const {
     return all;
 }
 
-void BendRest::show(const Shown &shown) {
-    if (shown.empty())
-        return;
-    ParallelFor(0, shown.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            layer.cm.vert[i].P() = shown[i].first;
-            layer.cm.vert[i].N() = shown[i].second;
-        }
-    });
-    posed = true;
-}
-
 void BendRest::restore() {
     if (!fits())
         return; // another mesh by now

@@ -133,7 +133,8 @@ void BendTool::draw() {
                 step();
         });
     if (preparing) {
-        overlay->draw(model->cm);
+        if (layer())
+            overlay->draw(model->cm);
     } else if (layer()) {
         if (moving && !moving->draw(seen)) {
             moving.reset();

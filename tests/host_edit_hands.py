@@ -2,6 +2,7 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import ctypes
 import os
 import re
 import time
@@ -554,6 +555,69 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
     w.key("ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+class Asleep:
+    """Threads of a process that do nothing meanwhile: those that it has begun since."""
+    SEIZE, INTERRUPT, DETACH, ANY_THREAD = 0x4206, 0x4207, 17, 0x40000000
+
+    def __init__(self, process):
+        self.process, self.before = process, self.threads(process)
+
+    @staticmethod
+    def threads(process):
+        return set(map(int, os.listdir(f"/proc/{process}/task")))
+
+    @staticmethod
+    def ask(what, thread):
+        return ctypes.CDLL(None).ptrace(what, thread, None, None)
+
+    def __enter__(self):
+        self.asleep = [each for each in self.threads(self.process) - self.before if self.ask(self.SEIZE, each) == 0]
+        for each in self.asleep:
+            self.ask(self.INTERRUPT, each)
+            os.waitpid(each, self.ANY_THREAD)
+        return self.asleep
+
+    def __exit__(self, *error):
+        for each in self.asleep:
+            self.ask(self.DETACH, each)
+
+
+def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
+    """While the threads that prepare it sleep, a file gets the shape that is seen. And MeshLab may end meanwhile."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 600, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    w.start_tool()
+    full = w.text().count("trace: full")
+    w.do("mousemove", X + 100, Y, "mousedown", 1, "mousemove", X + 120, Y - 80, "mouseup", 1)
+    w.wait("trace: full", full + 1)
+    posed = load(w.save("posed.ply"))[0]
+    assert np.abs(posed - points).max() > 0.1
+    slept = 0
+    for i in range(4): # at one of these, it has begun with what takes longest
+        asleep, answers = Asleep(w.meshlab.pid), w.text().count("trace: answer")
+        w.do("mousemove", X - 120 + i, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+        w.wait("trace: answer", answers + 1)
+        time.sleep(0.2 * i)
+        with asleep as threads:
+            if threads and "trace: press" not in w.text().rpartition("trace: answer")[2]:
+                slept += 1
+                assert np.array_equal(load(w.save(f"meanwhile_{i}.ply", by_menu=True))[0], posed)
+        w.do("mousemove", X, Y + 230)
+        w.until("end of it", lambda: w.text().rpartition("trace: answer")[2].count("trace: full"))
+        w.settle()
+        assert np.abs(load(w.save(f"pulled_{i}.ply"))[0] - posed).max() > 0.1
+        w.key("ctrl+z")
+        assert np.array_equal(load(w.save(f"undone_{i}.ply"))[0], posed)
+    assert slept
+    w.do("mousemove", X - 110, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+    w.do("mousemove", 36, 29, "click", 1, "sleep", 0.3, "mousemove", 62, 413, "click", 1, settle=False) # File, Exit
+    for _ in range(3): # it asks whether that is meant
+        time.sleep(1)
+        if w.meshlab.poll() is None:
+            w.do("key", "alt+y", settle=False)
+    assert w.meshlab.wait(60) == 0
 
 
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
