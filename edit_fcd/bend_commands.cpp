@@ -194,6 +194,7 @@ void BendTool::connectHandles() {
 void BendTool::editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
     if (!isReady() || drag)
         return;
+    hint.clear();
     session->change();
     BendHandle handle = session->handle(tag);
     if (name.toStdString() != session->nameOf(tag))
@@ -245,14 +246,15 @@ void BendTool::showHandles() {
 
 // --- what the panel says ---
 
+/// What is marked becomes this.
+QString BendTool::roleText() const {
+    const int tag = tagToMark();
+    return tag >= 2 ? QString::fromStdString(session->nameOf(tag)) : tag == 1 ? "free" : tag == 0 ? "fixed" : "outside";
+}
+
 /// What is to be done in a mode that marks.
 QString BendTool::markingText() const {
-    const int tag = tagToMark();
-    const QString role = tag >= 2 ? QString::fromStdString(session->nameOf(tag))
-                                  : QString(tag == 1   ? "free"
-                                            : tag == 0 ? "fixed"
-                                                       : "outside"),
-                  what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
+    const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
     switch (panel->mode()) {
     case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
     case BendPanel::Polyline:

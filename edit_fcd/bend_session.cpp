@@ -18,6 +18,9 @@ namespace {
 
 const std::size_t grain = 1 << 14;
 
+// From where a handle is mirrored, of the diagonal: the sides of a body are as different as that.
+const double farthestTwin = 0.05;
+
 /// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
 MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
     MotionStep other = step;
@@ -84,8 +87,8 @@ int BendSession::mirrored(int tag) const {
     if (options.mirror < 0 || !center.count(tag))
         return 0;
     const Eigen::Vector3d there = mirror() * (rest.world() * placeOf(tag));
-    int found = 0;
-    double least = 0.05 * rest.diagonal();
+    int found = tag; // in the middle, it is its own
+    double least = std::min(farthestTwin * rest.diagonal(), (rest.world() * placeOf(tag) - there).norm());
     for (const int other : handleTags()) {
         const double distance = (rest.world() * placeOf(other) - there).norm();
         if (other != tag && distance < least) {
@@ -93,7 +96,7 @@ int BendSession::mirrored(int tag) const {
             found = other;
         }
     }
-    return found;
+    return found == tag ? 0 : found;
 }
 
 namespace {
@@ -244,7 +247,10 @@ int BendSession::addPoint(std::size_t slot, double radius) {
         slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && canBecomePoint(*other))
+    if (!other || (rest.at(*other) - rest.at(slot)).norm() <= 1e-3 * rest.diagonal())
+        return tag;
+    const Eigen::Vector3d there = mirror() * (rest.world() * rest.at(slot));
+    if ((rest.world() * rest.at(*other) - there).norm() < farthestTwin * rest.diagonal() && canBecomePoint(*other))
         add(*other);
     return tag;
 }

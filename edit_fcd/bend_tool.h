@@ -88,6 +88,7 @@ class BendTool : public LayerTool {
     void straighten();
 
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
+    QString roleText() const;
     QString markingText() const;
     QString stateText() const;
     void beginApply();
@@ -105,6 +106,7 @@ class BendTool : public LayerTool {
     void placePivot();
     const BendKey *keyOf(const QKeyEvent &event) const;
     void act(BendAction action);
+    void setRole(BendPanel::Role which, int handle = 2);
     bool grab();
     int pointAt(const Eigen::Vector2d &window, double least = 12) const;
     std::optional<GizmoPart> partAtMouse() const;

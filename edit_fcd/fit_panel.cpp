@@ -150,7 +150,7 @@ void FitPanel::addShape(QBoxLayout &column) {
         "axes: when it is pulled");
     connect(start, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
     form->addRow("Start", start);
-    largest = new QDoubleSpinBox;
+    largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
     largest->setRange(0, 1e9);

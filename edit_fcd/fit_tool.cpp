@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit_tool.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -119,7 +120,7 @@ QString FitTool::stateText() const {
         return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
     if (const FittedSurface *fitted = session->pulled(*target()))
         text += QString("<br>%1 % lie on the target, off by %2 (rms).")
-                    .arg(100 * fitted->report.matched, 0, 'f', 0)
+                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
                     .arg(fitted->report.rms, 0, 'g', 2);
     return text;
 }

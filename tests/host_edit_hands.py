@@ -620,6 +620,81 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
     assert w.meshlab.wait(60) == 0
 
 
+def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
+    """With a comma before its decimals as with a point, while a handle moves and in the lists; what can be done is said at once."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    mark_two_regions(w)
+    w.do("mousemove", X, Y + 200)
+    handle = points[:, 0] > 0.9
+    for key, text in (("g", "move: move the mouse"), ("r", "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"),
+                      ("s", "scale: move the mouse")):
+        w.key(key)
+        assert w.text().rpartition("trace: says: ")[2].startswith("Handle 2: " + text)
+        w.key("Escape")
+    w.key("g", "x", "1", "comma", "5", "Return")
+    moved = load(w.save("comma.ply"))[0]
+    assert np.abs((moved - points)[handle] - [1.5, 0, 0]).max() < 1e-5
+    w.key("g", "y", "a", "b", "c", "1", "Return") # which goes on
+    assert "abc1_, which is no number: Backspace takes back what was typed" in w.text()
+    w.key("BackSpace", "BackSpace", "BackSpace", "BackSpace", "1", "Return")
+    assert np.abs(load(w.save("typed_anew.ply"))[0][handle] - moved[handle] - [0, 1, 0]).max() < 1e-5
+    w.key("ctrl+z", "o")
+    assert "What is marked from now on becomes outside." in w.text()
+
+    x, y, width, height = w.box("handles")
+    row, cells = y + 35, lambda: np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].astype(int)
+    w.do("mousemove", X, Y + 200)
+    before = cells()
+    for place, text, said in ((x + width - 70, "foo", "The motion"), (x + 50, "", "")):
+        w.click((place, row), count=2)
+        w.key("ctrl+a", "BackSpace")
+        if text:
+            w.do("type", text)
+        w.key("Return")
+        w.do("mousemove", X, Y + 200)
+        w.shot("typed")
+        assert np.array_equal(cells(), before)
+        assert said in w.text().rpartition("trace: says: ")[2]
+    assert "The motion" not in w.text().rpartition("trace: says: ")[2] # what was refused is said until something else is done
+
+
+def be_symmetric(w):
+    """In x."""
+    axes = w.box("axes")
+    w.do("mousemove", axes[0] - 120, axes[1] + 8, "click", 5) # the wheel
+
+
+def test_a_handle_in_the_middle_has_no_twin(window, tmp_path):
+    """Though another one is near."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X, Y), (X, Y - 10))
+    w.drag((X - 14, Y + 14), (X - 14, Y + 24))
+    be_symmetric(w)
+    before = load(w.save("before.ply"))[0]
+    upper, lower = (before - points)[:, 1].argmax(), (before - points)[:, 1].argmin()
+    w.do("mousemove", X, Y - 10)
+    w.key("g", "z", "1", "Return")
+    w.shot("moved")
+    moved = load(w.save("moved.ply"))[0] - before
+    assert np.abs(moved[upper] - [0, 0, 1]).max() < 1e-5 and np.abs(moved[lower]).max() < 1e-5
+
+
+def test_a_lopsided_layer_gets_no_stray_handles(window, tmp_path):
+    points, faces = tube_of(np.linspace(-1, 1, 80), 64, 0.25)
+    points[:, 1] *= np.where(points[:, 0] > 0, 3, 1).astype(points.dtype)
+    w = window(write_ply(tmp_path / "lopsided.ply", points, faces))
+    w.start_tool()
+    be_symmetric(w)
+    w.drag((X + 120, Y - 130), (X + 120, Y - 150))
+    assert np.abs(load(w.save("moved.ply"))[0] - points).max() > 0.05
+    w.shot("one")
+    x, y, width, _ = w.box("handles")
+    rows = np.asarray(w.picture().convert("L"))[y + 26:y + 68, x + 4:x + width - 4]
+    assert np.ptp(rows[:20]) > 50 > np.ptp(rows[24:]) # one handle
+
+
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
     """While it is dragged; what stays looks as it did, what moves as afterwards, and at the end MeshLab draws all of it again."""
     points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
