@@ -159,10 +159,13 @@ void BendTool::straighten() {
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();
     showVertices(true);
+    const auto surface = std::make_shared<LineSurface>(*model); // the layer itself may be saved, or go
     const auto shape = std::make_shared<StraightenedShape>();
     beside(
         "Straightening",
-        [=](const vcg::fcd::Progress &progress) { *shape = straightened(*model, goal, param, progress, known); },
+        [=](const vcg::fcd::Progress &progress) {
+            *shape = straightened(std::move(*surface), goal, param, progress, known);
+        },
         [=] {
             applyToNewLayer(
                 [&] {
