@@ -31,7 +31,7 @@ class LayerTool : public HostEditTool {
     /// Does \p slot whenever \p sender says \p signal, with all that it says.
     template <class Sender, class Signal, class Slot>
     void when(const Sender *sender, Signal signal, Slot slot) {
-        connect(sender, signal, this, [this, slot](auto... what) { guarded([&] { slot(what...); }); });
+        connect(sender, signal, this, [this, slot](auto... what) { this->guarded([&] { slot(what...); }); });
     }
     /// Does \p work once what is going on is done.
     void later(const std::function<void()> &work);
