@@ -39,8 +39,12 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
                 throw;
             }
             restFromPreparing();
-            if (layer())
+            if (!layer() || session->isUpToDate()) {
                 whenDone();
+                return;
+            }
+            stopPreparing(); // what something else has made of the layer stays
+            say("Something else has changed the layer meanwhile: what was begun is not done.", true);
         });
     };
     preparing = std::make_unique<BendWork>(
@@ -55,6 +59,8 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
 }
 
 void BendTool::whenDone() {
+    if (!layer())
+        return;
     session->endBeside();
     const std::function<void()> done = std::move(whenPrepared); // which may begin other work
     done();

@@ -14,7 +14,7 @@
 #include <QResizeEvent>
 #include <QScrollArea>
 
-std::optional<double> typedNumber(QString text) {
+std::optional<double> typedNumber(const QString &text) {
     const std::string word = text.trimmed().replace(',', '.').toStdString();
     double number = 0;
     if (!vcg::fcd::detail::ToNumber(word.data(), word.data() + word.size(), number) || !std::isfinite(number))

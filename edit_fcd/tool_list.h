@@ -24,7 +24,7 @@ struct ListColumn {
 };
 
 /// A number that a person has typed, with a point or a comma before its decimals; none where it is not one.
-std::optional<double> typedNumber(QString text);
+std::optional<double> typedNumber(const QString &text);
 
 /// A field for a number that takes a comma before its decimals as a point.
 class NumberBox : public QDoubleSpinBox {

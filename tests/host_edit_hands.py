@@ -620,6 +620,32 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
     assert w.meshlab.wait(60) == 0
 
 
+@the_dialogs_are_those_of_2020
+def test_what_a_filter_makes_of_a_layer_that_is_prepared_stays(window, tmp_path):
+    """One whose dialog was open before the tool."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    filters = Filters(w)
+    dialog = filters.dialog("Taubin Smooth")
+    w.do("windowmove", dialog, 960, 350) # not over the layer
+    w.start_tool()
+    asleep = Asleep(w.meshlab.pid)
+    w.do("mousemove", X - 100, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+    w.wait("trace: answer")
+    with asleep as threads:
+        assert threads
+        filters.apply(dialog)
+        w.wait("Applied filter Taubin Smooth")
+    w.wait("Something else has changed the layer meanwhile")
+    filters.finish(dialog)
+    filters.back()
+    smooth = w.save("smooth.ply").read_bytes()
+    assert np.abs(load(tmp_path / "smooth.ply")[0] - points).max() > 1e-6
+    w.key("ctrl+z", "BackSpace")
+    w.toggle_tool()
+    assert w.save("left.ply").read_bytes() == smooth
+
+
 def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
     """With a comma before its decimals as with a point, while a handle moves and in the lists; what can be done is said at once."""
     w, points, _ = open_tube(window, tmp_path)
