@@ -71,6 +71,7 @@ std::string BendSession::leave(const Remark &remark) {
         isLeft = true;
     }
     solver.clear();
+    surface.reset();
     reachOfRest.clear();
     stretch.reset();
     return calls;

@@ -13,6 +13,7 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
     preparingWhat = what;
     whenPrepared = std::move(done);
     whenStopped = std::move(stopped);
+    session->beginBeside();
     if (model->cm.vn <= preparedAtOnce) {
         try {
             work({});
@@ -38,13 +39,18 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
                 throw;
             }
             restFromPreparing();
-            whenDone();
+            if (!layer() || session->isUpToDate()) {
+                whenDone();
+                return;
+            }
+            stopPreparing(); // what something else has made of the layer stays
+            say("Something else has changed the layer meanwhile: what was begun is not done.", true);
         });
     };
     preparing = std::make_unique<BendWork>(
         work, [this, ended] { QMetaObject::invokeMethod(this, ended, Qt::QueuedConnection); });
     view->setCursor(Qt::BusyCursor);
-    preparingTimer.callOnTimeout(this, [this] { refresh(); });
+    every(preparingTimer, [this] { refresh(); });
     preparingTimer.start(100);
     refresh();
     if (std::getenv("FCD_TRACE"))
@@ -53,6 +59,9 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
 }
 
 void BendTool::whenDone() {
+    if (!layer())
+        return;
+    session->endBeside();
     const std::function<void()> done = std::move(whenPrepared); // which may begin other work
     done();
 }
@@ -60,7 +69,6 @@ void BendTool::whenDone() {
 /// The window looks as if nothing was being done.
 void BendTool::restFromPreparing() {
     preparingTimer.stop();
-    preparingTimer.disconnect(this);
     if (view)
         view->unsetCursor();
 }
@@ -74,6 +82,7 @@ void BendTool::stopPreparing() {
     const std::function<void()> stopped = std::move(whenStopped);
     if (!layer())
         return;
+    session->endBeside();
     if (stopped)
         stopped();
     refresh();

@@ -13,26 +13,26 @@ void BendTool::makePanel() {
     if (panel)
         return;
     panel = new BendPanel(view->window());
-    connect(panel, &BendPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
-    connect(panel, &BendPanel::poseBegins, this, [this] {
+    when(panel.data(), &BendPanel::optionsChanged, [this] { onOptions(); });
+    when(panel.data(), &BendPanel::poseBegins, [this] {
         if (session && !drag && !preparing)
             session->change();
     });
     for (const auto signal : {&BendPanel::modeChosen, &BendPanel::left})
-        connect(panel, signal, this, [this] { view->setFocus(); });
-    connect(panel, &BendPanel::roleChanged, this, [this] {
+        when(panel.data(), signal, [this] { view->setFocus(); });
+    when(panel.data(), &BendPanel::roleChanged, [this] {
         hint.clear();
         refresh();
     });
     connectHandles();
     connectPoses();
-    connect(&panel->line(), &BendLineBox::command, this, [this](int which) { guarded([&] { onLineCommand(which); }); });
-    connect(&panel->line(), &BendLineBox::changed, this, [this] {
+    when(&panel->line(), &BendLineBox::command, [this](int which) { onLineCommand(which); });
+    when(&panel->line(), &BendLineBox::changed, [this] {
         hint.clear();
         refresh();
         view->update();
     });
-    connect(panel, &BendPanel::command, this, [this](int which) { guarded([&] { onCommand(which); }); });
+    when(panel.data(), &BendPanel::command, [this](int which) { onCommand(which); });
     panel->allowStretch(model->cm.fn > 0);
     if (usualSizes) {
         panel->setBrush(usualSizes->first);
@@ -165,37 +165,36 @@ void BendTool::onCommand(int which) {
 
 void BendTool::connectHandles() {
     const BendHandleList *list = &panel->handles();
-    connect(list, &BendHandleList::selected, this, [this](int tag) {
+    when(list, &BendHandleList::selected, [this](int tag) {
         active = tag;
         isChosen = true;
-        QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
+        later([this] { refresh(); }); // not in the midst of the list's own events
         view->update();
     });
-    connect(list, &BendHandleList::removed, this, [this](int tag) {
-        guarded([&] {
-            if (!isReady() || drag)
-                return;
-            session->change();
-            session->removeHandle(tag);
-            showOverlay();
-            solve(true);
-        });
-        QTimer::singleShot(0, this, [this] { refresh(); });
+    when(list, &BendHandleList::removed, [this](int tag) {
+        later([this] { refresh(); });
+        if (!isReady() || drag)
+            return;
+        session->change();
+        session->removeHandle(tag);
+        showOverlay();
+        solve(true);
     });
-    connect(list, &BendHandleList::edited, this,
-            [this](int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
-                guarded([&] { editHandle(tag, name, motion, isShown, isLocked); });
-                QTimer::singleShot(0, this, [this] {
-                    if (view)
-                        view->setFocus();
-                    refresh();
-                });
-            });
+    when(list, &BendHandleList::edited,
+         [this](int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
+             later([this] {
+                 if (view)
+                     view->setFocus();
+                 refresh();
+             });
+             editHandle(tag, name, motion, isShown, isLocked);
+         });
 }
 
 void BendTool::editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
     if (!isReady() || drag)
         return;
+    hint.clear();
     session->change();
     BendHandle handle = session->handle(tag);
     if (name.toStdString() != session->nameOf(tag))
@@ -247,14 +246,15 @@ void BendTool::showHandles() {
 
 // --- what the panel says ---
 
+/// What is marked becomes this.
+QString BendTool::roleText() const {
+    const int tag = tagToMark();
+    return tag >= 2 ? QString::fromStdString(session->nameOf(tag)) : tag == 1 ? "free" : tag == 0 ? "fixed" : "outside";
+}
+
 /// What is to be done in a mode that marks.
 QString BendTool::markingText() const {
-    const int tag = tagToMark();
-    const QString role = tag >= 2 ? QString::fromStdString(session->nameOf(tag))
-                                  : QString(tag == 1   ? "free"
-                                            : tag == 0 ? "fixed"
-                                                       : "outside"),
-                  what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
+    const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
     switch (panel->mode()) {
     case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
     case BendPanel::Polyline:

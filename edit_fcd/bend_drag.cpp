@@ -61,11 +61,25 @@ const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that a
 
 } // namespace
 
+/// \return whether what was typed is a number
+bool BendDrag::readTyped(double &number) const {
+    return vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number) && std::isfinite(number);
+}
+
+bool BendDrag::isRefused() const {
+    double number = 0;
+    return !typed.empty() && !readTyped(number);
+}
+
+bool BendDrag::isBeginning(const BendView &view) const { return modal && axis < 0 && typed.empty() && !step(view); }
+
 std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     const Eigen::Vector3d center = view.toWindow(pivot);
     const Eigen::Vector2d begun = from.head<2>(), to = last.head<2>(), middle = center.head<2>();
     double number = 0;
-    const bool isTyped = vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number);
+    const bool isTyped = !typed.empty();
+    if (isTyped && !readTyped(number))
+        return {};
     const auto about = [&](MotionStep step) {
         if (isAbout)
             step.about = inFewDigits(pivot);
@@ -133,7 +147,12 @@ std::string BendDrag::text(const BendView &view) const {
     else if (!typed.empty() && kind == Move)
         text += " along x";
     if (!typed.empty())
-        return text + " " + typed + "_";
+        return text + " " + typed + "_" +
+               (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
+    if (isBeginning(view))
+        return kind == Move   ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
+               : kind == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+                              : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
     const auto added = step(view);
     const auto digits = [](double x) {
         char number[32];

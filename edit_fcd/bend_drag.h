@@ -34,10 +34,16 @@ struct BendDrag {
     void moveTo(const BendView &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
     std::optional<vcg::fcd::MotionStep> step(const BendView &view) const;
-    /// What it does now, as a person reads it.
+    /// Whether what was typed is no number, so that nothing moves.
+    bool isRefused() const;
+    /// What it does now, or what can be done where nothing was yet, as a person reads it.
     std::string text(const BendView &view) const;
     /// The motions with that, by tag. Numbers are as people would write them.
     std::map<int, Steps> motions(const BendView &view) const;
+
+  private:
+    bool readTyped(double &number) const;
+    bool isBeginning(const BendView &view) const;
 };
 
 #endif

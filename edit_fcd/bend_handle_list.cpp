@@ -46,9 +46,11 @@ BendHandleList::BendHandleList(QWidget *parent) : QTableWidget(parent) {
 }
 
 void BendHandleList::onChanged(int row) {
-    const BendHandleRow before = shown[std::size_t(row)];
-    emit edited(before.tag, item(row, Name)->text(), item(row, Motion)->data(Qt::EditRole).toString(),
-                item(row, Shown)->checkState() == Qt::Checked, item(row, Locked)->checkState() == Qt::Checked);
+    BendHandleRow &now = shown[std::size_t(row)]; // until it is said what it is
+    now.name = item(row, Name)->text();
+    now.motion = item(row, Motion)->data(Qt::EditRole).toString();
+    emit edited(now.tag, now.name, now.motion, item(row, Shown)->checkState() == Qt::Checked,
+                item(row, Locked)->checkState() == Qt::Checked);
 }
 
 void BendHandleList::showRows(const std::vector<BendHandleRow> &rows) {

@@ -12,36 +12,37 @@ const BendKey *BendTool::keyOf(const QKeyEvent &event) const {
     return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
 }
 
-bool BendTool::eventFilter(QObject *object, QEvent *event) {
-    if (object == view && view && !view->suspendedEditor && session) {
-        if (event->type() == QEvent::Enter)
-            view->setFocus();                            // keys belong to what is under the mouse
-        if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
-            const auto &pressed = *static_cast<QKeyEvent *>(event);
-            const BendKey *key = keyOf(pressed);
-            // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
-            if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
-                event->accept();
-                return true;
-            }
-            if (key)
-                escaped = pressed.timestamp();
-        }
-        if (event->type() == QEvent::MouseButtonDblClick && panel) {
-            guarded([&] { doubleClick(static_cast<QMouseEvent *>(event)); });
+bool BendTool::takesEvent(QEvent &event) {
+    if (!session)
+        return false;
+    if (view->suspendedEditor) {
+        // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+        const bool isPress = event.type() == QEvent::MouseButtonPress;
+        const unsigned long time = // 0: one that this tool hands on
+            isPress ? static_cast<QMouseEvent &>(event).timestamp() : 0;
+        if (time == 0 || time > escaped)
+            return false;
+        escaped = 0;
+        host::suspendEditing(*view);
+        return true;
+    }
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const auto &pressed = static_cast<QKeyEvent &>(event);
+        const BendKey *key = keyOf(pressed);
+        // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+        if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
+            event.accept();
             return true;
         }
+        if (key)
+            escaped = pressed.timestamp();
     }
-    // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
-    if (object == view && view && session && view->suspendedEditor && event->type() == QEvent::MouseButtonPress) {
-        const unsigned long time = static_cast<QMouseEvent *>(event)->timestamp(); // 0: one that this tool hands on
-        if (time > 0 && time <= escaped) {
-            escaped = 0;
-            host::suspendEditing(*view);
-            return true;
-        }
-    }
-    return HostEditTool::eventFilter(object, event);
+    if (event.type() != QEvent::MouseButtonDblClick || !panel)
+        return false;
+    guarded([&] { doubleClick(static_cast<QMouseEvent *>(&event)); });
+    return true;
 }
 
 void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
@@ -49,7 +50,10 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
     switch (const int key = event->key()) {
     case Qt::Key_Escape:
     case Qt::Key_Return:
-    case Qt::Key_Enter: endDrag(key != Qt::Key_Escape); return;
+    case Qt::Key_Enter:
+        if (key == Qt::Key_Escape || !drag->isRefused()) // else the panel says why
+            endDrag(key != Qt::Key_Escape);
+        return;
     case Qt::Key_X:
     case Qt::Key_Y:
     case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
@@ -61,8 +65,8 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
             drag->typed.pop_back();
         break;
     default:
-        if (text.size() == 1 && QString("0123456789.-").contains(text))
-            drag->typed += text.toStdString();
+        if (text.size() == 1 && text[0].isPrint() && !text[0].isSpace())
+            drag->typed += QString(text).replace(',', '.').toStdString();
     }
     requestStep();
 }
@@ -101,6 +105,13 @@ void BendTool::placePivot() {
                       : QString(": turns about this place; P beside the mesh takes that back."));
 }
 
+/// What is marked becomes something else: in a mode that marks nothing, that is said.
+void BendTool::setRole(BendPanel::Role which, int handle) {
+    panel->setRole(which, handle);
+    if (panel->mode() == BendPanel::Bend || panel->mode() == BendPanel::Line)
+        hint = QString("What is marked from now on becomes %1. B, V or L mark, M bends.").arg(roleText());
+}
+
 void BendTool::act(BendAction action) {
     switch (action) {
     case BendAction::Move: dragByKey(BendDrag::Move); break;
@@ -113,11 +124,11 @@ void BendTool::act(BendAction action) {
     case BendAction::Polyline: setMode(BendPanel::Polyline); break;
     case BendAction::Line: setMode(BendPanel::Line); break;
     case BendAction::RemovePoint: removeLinePoint(); break;
-    case BendAction::Fixed: panel->setRole(BendPanel::Fixed, 2); break;
-    case BendAction::Free: panel->setRole(BendPanel::Free, 2); break;
-    case BendAction::Outside: panel->setRole(BendPanel::Outside, 2); break;
-    case BendAction::Handle: panel->setRole(BendPanel::Handle, selected() ? selected() : session->unusedTag()); break;
-    case BendAction::NextHandle: panel->setRole(BendPanel::Handle, session->unusedTag()); break;
+    case BendAction::Fixed: setRole(BendPanel::Fixed); break;
+    case BendAction::Free: setRole(BendPanel::Free); break;
+    case BendAction::Outside: setRole(BendPanel::Outside); break;
+    case BendAction::Handle: setRole(BendPanel::Handle, selected() ? selected() : session->unusedTag()); break;
+    case BendAction::NextHandle: setRole(BendPanel::Handle, session->unusedTag()); break;
     case BendAction::Through: panel->toggleThrough(); break;
     case BendAction::Undo: onCommand(BendPanel::Undo); break;
     case BendAction::Redo: onCommand(BendPanel::Redo); break;

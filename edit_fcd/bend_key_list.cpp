@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include <QLocale>
 #include <QSignalBlocker>
 
 namespace {
@@ -26,9 +25,7 @@ BendKeyList::BendKeyList(QWidget *parent) : QTableWidget(parent) {
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
         const BendKeyRow before = shown[std::size_t(row)];
         shown[std::size_t(row)].time = std::nan(""); // until it is said what it is
-        bool isNumber = false;
-        const double time = QLocale::c().toDouble(item(row, column)->text(), &isNumber);
-        emit edited(row, isNumber ? time : before.time, before.easing);
+        emit edited(row, typedNumber(item(row, column)->text()).value_or(before.time), before.easing);
     });
     connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
         const BendKeyRow &at = shown[std::size_t(row)];

@@ -16,7 +16,11 @@ bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
     view = area;
     if (document != &newDocument) {
         document = &newDocument;
-        connect(document, &QObject::destroyed, this, [this] { left.clear(); });
+        when(document.data(), &QObject::destroyed, [this](QObject *) {
+            preparing.reset(); // waits for it
+            session.reset();
+            left.clear();
+        });
     }
     forgetLayers();
     if (!newDocument.mm())

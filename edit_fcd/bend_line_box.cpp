@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_line_box.h"
 
+#include "tool_list.h"
+
 #include <layer_fcd/straighten_texts.h>
 
 #include <QFormLayout>
@@ -64,7 +66,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     shape = named(new QComboBox, "becomes", texts.shape.help);
     shape->addItems(texts.shape.values);
     form->addRow(labelOf(texts.shape), shape);
-    angle = named(new QDoubleSpinBox, "angle", texts.angle.help);
+    angle = named(new NumberBox, "angle", texts.angle.help);
     angle->setRange(-359, 359);
     angle->setSuffix(" \u00b0");
     angle->setValue(StraightenMeshParam().angle);
@@ -81,7 +83,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     form->addRow(labelOf(texts.target), target);
     reverse = named(new QCheckBox(texts.reverse.label), "reverse", texts.reverse.help);
     form->addRow(reverse);
-    length = named(new QDoubleSpinBox, "length", texts.length.help);
+    length = named(new NumberBox, "length", texts.length.help);
     length->setRange(0, 1e6);
     length->setDecimals(4);
     length->setSpecialValueText("kept");

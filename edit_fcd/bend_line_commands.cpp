@@ -125,14 +125,16 @@ void BendTool::lookForLine() {
     }
     if (!linePreview)
         linePreview = std::make_unique<BendLinePreview>([this] {
-            if (!layer() || !panel)
-                return;
-            panel->showState(stateText());
-            view->update();
-            const BendLinePreview::Found &last = linePreview->last();
-            if (std::getenv("FCD_TRACE") && linePreview->isFound())
-                std::fprintf(stderr, "FCD trace: line: %d vertices, %d points, length %.6g, in %.1f ms\n", model->cm.vn,
-                             int(session->state().line.size()), last.length, linePreview->milliseconds());
+            guarded([&] {
+                if (!layer() || !panel)
+                    return;
+                panel->showState(stateText());
+                view->update();
+                if (std::getenv("FCD_TRACE") && linePreview->isFound())
+                    std::fprintf(stderr, "FCD trace: line: %d vertices, %d points, length %.6g, in %.1f ms\n",
+                                 model->cm.vn, int(session->state().line.size()), linePreview->last().length,
+                                 linePreview->milliseconds());
+            });
         });
     guarded([&] {
         vcg::fcd::LineGoal goal;
@@ -157,10 +159,13 @@ void BendTool::straighten() {
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();
     showVertices(true);
+    const auto surface = std::make_shared<LineSurface>(*model); // the layer itself may be saved, or go
     const auto shape = std::make_shared<StraightenedShape>();
     beside(
         "Straightening",
-        [=](const vcg::fcd::Progress &progress) { *shape = straightened(*model, goal, param, progress, known); },
+        [=](const vcg::fcd::Progress &progress) {
+            *shape = straightened(std::move(*surface), goal, param, progress, known);
+        },
         [=] {
             applyToNewLayer(
                 [&] {

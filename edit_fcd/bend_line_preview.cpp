@@ -96,7 +96,13 @@ void BendLinePreview::ended(std::size_t which) {
         isLast = isSameLine(job->goal, asked);
     }
     if (!isLast && asked.middle)
-        begin();
+        try {
+            begin();
+        } catch (const std::exception &e) {
+            found = {};
+            found.error = e.what();
+            isLast = true;
+        }
     changed();
 }
 

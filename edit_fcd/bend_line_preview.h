@@ -26,7 +26,7 @@ class BendLinePreview : public QObject {
         std::string error;                 ///< why there is none; else empty
     };
 
-    /// \param changed called when something was found, by the thread of the window
+    /// \param changed called when something was found, by the thread of the window; throws nothing
     explicit BendLinePreview(std::function<void()> changed) : changed(std::move(changed)) {}
 
     /// Begins to look for the line of \p goal on the surface that \p layer has now, if that is not what is known. With

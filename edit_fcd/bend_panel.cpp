@@ -114,7 +114,7 @@ void BendPanel::addMarking(QWidget &place) {
     brushPixels->setSuffix(" px");
     form->addRow("Brush radius", brushPixels);
     radiusPercent = withTip(
-        new QDoubleSpinBox,
+        new NumberBox,
         "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
         "of the bounding box; a fifth of it is left free between marks (wheel while dragging)");
     radiusPercent->setRange(0.5, 400);

@@ -69,7 +69,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
-    smoothnessValue = new QDoubleSpinBox;
+    smoothnessValue = new NumberBox;
     smoothnessValue->setToolTip("How evenly turns are spread over the surface: higher is stiffer");
     smoothnessValue->setDecimals(4);
     smoothnessValue->setRange(0, 10);

@@ -30,19 +30,17 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
     if (solver.isPrepared(effective, options))
         return 0;
     const vcg::fcd::Stopwatch watch;
-    const BendRest::Shown shown = rest.shown();
-    rest.restoreVertices();
-    try {
-        solver.prepare(effective, options, progress);
-    } catch (...) {
-        rest.show(shown);
-        throw;
-    }
+    readSurface();
+    solver.prepare(effective, options, surface->View(), rest.world(), progress);
+    isFresh = true;
     return 1000 * watch.Seconds();
 }
 
 /// Vertices alone.
 void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
+    if (isFresh)
+        rest.restoreVertices();
+    isFresh = false;
     rest.leave();
     writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *solver.prepared(), pose);
 }

@@ -12,20 +12,20 @@
 
 void BendTool::connectPoses() {
     BendPoseBox *box = &panel->poses();
-    connect(box, &BendPoseBox::command, this, [this](int which) { guarded([&] { onPoseCommand(which); }); });
+    when(box, &BendPoseBox::command, [this](int which) { onPoseCommand(which); });
     const BendPoseList *list = &box->list();
-    connect(list, &BendPoseList::begins, this, [this] {
+    when(list, &BendPoseList::begins, [this] {
         if (session && !drag && !preparing)
             session->change();
     });
-    connect(list, &BendPoseList::weighted, this, [this](int row, double percent) {
+    when(list, &BendPoseList::weighted, [this](int row, double percent) {
         changePoses([&] {
             std::vector<double> weights = session->weightsOfPoses();
             weights[std::size_t(row)] = percent;
             showBlend(weights);
         });
     });
-    connect(list, &BendPoseList::chosen, this, [this](int row) {
+    when(list, &BendPoseList::chosen, [this](int row) {
         changePoses([&] {
             session->change();
             std::vector<double> weights(session->weightsOfPoses().size(), 0);
@@ -33,12 +33,12 @@ void BendTool::connectPoses() {
             showBlend(weights);
         });
     });
-    connect(list, &BendPoseList::renamed, this, [this](int row, const QString &name) {
-        QTimer::singleShot(0, this, [=] { // once the list has done with it: this may ask
+    when(list, &BendPoseList::renamed, [this](int row, const QString &name) {
+        later([=] { // once the list has done with it: this may ask
             changePoses([&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
         });
     });
-    connect(list, &BendPoseList::removed, this, [this](int row) {
+    when(list, &BendPoseList::removed, [this](int row) {
         changePoses([&] {
             session->change();
             session->removePose(std::size_t(row));
@@ -46,13 +46,13 @@ void BendTool::connectPoses() {
         });
     });
     const BendKeyList *frames = &box->keys();
-    connect(frames, &BendKeyList::chosen, this, [this](int row) {
+    when(frames, &BendKeyList::chosen, [this](int row) {
         changePoses([&] {
             session->change();
             showBlend(session->keyFrames()[std::size_t(row)].weight);
         });
     });
-    connect(frames, &BendKeyList::edited, this, [this](int row, double time, int easing) {
+    when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
         changePoses([&] {
             session->change();
             vcg::fcd::KeyFrame frame = session->keyFrames()[std::size_t(row)];
@@ -61,7 +61,7 @@ void BendTool::connectPoses() {
             session->setKeyFrame(std::size_t(row), std::move(frame));
         });
     });
-    connect(frames, &BendKeyList::removed, this, [this](int row) {
+    when(frames, &BendKeyList::removed, [this](int row) {
         changePoses([&] {
             session->change();
             session->removeKeyFrame(std::size_t(row));
@@ -76,9 +76,11 @@ void BendTool::changePoses(const std::function<void()> &change) {
         if (isReady() && !drag)
             change();
     });
-    QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
-    if (view)
-        view->update();
+    later([this] { // not in the midst of the list's own events
+        refresh();
+        if (view)
+            view->update();
+    });
 }
 
 /// A pose gets a name. If another one has it, that can be replaced, which undo takes back.
@@ -167,10 +169,13 @@ void BendTool::play() {
         [this] {
             display->move();
             isLive = true;
-            playing.disconnect(this);
-            playing.callOnTimeout(this, [this] {
-                if (!guarded([&] { playFrame(); }))
-                    guarded([&] { stopPlaying(); });
+            every(playing, [this] {
+                try {
+                    playFrame();
+                } catch (...) {
+                    stopPlaying();
+                    throw;
+                }
             });
             playing.start(5);
             sincePlay.start();
@@ -200,7 +205,8 @@ void BendTool::stopPlaying() {
     if (!playing.isActive())
         return;
     playing.stop();
-    session->endAnimation();
+    if (session)
+        session->endAnimation();
     if (panel)
         panel->poses().showPlaying(false);
     if (layer())

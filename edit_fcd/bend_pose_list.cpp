@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include <QLocale>
 #include <QSignalBlocker>
 #include <QSlider>
 
@@ -32,14 +31,13 @@ void BendPoseList::onChanged(int row, int column) {
         shown[std::size_t(row)].name = item(row, Name)->text(); // until it is said what it is
         emit renamed(row, item(row, Name)->text());
     } else if (column == Percent) {
-        bool isNumber = false;
-        const double percent = QLocale::c().toDouble(item(row, Percent)->text(), &isNumber);
-        if (!isNumber || !std::isfinite(percent)) {
+        const std::optional<double> percent = typedNumber(item(row, Percent)->text());
+        if (!percent) {
             showPercent(row, shown[std::size_t(row)].percent);
             return;
         }
         emit begins();
-        emit weighted(row, percent);
+        emit weighted(row, *percent);
     }
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/map/carrier.h> // before Qt
+
 #include "bend_session.h"
 
 #include <layer_fcd/layer_sequence.h>
@@ -31,8 +33,43 @@ std::vector<double> BendSession::weightsOfPoses() const {
     return now.weights.empty() && now.poses ? std::vector<double>(now.poses->pose.size(), 0) : now.weights;
 }
 
+/// A text of motions that names no layer, which beside the window cannot be asked; the same where it names one that is
+/// not there, which is told by whoever reads it.
+std::string BendSession::inNumbers(const std::string &motions) const {
+    if (besides) {
+        const auto known = besides->poses.find(motions);
+        return known == besides->poses.end() ? motions : known->second;
+    }
+    const QString text = QString::fromStdString(motions);
+    if (!text.contains("layer", Qt::CaseInsensitive))
+        return motions;
+    try {
+        return vcg::fcd::WriteMotionText(readMotionSteps(document, layer, text));
+    } catch (const Error &) {
+        return motions;
+    }
+}
+
+PoseSequence BendSession::posesInNumbers() const {
+    PoseSequence poses = *now.poses;
+    for (vcg::fcd::NamedPose &each : poses.pose)
+        each.motions = inNumbers(each.motions);
+    return poses;
+}
+
 std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
-    return motionsOf(*now.poses, document, layer, center, rest.world());
+    return motionsOf(posesInNumbers(), document, layer, center, rest.world());
+}
+
+/// Where a pose takes the vertices.
+std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &pose) const {
+    std::vector<Point3m> position = rest.positions();
+    const auto take = [&](std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &) {
+        position[slot] = toPoint(p);
+    };
+    vcg::fcd::Carrier(*solver.prepared()->deformer, pose)
+        .Apply([&](std::size_t slot) { return rest.at(slot); }, [&] { return take; }, false, {}, [](std::size_t) {});
+    return position;
 }
 
 /// The poses that have names leave a handle, which is new, or holds other vertices now, where they did. \param
@@ -43,21 +80,20 @@ void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tags
     if (!now.poses || (isNew && (*tagsBefore)[now.points.at(tag).slot] == 0)) // no pose moves it then
         return;
     PoseSequence changed = *now.poses;
-    const auto motions = motionsOf(*now.poses, document, layer, centerBefore, rest.world());
-    const BendRest::Shown shown = rest.shown();
+    const auto motions = motionsOf(posesInNumbers(), document, layer, centerBefore, rest.world());
+    const std::vector<Point3m> shown = besides->position;
     for (std::size_t i = 0; i < motions.size(); ++i) {
-        auto steps = vcg::fcd::ReadMotionText(changed.pose[i].motions);
+        auto steps = vcg::fcd::ReadMotionText(inNumbers(changed.pose[i].motions));
         if (!isNew && !steps.count(tag))
             continue;
         effective.swap(tagsBefore);
         prepare();
-        writePose(solver.solve({motions[i].begin(), motions[i].end()}, options, true));
+        besides->position = positionsIn(solver.solve({motions[i].begin(), motions[i].end()}, options, true));
         effective.swap(tagsBefore);
         steps[tag] = stepsSeen(tag);
         changed.pose[i].motions = vcg::fcd::WriteMotionText(steps);
     }
-    rest.restoreVertices();
-    rest.show(shown);
+    besides->position = shown;
     setPoses(std::move(changed));
 }
 
@@ -83,6 +119,10 @@ void BendSession::setPoses(PoseSequence poses) {
 }
 
 void BendSession::writePoses() {
+    if (besides) {
+        besides->arePosesNew = true;
+        return;
+    }
     keepPoses(document, layer, now.poses ? *now.poses : PoseSequence());
     if (now.poses)
         writeAppliedTags(); // by which the filter knows the handles

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_reach.h"
 
-#include <vcg_ext/surface/read_surface.h>
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <algorithm>
 #include <array>
 #include <set>
 
-void BendReach::read(const MeshModel &layer, const Eigen::Matrix3d &metric) {
-    auto arrays = std::make_shared<const vcg::fcd::SurfaceArrays>(vcg::tri::ReadSurface(layer.cm));
+void BendReach::read(const std::shared_ptr<const vcg::fcd::SurfaceArrays> &arrays, const Eigen::Matrix3d &metric) {
     pending = std::async(std::launch::async, [arrays, metric] {
         return std::make_unique<vcg::fcd::SurfaceGraph>(
             vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));

@@ -25,9 +25,9 @@ struct BendExtent {
 class BendReach {
   public:
     bool isReady() const { return surface || pending.valid(); }
-    /// Reads the surface, beside what is done next; whoever asks for it waits. \pre the layer is at rest \param metric
-    /// lengths are measured by, that of the layer's matrix
-    void read(const MeshModel &layer, const Eigen::Matrix3d &metric);
+    /// Reads the surface at rest, beside what is done next; whoever asks for it waits. \param metric lengths are
+    /// measured by, that of the layer's matrix
+    void read(const std::shared_ptr<const vcg::fcd::SurfaceArrays> &arrays, const Eigen::Matrix3d &metric);
     void clear();
 
     bool knows(const std::vector<std::size_t> &vertices, double radius) const {

@@ -31,8 +31,6 @@ class BendRest {
     /// Positions and normals of the vertices in a pose; none at rest.
     using Shown = std::vector<std::pair<Point3m, Point3m>>;
     Shown shown() const;
-    /// The vertices have that pose again.
-    void show(const Shown &shown);
 
     /// Gives the vertices of the layer their positions and normals at rest, where they have others.
     void restoreVertices();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/read_surface.h> // before Qt
+
 #include "bend_session.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/marks.h>
 
 #include <algorithm>
@@ -14,6 +17,9 @@ using vcg::fcd::ParallelFor;
 namespace {
 
 const std::size_t grain = 1 << 14;
+
+// From where a handle is mirrored, of the diagonal: the sides of a body are as different as that.
+const double farthestTwin = 0.05;
 
 /// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
 MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
@@ -46,6 +52,7 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
 
 void BendSession::keepRest() {
     rest.keep();
+    surface.reset();
     reachOfRest.clear();
     solver.clear();
 }
@@ -80,8 +87,8 @@ int BendSession::mirrored(int tag) const {
     if (options.mirror < 0 || !center.count(tag))
         return 0;
     const Eigen::Vector3d there = mirror() * (rest.world() * placeOf(tag));
-    int found = 0;
-    double least = 0.05 * rest.diagonal();
+    int found = tag; // in the middle, it is its own
+    double least = std::min(farthestTwin * rest.diagonal(), (rest.world() * placeOf(tag) - there).norm());
     for (const int other : handleTags()) {
         const double distance = (rest.world() * placeOf(other) - there).norm();
         if (other != tag && distance < least) {
@@ -89,24 +96,25 @@ int BendSession::mirrored(int tag) const {
             found = other;
         }
     }
-    return found;
+    return found == tag ? 0 : found;
 }
 
 namespace {
 
-/// The live vertex nearest to a place, both in the layer. \param at position of a slot
-template <class At>
-std::optional<std::size_t> nearestOf(const CMeshO &mesh, const Eigen::Vector3d &place, const At &at) {
+/// The live vertex nearest to a place, both in the layer. \param isDeleted, at of a slot, of \p count
+template <class IsDeleted, class At>
+std::optional<std::size_t> nearestOf(std::size_t count, const Eigen::Vector3d &place, const IsDeleted &isDeleted,
+                                     const At &at) {
     struct Found {
         double square = std::numeric_limits<double>::infinity();
         std::size_t slot = 0;
     };
-    std::vector<Found> found((mesh.vert.size() + grain - 1) / grain);
-    ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
+    std::vector<Found> found((count + grain - 1) / grain);
+    ParallelFor(0, count, grain, [&](std::size_t first, std::size_t last) {
         Found here;
         for (std::size_t i = first; i < last; ++i) {
             const double square = (toVector(at(i)) - place).squaredNorm();
-            if (square < here.square && !mesh.vert[i].IsD())
+            if (square < here.square && !isDeleted(i))
                 here = {square, i};
         }
         found[first / grain] = here;
@@ -121,8 +129,10 @@ std::optional<std::size_t> nearestOf(const CMeshO &mesh, const Eigen::Vector3d &
 } // namespace
 
 std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, double &distance) const {
-    const auto slot =
-        nearestOf(layer.cm, rest.world().inverse() * place, [&](std::size_t i) { return layer.cm.vert[i].cP(); });
+    const std::vector<CVertexO> &vertices = layer.cm.vert;
+    const auto slot = nearestOf(
+        vertices.size(), rest.world().inverse() * place, [&](std::size_t i) { return vertices[i].IsD(); },
+        [&](std::size_t i) { return vertices[i].cP(); });
     if (slot)
         distance = (positionOf(*slot) - place).norm();
     return slot;
@@ -131,27 +141,54 @@ std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, do
 std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
     if (options.mirror < 0)
         return {};
+    const vcg::fcd::SurfaceView view = surface->View();
     const Eigen::Vector3d there = rest.world().inverse() * (mirror() * (rest.world() * rest.at(slot)));
-    return nearestOf(layer.cm, there, [&](std::size_t i) { return rest.positions()[i]; });
+    return nearestOf(
+        view.vertexSlots, there, [&](std::size_t i) { return view.IsDeleted(i); },
+        [&](std::size_t i) { return rest.positions()[i]; });
 }
 
 Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
-    return rest.world() * toVector(layer.cm.vert[slot].cP());
+    return rest.world() * toVector(!besides                    ? layer.cm.vert[slot].cP()
+                                   : besides->position.empty() ? rest.positions()[slot]
+                                                               : besides->position[slot]);
 }
 
-void BendSession::readAhead() {
-    if (!reachOfRest.isReady() && !rest.isPosed())
-        reachOfRest.read(layer, rest.world().linear());
+/// Reads the surface at rest, if that has not been done, or its faces are others since.
+void BendSession::readSurface() {
+    if (besides && surface)
+        return;
+    const std::uint64_t faces = facesOf(layer.cm);
+    if (surface && faces == facesOfSurface)
+        return;
+    surface = std::make_shared<const vcg::fcd::SurfaceArrays>(
+        vcg::tri::ReadSurface(layer.cm, {}, [&](std::size_t slot) { return rest.positions()[slot]; }));
+    facesOfSurface = faces;
 }
 
-/// Reads the surface, if that has not been done.
 void BendSession::expectReach() {
     if (reachOfRest.isReady())
         return;
-    const BendRest::Shown shown = rest.shown();
-    rest.restoreVertices();
-    reachOfRest.read(layer, rest.world().linear());
-    rest.show(shown);
+    readSurface();
+    reachOfRest.read(surface, rest.world().linear());
+}
+
+void BendSession::beginBeside() {
+    readSurface();
+    auto made = std::make_unique<Beside>();
+    if (rest.isPosed()) {
+        made->position.resize(rest.positions().size());
+        forVertices(layer.cm, [&](std::size_t i) { made->position[i] = layer.cm.vert[i].cP(); });
+    }
+    for (const vcg::fcd::NamedPose &each : namedPoses())
+        made->poses[each.motions] = inNumbers(each.motions);
+    besides = std::move(made);
+}
+
+void BendSession::endBeside() {
+    const std::unique_ptr<Beside> ended = std::move(besides);
+    if (ended && ended->arePosesNew)
+        writePoses();
 }
 
 const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t> &vertices, double radius) {
@@ -210,7 +247,10 @@ int BendSession::addPoint(std::size_t slot, double radius) {
         slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (other && (rest.at(*other) - rest.at(slot)).norm() > 1e-3 * rest.diagonal() && canBecomePoint(*other))
+    if (!other || (rest.at(*other) - rest.at(slot)).norm() <= 1e-3 * rest.diagonal())
+        return tag;
+    const Eigen::Vector3d there = mirror() * (rest.world() * rest.at(slot));
+    if ((rest.world() * rest.at(*other) - there).norm() < farthestTwin * rest.diagonal() && canBecomePoint(*other))
         add(*other);
     return tag;
 }

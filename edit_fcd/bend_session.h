@@ -81,7 +81,12 @@ class BendSession {
     /// The vertices within \p radius of some, given by their slots, along the surface, in the rest shape.
     const std::vector<std::size_t> &reach(const std::vector<std::size_t> &vertices, double radius);
     /// Begins to read the surface, beside what is done next, that reach() needs.
-    void readAhead();
+    void readAhead() { expectReach(); }
+    /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
+    /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
+    void beginBeside();
+    /// What was done meanwhile counts for the layer, too. \pre the layer is there
+    void endBeside();
     double diagonal() const { return rest.diagonal(); } ///< of the bounding box
 
     // --- changes; each begins with change(), which undo() takes back ---
@@ -195,8 +200,8 @@ class BendSession {
     /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
     /// \param faces normals of faces in any case \throw vcg::fcd::Error
     Times pose(bool full, bool faces = false);
-    /// Prepares the deformer if it is not; until that is done, the layer is at rest. \throw vcg::fcd::Error
-    /// \throw vcg::fcd::Cancelled; after either, the layer has the shape of before \return milliseconds
+    /// Prepares the deformer if it is not; the layer keeps the shape that it has. \throw vcg::fcd::Error
+    /// \throw vcg::fcd::Cancelled \return milliseconds
     double prepare(const vcg::fcd::Progress &progress = {});
     bool moves() const; ///< whether anything leads away from rest
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
@@ -251,6 +256,7 @@ class BendSession {
                           const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore);
     void setRims(const std::vector<std::size_t> &vertices, double radius);
     void freeGaps(BendTags &made);
+    void readSurface();
     void expectReach();
     void writeMarks();
     void takeState();
@@ -267,6 +273,9 @@ class BendSession {
     BendCall callOfPose() const;
     std::string callInPlace() const;
     std::string callToNewLayer(bool graphLayers) const;
+    std::string inNumbers(const std::string &motions) const;
+    vcg::fcd::PoseSequence posesInNumbers() const;
+    std::vector<Point3m> positionsIn(const vcg::fcd::Deformer::Pose &pose) const;
     void setPoses(vcg::fcd::PoseSequence poses);
     void writePoses();
     void setKeyFrames(std::vector<vcg::fcd::KeyFrame> frames);
@@ -305,7 +314,19 @@ class BendSession {
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
     std::vector<std::size_t> marked;   ///< where, then
 
+    std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest, once it has been read
+    std::uint64_t facesOfSurface = 0;                       ///< facesOf the mesh then
+
+    /// What is done beside the window has in the place of the layer, and of the document.
+    struct Beside {
+        std::vector<Point3m> position;            ///< as the layer shows them; empty: it is at rest
+        std::map<std::string, std::string> poses; ///< motions of the named poses: the same without names of layers
+        bool arePosesNew = false;                 ///< the layer has not got them yet
+    };
+    std::unique_ptr<Beside> besides; ///< between beginBeside() and endBeside()
+
     BendSolver solver;
+    bool isFresh = false; ///< prepared since a pose was written: what others have moved, this one may not move
     std::unique_ptr<StretchColors> stretch; ///< once it has been shown
 };
 

@@ -18,11 +18,11 @@ bool BendSolver::isPrepared(const std::shared_ptr<const BendTags> &tags, const B
 }
 
 void BendSolver::prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options,
+                         const vcg::fcd::SurfaceView &surface, const Eigen::Affine3d &world,
                          const vcg::fcd::Progress &progress) {
     last.reset();
     preparedFor.reset();
-    deformer.takeTags(*tags);
-    deformer.prepare(deformationOf(options), progress);
+    deformer.prepare(surface, *tags, world, deformationOf(options), progress);
     preparedFor = tags;
     preparedPatches = options.initialPatches;
     preparedWeights = options.weights;

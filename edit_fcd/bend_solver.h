@@ -26,8 +26,9 @@ class BendSolver {
 
     /// Whether it is prepared for tags, these very ones, and options.
     bool isPrepared(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) const;
-    /// \pre the layer is at rest \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    /// \param surface of the layer at rest \param world its matrix \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
     void prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options,
+                 const vcg::fcd::SurfaceView &surface, const Eigen::Affine3d &world,
                  const vcg::fcd::Progress &progress = {});
     const Prepared *prepared() const { return deformer.prepared().get(); }
     /// Where a filter finds what is prepared here.

@@ -84,7 +84,7 @@ void BendSession::changeTags() {
     PoseSequence poses = *now.poses;
     bool isPlaced = false;
     for (vcg::fcd::NamedPose &each : poses.pose) {
-        auto motion = vcg::fcd::ReadMotionText(each.motions);
+        auto motion = vcg::fcd::ReadMotionText(inNumbers(each.motions));
         if (place(motion)) {
             each.motions = vcg::fcd::WriteMotionText(motion);
             isPlaced = true;

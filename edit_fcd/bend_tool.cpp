@@ -124,18 +124,17 @@ void BendTool::draw() {
     }
     if (view && view->suspendedEditor != isSuspended) {
         isSuspended = view->suspendedEditor;
-        QTimer::singleShot(0, this, [this] { refresh(); });
+        later([this] { refresh(); });
     }
     seen = viewNow();
     if (isStepWanted)
-        QTimer::singleShot(0, this, [this] {
-            guarded([&] {
-                if (isStepWanted)
-                    step();
-            });
+        later([this] {
+            if (isStepWanted)
+                step();
         });
     if (preparing) {
-        overlay->draw(model->cm);
+        if (layer())
+            overlay->draw(model->cm);
     } else if (layer()) {
         if (moving && !moving->draw(seen)) {
             moving.reset();
@@ -145,14 +144,12 @@ void BendTool::draw() {
             overlay->draw(model->cm);
         drawOverlay();
     } else if (!session && !isEnding && view)
-        QTimer::singleShot(0, this, [this] {
-            guarded([&] {
-                if (session || isEnding || !view || !view->md() || !view->md()->mm())
-                    return;
-                const MeshModel &current = *view->md()->mm();
-                if (current.cm.vn > 0 && current.id() != refused)
-                    start(*view->md(), view);
-            });
+        later([this] {
+            if (session || isEnding || !view || !view->md() || !view->md()->mm())
+                return;
+            const MeshModel &current = *view->md()->mm();
+            if (current.cm.vn > 0 && current.id() != refused)
+                start(*view->md(), view);
         });
 }
 

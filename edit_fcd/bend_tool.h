@@ -49,10 +49,8 @@ class BendTool : public LayerTool {
     void pressKey(QKeyEvent *event) override;
     void say(const std::string &text, bool warning = false) override;
 
-    /// Takes keys before the host's shortcuts do.
-    bool eventFilter(QObject *object, QEvent *event) override;
-
   private:
+    bool takesEvent(QEvent &event) override;
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     void open(MeshModel &model);
     void close() override;
@@ -90,6 +88,7 @@ class BendTool : public LayerTool {
     void straighten();
 
     void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
+    QString roleText() const;
     QString markingText() const;
     QString stateText() const;
     void beginApply();
@@ -107,6 +106,7 @@ class BendTool : public LayerTool {
     void placePivot();
     const BendKey *keyOf(const QKeyEvent &event) const;
     void act(BendAction action);
+    void setRole(BendPanel::Role which, int handle = 2);
     bool grab();
     int pointAt(const Eigen::Vector2d &window, double least = 12) const;
     std::optional<GizmoPart> partAtMouse() const;

@@ -68,8 +68,10 @@ QString EditFcd::help(const QAction *action) const {
                "<b>Pull onto the target</b> (P) lays the surface onto it, with the pairs kept; <i>Stiffness</i> tells "
                "how rigidly. <i>Show distance</i> colours it by how far it is from there.<br>"
                "<b>Camera:</b> drag, with any button; wheel.<br>"
-               "The layer is as it was when the tool ends: <i>Apply in place</i> or <i>Apply to new layer</i> keep the "
-               "shape, and the log gets the filter call that makes the same one in a script.";
+               "A layer is what it shows, also when the tool ends; back in it, it goes on as it was left. <i>Apply in "
+               "place</i> begins anew from the shape, <i>Apply to new layer</i> leaves this layer as it was, and the "
+               "log "
+               "gets the filter call that makes the same one in a script.";
     return "Bends the current layer by hand, however many vertices it has.<br>"
            "<b>At once:</b> press on the surface and drag. The point follows the mouse, what is around it bends, and "
            "all beyond the <i>point radius</i> (wheel while dragging) stays fixed.<br>"

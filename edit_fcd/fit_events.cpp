@@ -155,23 +155,22 @@ std::optional<FitTool::Key> FitTool::keyOf(const QKeyEvent &event) {
     return {};
 }
 
-bool FitTool::eventFilter(QObject *object, QEvent *event) {
-    if (object == view && view && !view->suspendedEditor && session) {
-        if (event->type() == QEvent::Enter)
-            view->setFocus();                            // keys belong to what is under the mouse
-        if (event->type() == QEvent::ShortcutOverride) { // before the host's shortcuts
-            const std::optional<Key> key = keyOf(*static_cast<QKeyEvent *>(event));
-            if (key && (*key != Key::Cancel || work)) { // Esc is the host's where there is nothing to cancel
-                event->accept();
-                return true;
-            }
-        }
-        if (event->type() == QEvent::MouseButtonDblClick) { // two clicks, and not the host's
-            guarded([&] { press(static_cast<QMouseEvent *>(event)); });
+bool FitTool::takesEvent(QEvent &event) {
+    if (!session || view->suspendedEditor)
+        return false;
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const std::optional<Key> key = keyOf(static_cast<QKeyEvent &>(event));
+        if (key && (*key != Key::Cancel || work)) { // Esc is the host's where there is nothing to cancel
+            event.accept();
             return true;
         }
     }
-    return HostEditTool::eventFilter(object, event);
+    if (event.type() != QEvent::MouseButtonDblClick)
+        return false;
+    guarded([&] { press(static_cast<QMouseEvent *>(&event)); }); // two clicks, and not the host's
+    return true;
 }
 
 void FitTool::pressKey(QKeyEvent *event) {
@@ -301,6 +300,8 @@ void FitTool::chooseFiles(bool load) {
 void FitTool::apply(bool inPlace) {
     const MeshModel &onto = expectedTarget();
     const auto tell = [this](const std::string &call) { say("In a script: " + call); };
+    session->expectFitted(onto);
+    stopWork(); // that would go on with the shape of before
     if (inPlace) {
         session->change();
         tell(session->applyInPlace(onto));

@@ -24,14 +24,20 @@ MeshModel &FitTool::expectedTarget() const {
     return *found;
 }
 
-bool FitTool::start(MeshDocument &document, GLArea *area) {
+bool FitTool::start(MeshDocument &newDocument, GLArea *area) {
     close();
     isEnding = false;
     view = area;
-    if (!document.mm() || document.mm()->cm.vn == 0)
+    if (document != &newDocument) {
+        document = &newDocument;
+        when(document.data(), &QObject::destroyed, [this](QObject *) { left.clear(); });
+    }
+    for (auto each = left.begin(); each != left.end();) // what is gone takes its pairs along
+        each = newDocument.getMesh(each->first) ? std::next(each) : left.erase(each);
+    if (!newDocument.mm() || newDocument.mm()->cm.vn == 0)
         return false;
     try {
-        open(*document.mm());
+        open(*newDocument.mm());
     } catch (...) {
         close();
         throw;
@@ -43,15 +49,22 @@ bool FitTool::start(MeshDocument &document, GLArea *area) {
     return true;
 }
 
+/// Begins with a layer, or goes on where it was left.
 void FitTool::open(MeshModel &newModel) {
-    session = std::make_unique<FitSession>(*view->md(), newModel);
+    std::unique_ptr<FitSession> before;
     if (const auto found = left.find(newModel.id()); found != left.end()) {
-        if (found->second.first == session->restShape())
-            session->resume(found->second.second);
-        else
+        before = std::move(found->second);
+        left.erase(found);
+    }
+    if (before && before->isUpToDate()) {
+        session = std::move(before);
+    } else {
+        session = std::make_unique<FitSession>(*view->md(), newModel);
+        if (before && before->isOfShape(session->restShape()))
+            session->resume(before->state());
+        else if (before && !before->state().pairs.empty())
             say("The layer '" + newModel.label().toStdString() +
                 "' was changed since it was left: its pairs are gone. 'Load pairs' brings those back that were saved.");
-        left.erase(found);
     }
     enterLayer(newModel);
     selected = -1;
@@ -68,22 +81,27 @@ void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
         start(document, area);
 }
 
-/// The layer is as it was; its pairs wait for the tool to come back.
+/// What the layer shows is what it is, whatever comes next; what something else has made of it stays, too.
+void FitTool::leave() {
+    if (!layer())
+        return;
+    if (session->isUpToDate())
+        guarded([&] {
+            if (session->leave())
+                say("The layer '" + model->label().toStdString() +
+                    "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
+        });
+    display->rest();
+    display->updateShape(true);
+    left[layerId] = std::move(session);
+}
+
 void FitTool::close() {
     stopWork();
     optionsTimer.stop();
     dragged.reset();
     isStepWanted = isFollowWanted = false;
-    if (layer()) {
-        if (session->state().shape != FitShape::Rest) {
-            session->restore();
-            say("The layer '" + model->label().toStdString() +
-                "' is as it was: only what is applied stays. Its pairs are there when the tool comes back.");
-        }
-        display->updateShape(true);
-        if (!session->state().pairs.empty())
-            left[layerId] = {session->restShape(), session->state()};
-    }
+    leave();
     if (view && view->md() && !wasVisible.empty()) {
         for (const auto &[number, visible] : wasVisible)
             if (MeshModel *each = view->md()->getMesh(number))
@@ -121,48 +139,46 @@ bool FitTool::isReady() {
 
 void FitTool::makePanel() {
     panel = new FitPanel(view->window());
-    connect(panel, &FitPanel::targetChosen, this, [this] { guarded([&] { onTarget(); }); });
-    connect(panel, &FitPanel::seenChosen, this, [this] {
-        guarded([&] { showLayers(); });
+    when(panel.data(), &FitPanel::targetChosen, [this] { onTarget(); });
+    when(panel.data(), &FitPanel::seenChosen, [this] {
         view->setFocus();
+        showLayers();
     });
-    connect(panel, &FitPanel::shapeChosen, this, [this] {
-        guarded([&] {
-            if (!isReady())
-                return;
-            session->change();
-            session->setShape(panel->shape());
-            if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
-                setSeen(FitPanel::Both);
-            reshape(true);
-        });
-        refresh();
+    when(panel.data(), &FitPanel::shapeChosen, [this] {
+        later([this] { refresh(); });
+        if (!isReady())
+            return;
+        session->change();
+        session->setShape(panel->shape());
+        if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
+            setSeen(FitPanel::Both);
+        reshape(true);
     });
-    connect(panel, &FitPanel::optionsChanged, this, [this] { guarded([&] { onOptions(); }); });
-    connect(panel, &FitPanel::distanceToggled, this, [this] {
-        guarded([&] {
-            if (panel->showsDistance() && panel->seen() != FitPanel::Source)
-                setSeen(FitPanel::Source); // the target lies in it
-            showDistances();
-        });
+    when(panel.data(), &FitPanel::optionsChanged, [this] { onOptions(); });
+    when(panel.data(), &FitPanel::distanceToggled, [this] {
+        if (panel->showsDistance() && panel->seen() != FitPanel::Source)
+            setSeen(FitPanel::Source); // the target lies in it
+        showDistances();
     });
-    connect(panel, &FitPanel::command, this, [this](int which) {
+    when(panel.data(), &FitPanel::command, [this](int which) {
         guarded([&] { onCommand(which); });
         refresh();
     });
     const FitPairList *list = &panel->pairs();
-    connect(list, &FitPairList::selected, this, [this](int row) {
+    when(list, &FitPairList::selected, [this](int row) {
         selected = row;
         view->update();
     });
-    connect(list, &FitPairList::renamed, this, [this](int row, const QString &name) {
+    when(list, &FitPairList::renamed, [this](int row, const QString &name) {
+        later([this] { refresh(); }); // not in the midst of the list's own events
+        if (!isReady())
+            return;
         session->change();
         session->rename(std::size_t(row), name.trimmed().toStdString());
-        QTimer::singleShot(0, this, [this] { refresh(); }); // not in the midst of the list's own events
     });
-    connect(list, &FitPairList::removed, this, [this](int row) {
+    when(list, &FitPairList::removed, [this](int row) {
         selected = row;
-        QTimer::singleShot(0, this, [this] {
+        later([this] {
             guarded([&] { act(Key::Remove); });
             refresh();
         });

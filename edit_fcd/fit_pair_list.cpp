@@ -12,8 +12,10 @@ FitPairList::FitPairList(QWidget *parent) : QTableWidget(parent) {
                       {"", "Removes the pair", 22}});
     setFixedHeight(160);
     connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
-        if (column == Name)
-            emit renamed(row, item(row, Name)->text());
+        if (column != Name)
+            return;
+        shown[std::size_t(row)].name = item(row, Name)->text(); // until it is said what it is
+        emit renamed(row, item(row, Name)->text());
     });
     connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
         if (column == Remove)

@@ -150,7 +150,7 @@ void FitPanel::addShape(QBoxLayout &column) {
         "axes: when it is pulled");
     connect(start, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
     form->addRow("Start", start);
-    largest = new QDoubleSpinBox;
+    largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
     largest->setRange(0, 1e9);
@@ -175,7 +175,9 @@ void FitPanel::addCommands(QBoxLayout &column) {
     grid->setSpacing(3);
     grid->addWidget(button("undo", "Undo", "Undo, also over applies in place (Ctrl+Z)", Undo), 0, 0);
     grid->addWidget(button("redo", "Redo", "Redo (Ctrl+Shift+Z)", Redo), 0, 1);
-    grid->addWidget(button("inplace", "Apply in place", "This layer keeps the shape (Ctrl+Enter)", ApplyInPlace), 1, 0);
+    grid->addWidget(button("inplace", "Apply in place",
+                           "This layer keeps the shape, and the next fit begins from it (Ctrl+Enter)", ApplyInPlace),
+                    1, 0);
     grid->addWidget(button("newlayer", "Apply to new layer",
                            "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)", ApplyToNewLayer),
                     1, 1);

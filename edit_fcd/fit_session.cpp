@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/words.h> // these before Qt
-#include <vcg_ext/fit/fit_start.h>
+#include <vcg_ext/fit/fit_start.h> // before Qt
 
 #include "distance_colors.h"
 #include "fit_session.h"
@@ -30,13 +29,20 @@ FitSession::FitSession(MeshDocument &document, MeshModel &layer)
 
 void FitSession::keepRest() {
     rest.keep();
+    know();
     shapeAtRest = rest.known();
     followFitter.reset();
     followFit.reset();
     lastPull.reset();
+    shownPull.reset();
+    isLeft = false;
 }
 
-bool FitSession::isUpToDate() const { return rest.fits() && rest.isAsKnown(); }
+bool FitSession::isUpToDate() const {
+    Eigen::Matrix4d present;
+    layer.cm.Tr.ToEigenMatrix(present);
+    return rest.fits() && present == rest.world().matrix() && rest.isAsKnown();
+}
 
 void FitSession::resume(const FitState &state) {
     now = state;
@@ -202,6 +208,7 @@ void FitSession::follow(bool full) {
     Prepared prepared;
     prepared.deformer = std::shared_ptr<const vcg::fcd::Deformer>(followFitter, &followFitter->Surface());
     rest.leave();
+    shownPull.reset();
     writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), prepared, pose);
     know(full);
 }
@@ -229,6 +236,7 @@ const FittedSurface *FitSession::pulled(const MeshModel &target) const {
 
 void FitSession::showPulled() {
     rest.leave();
+    shownPull = lastPull;
     forVertices(layer.cm,
                 [&](std::size_t i) { layer.cm.vert[i].P() = toPoint(lastPull->result.position.col(Eigen::Index(i))); });
     know(true);
@@ -240,10 +248,19 @@ void FitSession::know(bool full) {
         computeBoxAndNormals(layer.cm);
     else if (full)
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    rest.know();
+    know();
 }
 
-void FitSession::restore() { rest.restore(); }
+void FitSession::know() {
+    rest.know();
+    isLeft = false;
+}
+
+void FitSession::restore() {
+    rest.restore();
+    shownPull.reset();
+    know();
+}
 
 std::vector<vcg::Color4b> FitSession::distances(const MeshModel &target, double &most) const {
     const FittedSurface *fitted = pulled(target);
@@ -255,63 +272,4 @@ std::vector<vcg::Color4b> FitSession::distances(const MeshModel &target, double 
     for (std::size_t i = 0; i < colors.size(); ++i)
         colors[i] = fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart();
     return colors;
-}
-
-// --- what stays ---
-
-std::shared_ptr<const FittedSurface> FitSession::fittedNow(const MeshModel &target) {
-    if (now.shape == FitShape::Rest)
-        throw Error("Nothing is fitted yet: place pairs, or press 'Pull', then apply.");
-    expectWhole(now.pairs);
-    if (now.shape == FitShape::Pulled) {
-        if (!pulled(target))
-            throw Error("The pull is not done yet: wait until it is, or cancel it.");
-        return lastPull;
-    }
-    return std::make_shared<const FittedSurface>(
-        LayerFit(document, layer, paramFor(target, true), Remark(), {}, rest.positions().data(), rest.normals().data())
-            .solve(false, {}));
-}
-
-std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) const {
-    const FitMeshParam defaults, param = paramFor(target, now.shape == FitShape::Landmarks);
-    std::string call = "ms.apply_filter('generate_fcd_fitted_mesh', target_layer=" + std::to_string(target.id());
-    if (!now.pairs.empty())
-        call += ", landmarks_file='pairs.csv'"; // as 'Save pairs' writes them
-    if (mayHaveTags(layer) && !hasTags(layer))
-        call += ", handles=4"; // none
-    if (param.landmarksOnly)
-        call += ", landmarks_only=True";
-    if (param.fit.start != defaults.fit.start)
-        call += ", start=" + std::to_string(int(param.fit.start));
-    if (param.fit.stiffness != defaults.fit.stiffness)
-        call += ", stiffness=" + vcg::fcd::detail::ToText(Scalarm(param.fit.stiffness));
-    if (!param.landmarksOnly && now.options.largestDistance > 0)
-        call += ", largest_distance=" + vcg::fcd::detail::ToText(Scalarm(param.fit.largestDistance));
-    return call + (graphLayers ? ")" : ", graph_layers=False)") +
-           (now.pairs.empty() ? "" : ", with the pairs saved as pairs.csv");
-}
-
-std::string FitSession::applyInPlace(const MeshModel &target) {
-    const std::shared_ptr<const FittedSurface> fitted = fittedNow(target);
-    const std::string call = filterCall(target, false);
-    restore();
-    applied.resize(now.applies);
-    applied.push_back(shapeAtRest);
-    poseFitted(document, layer, *fitted);
-    ++now.applies;
-    now.shape = FitShape::Rest;
-    keepRest();
-    return call;
-}
-
-std::string FitSession::applyToNewLayer(const MeshModel &target, bool graphLayers, const Remark &remark) {
-    const std::shared_ptr<const FittedSurface> fitted = fittedNow(target);
-    const std::string call = filterCall(target, graphLayers);
-    restore();
-    FitMeshParam param = paramFor(target, now.shape == FitShape::Landmarks);
-    param.graphLayers = graphLayers;
-    now.shape = FitShape::Rest;
-    addFitted(document, layer, *fitted, param, remark, {});
-    return call;
 }

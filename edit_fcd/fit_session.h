@@ -49,8 +49,10 @@ class FitSession {
     FitSession(const FitSession &) = delete;
     FitSession &operator=(const FitSession &) = delete;
 
-    /// Whether the layer is as this has left it.
+    /// Whether the layer is where this has left it, with the positions and normals that it got here.
     bool isUpToDate() const;
+    /// Whether a shape, as shapeOf tells it, is the rest shape, or the one that the layer was given last.
+    bool isOfShape(std::uint64_t shape) const { return shape == shapeAtRest || shape == rest.known(); }
     const FitState &state() const { return now; }
     /// Takes up a state of an earlier session of the same layer.
     void resume(const FitState &state);
@@ -106,6 +108,11 @@ class FitSession {
 
     // --- what stays ---
 
+    /// The layer keeps the shape that it shows. It stays a pose of the rest shape, which FCD: Reset Pose gives back,
+    /// and the session goes on if the layer isUpToDate(). \return false: it was at rest, or has kept the shape before
+    bool leave();
+    /// \throw vcg::fcd::Error nothing is fitted that could be applied
+    void expectFitted(const MeshModel &target) const;
     /// The layer keeps the shape that it shows, which is its rest shape from now on. \return the filter call that makes
     /// the same in a new layer \throw vcg::fcd::Error nothing is fitted
     std::string applyInPlace(const MeshModel &target);
@@ -120,13 +127,15 @@ class FitSession {
     std::shared_ptr<const FittedSurface> fittedNow(const MeshModel &target);
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
     void know(bool full);
+    void know();
 
     MeshDocument &document;
     MeshModel &layer;
     BendRest rest;
-    std::uint64_t shapeAtRest = 0;
-    bool isFree = true;         ///< nothing is fixed, and there is no handle
-    bool hasDirections = false; ///< as FitParam::linear
+    std::uint64_t shapeAtRest = 0; ///< as shapeOf tells it
+    bool isLeft = false;                             ///< the layer has what leave() gave it
+    bool isFree = true;                              ///< nothing is fixed, and there is no handle
+    bool hasDirections = false;                      ///< as FitParam::linear
 
     FitState now;
     std::vector<FitState> before, after;
@@ -136,7 +145,7 @@ class FitSession {
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;
     vcg::fcd::FitStart followStart = vcg::fcd::FitStart::AsItLies;
 
-    std::shared_ptr<const FittedSurface> lastPull;
+    std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< that the layer shows; null: it shows none
     FitState pulledFrom;
     int pulledOnto = -1; ///< number of the layer
 };

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit_tool.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 // What the tool shows: which layers, and the shape that it gives the one.
 
 FitTool::FitTool(QAction *action) : LayerTool(action) {
-    progressTimer.callOnTimeout(this, [this] { refresh(); });
+    every(progressTimer, [this] { refresh(); });
     optionsTimer.setSingleShot(true);
-    optionsTimer.callOnTimeout(this, [this] { guarded([&] { reshape(true); }); });
+    every(optionsTimer, [this] { reshape(true); });
 }
 
 void FitTool::say(const std::string &text, bool warning) {
@@ -90,11 +91,11 @@ void FitTool::draw() {
     isPainted = true;
     if (view && view->suspendedEditor != isSuspended) {
         isSuspended = view->suspendedEditor;
-        QTimer::singleShot(0, this, [this] { refresh(); });
+        later([this] { refresh(); });
     }
     seen = viewNow();
     if (isStepWanted)
-        QTimer::singleShot(0, this, [this] { guarded([&] { step(); }); });
+        later([this] { step(); });
     if (!layer())
         return;
     if (marks().showsSource)
@@ -119,7 +120,7 @@ QString FitTool::stateText() const {
         return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
     if (const FittedSurface *fitted = session->pulled(*target()))
         text += QString("<br>%1 % lie on the target, off by %2 (rms).")
-                    .arg(100 * fitted->report.matched, 0, 'f', 0)
+                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
                     .arg(fitted->report.rms, 0, 'g', 2);
     return text;
 }
@@ -161,7 +162,7 @@ void FitTool::begin(BendWork::Work what, std::function<void()> done) {
                     } catch (const vcg::fcd::Cancelled &) { // nothing has changed
                     }
                 });
-                refresh();
+                guarded([&] { refresh(); });
             },
             Qt::QueuedConnection);
     });

@@ -37,16 +37,15 @@ class FitTool : public LayerTool {
     void pressKey(QKeyEvent *event) override;
     void say(const std::string &text, bool warning = false) override;
 
-    /// Takes keys before the host's shortcuts do.
-    bool eventFilter(QObject *object, QEvent *event) override;
-
   private:
+    bool takesEvent(QEvent &event) override;
     enum class Key { Undo, Redo, Remove, Reset, Pull, Cancel, InTurn, Both, Source, Target, ApplyInPlace, ApplyToNew };
 
     MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
     MeshModel *target() const; ///< null when there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
+    void leave();
     void close() override;
     bool isReady();
     void makePanel();
@@ -82,8 +81,8 @@ class FitTool : public LayerTool {
     QPointer<FitPanel> panel;
     int targetId = -1;
     std::unique_ptr<FitSession> session;
-    /// What other layers of the document were left with, by their number, and the rest shape that it belongs to.
-    std::map<int, std::pair<std::uint64_t, FitState>> left;
+    std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
+    QPointer<MeshDocument> document;
     std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
 
     BendView seen;

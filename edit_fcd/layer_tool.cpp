@@ -1,14 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "layer_tool.h"
 
-#include <QTimer>
+void LayerTool::later(const std::function<void()> &work) {
+    QTimer::singleShot(0, this, [this, work] { guarded(work); });
+}
+
+void LayerTool::every(QTimer &timer, const std::function<void()> &work) {
+    timer.disconnect(this);
+    timer.callOnTimeout(this, [this, &timer, work] {
+        if (!guarded(work))
+            timer.stop();
+    });
+}
+
+bool LayerTool::eventFilter(QObject *object, QEvent *event) {
+    bool isTaken = false;
+    if (view && object == view)
+        guarded([&] { isTaken = takesEvent(*event); });
+    return isTaken || HostEditTool::eventFilter(object, event);
+}
 
 void LayerTool::enterView() {
     view->installEventFilter(this);
-    connect(view, &QObject::destroyed, this, [this] { guarded([&] { close(); }); });
+    when(view.data(), &QObject::destroyed, [this](QObject *) { close(); });
     view->setFocus();
     // The host takes a layer for changed as soon as a tool has begun with it.
-    QTimer::singleShot(0, this, [this, layer = layerId, isChanged = model->meshModified()] {
+    later([this, layer = layerId, isChanged = model->meshModified()] {
         MeshModel *same = view && view->md() && layer == layerId ? view->md()->getMesh(layer) : nullptr;
         if (same)
             same->setMeshModified(isChanged);
@@ -48,7 +65,7 @@ void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn)
     }
     // The host shows new layers when a tool ends, and they have no buffers before that.
     close();
-    QTimer::singleShot(0, this, [this, goesOn] {
+    later([this, goesOn] {
         action->trigger();
         if (!view || !view->md() || !view->md()->mm())
             return;

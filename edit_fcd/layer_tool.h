@@ -12,6 +12,7 @@
 
 #include <QDockWidget>
 #include <QPointer>
+#include <QTimer>
 
 /// A tool with a panel that works on the current layer of a view: how it begins and ends there.
 class LayerTool : public HostEditTool {
@@ -20,8 +21,25 @@ class LayerTool : public HostEditTool {
   public:
     explicit LayerTool(QAction *action) : action(action) {}
     void end() override { close(); }
+    /// Takes keys before the host's shortcuts do.
+    bool eventFilter(QObject *object, QEvent *event) final;
 
   protected:
+    // What the host's loop calls is guarded, since what it throws would end the program: all slots of a tool are
+    // connected by when(), and what is done in another turn of the loop begins by later() or every().
+
+    /// Does \p slot whenever \p sender says \p signal, with all that it says.
+    template <class Sender, class Signal, class Slot>
+    void when(const Sender *sender, Signal signal, Slot slot) {
+        connect(sender, signal, this, [this, slot](auto... what) { this->guarded([&] { slot(what...); }); });
+    }
+    /// Does \p work once what is going on is done.
+    void later(const std::function<void()> &work);
+    /// Does \p work each time that \p timer ends, in the place of what it did; the timer stops where that fails.
+    void every(QTimer &timer, const std::function<void()> &work);
+
+    /// What is sent to the view while the tool has a layer. \return whether it is taken, which the view does not get
+    virtual bool takesEvent(QEvent &event) = 0;
     /// What was begun is taken back or kept, as the tool has it, and leaveView() called.
     virtual void close() = 0;
     virtual void showVertices(bool full) = 0;

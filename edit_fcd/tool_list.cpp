@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/words.h> // before Qt
+
 #include "tool_list.h"
 
 #include "tool_window.h"
 
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
 #include <QHeaderView>
 #include <QResizeEvent>
 #include <QScrollArea>
+
+std::optional<double> typedNumber(const QString &text) {
+    const std::string word = text.trimmed().replace(',', '.').toStdString();
+    double number = 0;
+    if (!vcg::fcd::detail::ToNumber(word.data(), word.data() + word.size(), number) || !std::isfinite(number))
+        return {};
+    return number;
+}
 
 void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
     list.setColumnCount(int(columns.size()));
@@ -35,8 +50,10 @@ PanelState::PanelState(int height) : least(height) {
     setAlignment(Qt::AlignTop | Qt::AlignLeft);
 }
 
-void PanelState::say(const QString &text) {
-    setText(text);
+void PanelState::say(const QString &said) {
+    if (std::getenv("FCD_TRACE") && said != text())
+        std::fprintf(stderr, "FCD trace: says: %s\n", qPrintable(said));
+    setText(said);
     if (isVisible())
         grow();
 }

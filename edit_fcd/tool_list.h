@@ -3,10 +3,13 @@
 #define FCD_TOOL_LIST_H
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <QDockWidget>
+#include <QDoubleSpinBox>
 #include <QLabel>
+#include <QLocale>
 #include <QSlider>
 #include <QString>
 #include <QTableWidget>
@@ -20,6 +23,18 @@ struct ListColumn {
     int width; ///< pixels; 0: what the others leave
 };
 
+/// A number that a person has typed, with a point or a comma before its decimals; none where it is not one.
+std::optional<double> typedNumber(const QString &text);
+
+/// A field for a number that takes a comma before its decimals as a point.
+class NumberBox : public QDoubleSpinBox {
+  public:
+    NumberBox() { setLocale(QLocale::c()); } // whose comma would stand between thousands
+    QValidator::State validate(QString &input, int &place) const override {
+        return QDoubleSpinBox::validate(input.replace(',', '.'), place);
+    }
+};
+
 /// The looks of a list in a panel: one row is selected, a double click edits.
 void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns);
 
@@ -29,7 +44,7 @@ class PanelState : public QLabel {
   public:
     /// \param height of each text at least, pixels
     explicit PanelState(int height);
-    void say(const QString &text);
+    void say(const QString &said);
 
   protected:
     void resizeEvent(QResizeEvent *event) override;

@@ -7,9 +7,11 @@
 
 #include <QCoreApplication>
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QMainWindow>
 #include <QMdiArea>
 #include <QMdiSubWindow>
+#include <QMessageBox>
 #include <QTimer>
 
 BendView viewNow() {
@@ -63,10 +65,19 @@ void dockPanel(GLArea &view, QDockWidget &panel) {
 }
 
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings) {
-    const QString file = QFileDialog::getSaveFileName(view.window(), title, QString(), kinds);
-    const bool isNamed = std::any_of(endings.begin(), endings.end(),
-                                     [&](const QString &each) { return file.endsWith(each, Qt::CaseInsensitive); });
-    return file.isEmpty() || isNamed ? file : file + endings.first();
+    QString file;
+    for (;;) { // of what is really written, not of what was typed
+        file =
+            QFileDialog::getSaveFileName(view.window(), title, file, kinds, nullptr, QFileDialog::DontConfirmOverwrite);
+        const bool isNamed = std::any_of(endings.begin(), endings.end(),
+                                         [&](const QString &each) { return file.endsWith(each, Qt::CaseInsensitive); });
+        if (!file.isEmpty() && !isNamed)
+            file += endings.first();
+        if (!QFileInfo::exists(file) ||
+            QMessageBox::question(view.window(), title, file + " exists already. Replace it?",
+                                  QMessageBox::Yes | QMessageBox::No, QMessageBox::No) == QMessageBox::Yes)
+            return file;
+    }
 }
 
 void tracePlaces(QWidget &panel) {

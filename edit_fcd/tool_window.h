@@ -26,7 +26,8 @@ void toCamera(GLArea &view, QMouseEvent *event);
 void dockPanel(GLArea &view, QDockWidget &panel);
 
 /// Asks for a file to write. \param kinds as QFileDialog takes them \param endings that its name may have: another one
-/// gets the first of them \return empty where it is cancelled
+/// gets the first of them, and where that file exists, whether to replace it is asked \return empty where it is
+/// cancelled
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
 
 /// Tells where things of a panel are, for whoever drives it by a script.

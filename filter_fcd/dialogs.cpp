@@ -7,6 +7,9 @@
 #include <layer_fcd/marks.h>
 
 #include <algorithm>
+#include <exception>
+#include <memory>
+#include <string>
 
 #include <QApplication>
 #include <QCheckBox>
@@ -14,6 +17,7 @@
 #include <QDockWidget>
 #include <QGridLayout>
 #include <QLabel>
+#include <QPointer>
 #include <QPushButton>
 #include <QScreen>
 #include <QScrollArea>
@@ -56,6 +60,32 @@ int likelySource(const MeshModel &layer, int last) {
 
 namespace {
 
+/// What the host's loop calls for a dialog goes through this: what is thrown would end the program, and is told in the
+/// log of the dialog's document instead.
+class Guard {
+  public:
+    explicit Guard(MeshDocument &document) : document(&document) {}
+
+    void later(const QObject *context, const std::function<void()> &work) const {
+        QTimer::singleShot(0, context, [guard = *this, work] { guard.run(work); });
+    }
+    template <class Sender, class Signal>
+    void when(const Sender *sender, Signal signal, const QObject *context, const std::function<void()> &work) const {
+        QObject::connect(sender, signal, context, [guard = *this, work] { guard.run(work); });
+    }
+
+  private:
+    void run(const std::function<void()> &work) const {
+        try {
+            work();
+        } catch (const std::exception &e) {
+            if (document)
+                host::log(*document, std::string("FCD: the dialog: ") + e.what());
+        }
+    }
+    QPointer<MeshDocument> document;
+};
+
 const int highest = 630; // of a dialog: fits the smallest screen that is common, with room for a panel
 
 /// Gives the helps of parameters the height of their text, which the host does not reckon with.
@@ -87,7 +117,7 @@ void put(QDockWidget &dialog, const QRect &all) {
 
 /// Gives a dialog that scrolls its size, and its place. \param least its size in any case \param rest that of what is
 /// around the area
-void fit(QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize &rest) {
+void fit(const Guard &guard, QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize &rest) {
     const QScreen *screen = QApplication::screens().value(0);
     if (!screen)
         return;
@@ -100,9 +130,9 @@ void fit(QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize
                   std::min(isHigh ? highest : wanted.height(), all.height()));
     put(dialog, all);
     // Texts may have more lines than they had in the host's size, which is seen when all has its place.
-    QTimer::singleShot(0, &area, [&dialog, &area, all] {
+    guard.later(&area, [guard, &dialog, &area, all] {
         showWhole(*area.widget());
-        QTimer::singleShot(0, &area, [&dialog, &area, all] {
+        guard.later(&area, [&dialog, &area, all] {
             const int height = std::min(dialog.height() + area.verticalScrollBar()->maximum(), highest);
             dialog.resize(dialog.width(), height);
             put(dialog, all);
@@ -111,19 +141,18 @@ void fit(QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize
 }
 
 /// The same for the dialog of a host that lets its parameters scroll.
-void fit(QDockWidget &dialog) {
+void fit(const Guard &guard, QDockWidget &dialog) {
     if (auto *area = dialog.widget()->findChild<QScrollArea *>()) {
-        const auto again = [&dialog, area] { fit(dialog, *area, QSize(), dialog.size() - area->size()); };
+        const auto again = [guard, &dialog, area] { fit(guard, dialog, *area, QSize(), dialog.size() - area->size()); };
         again();
         for (QPushButton *button : dialog.widget()->findChildren<QPushButton *>())
             if (button->text() == "Help")
-                QObject::connect(button, &QPushButton::clicked, area,
-                                 [area, again] { QTimer::singleShot(0, area, again); });
+                guard.when(button, &QPushButton::clicked, area, [guard, area, again] { guard.later(area, again); });
     }
 }
 
 /// Puts the parameters of a filter's dialog into an area that scrolls.
-void letScroll(QDockWidget &dialog) {
+void letScroll(const Guard &guard, QDockWidget &dialog) {
     QWidget *content = dialog.widget();
     auto *grid = content ? qobject_cast<QGridLayout *>(content->layout()) : nullptr;
     QLayoutItem *item = grid ? grid->itemAtPosition(1, 0) : nullptr;
@@ -138,18 +167,16 @@ void letScroll(QDockWidget &dialog) {
     area->setWidget(parameters);
     grid->addWidget(area, 1, 0, 1, 2);
     grid->setRowStretch(1, 1);
-    fit(dialog, *area, first, rest);
+    const auto again = [guard, &dialog, area, first, rest] { fit(guard, dialog, *area, first, rest); };
+    again();
     // The host gives it another size when Help comes or goes.
-    const auto later = [&dialog, area, first, rest] {
-        QTimer::singleShot(0, area, [&dialog, area, first, rest] { fit(dialog, *area, first, rest); });
-    };
     for (QPushButton *button : content->findChildren<QPushButton *>(QString(), Qt::FindDirectChildrenOnly))
-        QObject::connect(button, &QPushButton::clicked, area, later);
+        guard.when(button, &QPushButton::clicked, area, [guard, area, again] { guard.later(area, again); });
 }
 
 /// Keeps what a dialog lists as layers in step with the layers: the host takes the one that has the place in its list
 /// that the chosen one had when the dialog opened.
-void followLayers(QWidget &content, MeshDocument &document) {
+void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) {
     struct Layers {
         QStringList labels;
         std::vector<int> ids;
@@ -162,7 +189,7 @@ void followLayers(QWidget &content, MeshDocument &document) {
         }
         return layers;
     };
-    Layers shown = present();
+    const Layers shown = present();
     std::vector<QComboBox *> choosers;
     for (QComboBox *box : content.findChildren<QComboBox *>()) {
         QStringList items;
@@ -171,41 +198,43 @@ void followLayers(QWidget &content, MeshDocument &document) {
         if (items == shown.labels)
             choosers.push_back(box);
     }
-    QObject::connect(&document, &MeshDocument::meshSetChanged, &content,
-                     [&document, present, choosers, shown]() mutable {
-                         const Layers layers = present();
-                         const auto placeOf = [&layers](int id) {
-                             return int(std::find(layers.ids.begin(), layers.ids.end(), id) - layers.ids.begin());
-                         };
-                         for (QComboBox *box : choosers) {
-                             int place = placeOf(shown.ids.at(std::size_t(box->currentIndex())));
-                             if (place == layers.labels.size() && document.mm()) // it is gone
-                                 place = placeOf(document.mm()->id());
-                             const QSignalBlocker quiet(box);
-                             box->clear();
-                             box->addItems(layers.labels);
-                             box->setCurrentIndex(place);
-                         }
-                         shown = layers;
-                     });
+    guard.when(&document, &MeshDocument::meshSetChanged, &content,
+               [&document, present, choosers, shown = std::make_shared<Layers>(shown)] {
+                   const Layers layers = present();
+                   const auto placeOf = [&layers](int id) {
+                       return int(std::find(layers.ids.begin(), layers.ids.end(), id) - layers.ids.begin());
+                   };
+                   for (QComboBox *box : choosers) {
+                       const int chosen = box->currentIndex(); // -1 where there was no layer
+                       int place = chosen < 0 ? layers.labels.size() : placeOf(shown->ids.at(std::size_t(chosen)));
+                       if (place == layers.labels.size() && document.mm()) // it is gone
+                           place = placeOf(document.mm()->id());
+                       const QSignalBlocker quiet(box);
+                       box->clear();
+                       box->addItems(layers.labels);
+                       box->setCurrentIndex(place);
+                   }
+                   *shown = layers;
+               });
 }
 
 /// The host's button Default brings back what the dialog had when it opened, which is remembered: instead, the dialog
 /// opens anew.
-void letDefaultBeDefaults(QWidget &content, const std::function<void()> &openWithDefaults) {
+void letDefaultBeDefaults(const Guard &guard, QWidget &content, const std::function<void()> &openWithDefaults) {
     for (QPushButton *button : content.findChildren<QPushButton *>())
         if (button->text() == "Default")
-            QObject::connect(button, &QPushButton::clicked, &content, [&content, openWithDefaults] {
+            guard.when(button, &QPushButton::clicked, &content, [guard, &content, openWithDefaults] {
                 if (QCheckBox *preview = previewOf(content))
-                    preview->setChecked(false);                    // gives the layer its shape back
-                QTimer::singleShot(0, &content, openWithDefaults); // which is the end of the button
+                    preview->setChecked(false);          // gives the layer its shape back
+                guard.later(&content, openWithDefaults); // which is the end of the button
             });
 }
 
 } // namespace
 
 void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults) {
-    QTimer::singleShot(0, &document, [title, &document, openWithDefaults] {
+    const Guard guard(document);
+    guard.later(&document, [guard, title, &document, openWithDefaults] {
         static const char *const prepared = "fcd_prepared";
         for (QWidget *window : QApplication::topLevelWidgets())
             for (QDockWidget *dialog : window->findChildren<QDockWidget *>()) {
@@ -214,11 +243,11 @@ void prepareDialog(const QString &title, MeshDocument &document, const std::func
                     continue;
                 content->setProperty(prepared, true);
                 if (host::dialogsFold)
-                    fit(*dialog);
+                    fit(guard, *dialog);
                 else
-                    letScroll(*dialog);
-                followLayers(*content, document);
-                letDefaultBeDefaults(*content, openWithDefaults);
+                    letScroll(guard, *dialog);
+                followLayers(guard, *content, document);
+                letDefaultBeDefaults(guard, *content, openWithDefaults);
             }
     });
 }

@@ -5,7 +5,6 @@
 #include "graph_layer.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
-#include "layer_matrix.h"
 #include "layer_normals.h"
 #include "motion_sources.h"
 #include "new_layers.h"
@@ -23,9 +22,10 @@ using vcg::fcd::Progress;
 using vcg::fcd::Stopwatch;
 
 LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark)
-    : document(document), layer(layer), preparedLayers(preparedLayers),
+    : document(document), layer(layer), number(layer.id()), preparedLayers(preparedLayers),
       remark(remark ? std::move(remark) : [](const std::string &) {}) {
     preparedLayers.dropRemoved();
+    preparedLayers.follow(document);
 }
 
 // --- the steps ---
@@ -40,10 +40,12 @@ void LayerDeformer::readSurface() {
 
 void LayerDeformer::readHandles(const HandleParam &param) { handles = ::readHandles(layer, rest, param); }
 
-void LayerDeformer::takeTags(std::vector<int> tag) {
+void LayerDeformer::prepare(const vcg::fcd::SurfaceView &read, std::vector<int> tag, const Eigen::Affine3d &world,
+                            const DeformerParam &param, const Progress &progress) {
     handles = {};
     handles.tag = std::move(tag);
-    handles.world = invertibleMatrixOf(layer);
+    handles.world = world;
+    prepareRead(read, param, progress);
 }
 
 bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress) {
@@ -56,17 +58,18 @@ bool LayerDeformer::prepare(std::uint64_t faces, const DeformerParam &param, con
     if (found)
         return false;
     readSurface();
-    found = preparedLayers.add(key, document, layer, surface.View(), handles, param, progress);
+    found = preparedLayers.add(key, document, number, surface.View(), handles, param, progress);
     surface = {};
     return true;
 }
 
 /// The same where the surface has been read.
-void LayerDeformer::prepareRead(const DeformerParam &param, const Progress &progress) {
-    const PreparedLayers::Key key = PreparedLayers::keyOf(surface.View(), handles, param);
+void LayerDeformer::prepareRead(const vcg::fcd::SurfaceView &read, const DeformerParam &param,
+                                const Progress &progress) {
+    const PreparedLayers::Key key = PreparedLayers::keyOf(read, handles, param);
     found = preparedLayers.find(key);
     if (!found)
-        found = preparedLayers.add(key, document, layer, surface.View(), handles, param, progress);
+        found = preparedLayers.add(key, document, number, read, handles, param, progress);
 }
 
 /// Prepares it with the vertices of a layer as nodes, or, where these are the nodes of the graph that is made without
@@ -79,16 +82,16 @@ bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam 
     nodes = vcg::fcd::Index(given.nodes.cols());
     if (!isGraph(*graph)) {
         param = std::move(given);
-        prepareRead(param, progress);
+        prepareRead(surface.View(), param, progress);
         return false;
     }
     // Where that is known, the other graph is not prepared once more.
     found = preparedLayers.find(PreparedLayers::keyOf(surface.View(), handles, given));
     if (!found || !found->isOfOthers) {
-        prepareRead(param, progress);
+        prepareRead(surface.View(), param, progress);
         if (vcg::fcd::HasNodes(*found->deformer, given.nodes))
             return true;
-        prepareRead(given, progress);
+        prepareRead(surface.View(), given, progress);
         found->isOfOthers = true;
     }
     param = std::move(given);
@@ -125,7 +128,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
         made.isOwnGraph =
             prepareWithNodesOf(param.graphLayer, param.deformation, progress.Slice(0, 0.7), made.givenNodes);
     else
-        prepareRead(param.deformation, progress.Slice(0, 0.7));
+        prepareRead(surface.View(), param.deformation, progress.Slice(0, 0.7));
     const bool moves = readMotions(param.handles);
     if (inWindow && (!moves || param.deformation.pose == 0))
         throw Error(

@@ -53,12 +53,13 @@ class LayerDeformer {
 
     /// Reads tags and point handles. \throw vcg::fcd::Error when they cannot be had
     void readHandles(const HandleParam &param);
-    /// Takes tags, one per vertex slot.
-    void takeTags(std::vector<int> tag);
-
     /// Finds what is prepared for these, or prepares it. \return whether it was prepared anew
     /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
+    /// The same of arrays, which are those of the layer at rest, whose matrix is \p world: nothing of the layer and its
+    /// document is read, so that this can be done beside the window. \param tag one per vertex slot
+    void prepare(const vcg::fcd::SurfaceView &surface, std::vector<int> tag, const Eigen::Affine3d &world,
+                 const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
     const std::shared_ptr<Prepared> &prepared() const { return found; }
     /// Lets go of what was prepared.
     void forget() { found.reset(); }
@@ -82,13 +83,15 @@ class LayerDeformer {
 
   private:
     bool prepare(std::uint64_t faces, const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
-    void prepareRead(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
+    void prepareRead(const vcg::fcd::SurfaceView &read, const vcg::fcd::DeformerParam &param,
+                     const vcg::fcd::Progress &progress);
     bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
                             const vcg::fcd::Progress &progress, vcg::fcd::Index &nodes);
     void readSurface();
 
     MeshDocument &document;
     MeshModel &layer;
+    const int number; ///< of the layer
     PreparedLayers &preparedLayers;
     Remark remark;
     const Point3m *rest = nullptr;   ///< positions per vertex slot, null where the layer is at rest

@@ -64,12 +64,8 @@ void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
     computeNormals(mesh, threads);
 }
 
-bool hasOwnNormals(const MeshModel &layer) {
+double shareOfOtherNormals(const MeshModel &layer, double degrees) {
     const CMeshO &mesh = layer.cm;
-    if (mesh.fn == 0)
-        return std::any_of(mesh.vert.begin(), mesh.vert.end(),
-                           [](const CVertexO &v) { return !v.IsD() && v.cN().SquaredNorm() > 0; });
-    // At a sample of vertices: the sums of the normals of the faces, weighed by area and by angle, as programs do.
     std::size_t step = 1; // a power of two
     while (step < mesh.vert.size() / 4096)
         step *= 2;
@@ -92,7 +88,7 @@ bool hasOwnNormals(const MeshModel &layer) {
         byArea[i / step] += n;
         byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
     }
-    const double near = std::cos(5 * double(EIGEN_PI) / 180); // rounding and other weights stay below
+    const double near = std::cos(degrees * double(EIGEN_PI) / 180);
     std::size_t all = 0, other = 0;
     for (std::size_t i = 0; i < mesh.vert.size(); i += step) {
         const auto &n = mesh.vert[i].cN();
@@ -103,5 +99,13 @@ bool hasOwnNormals(const MeshModel &layer) {
         other +=
             own.dot(byArea[i / step].stableNormalized()) < near && own.dot(byAngle[i / step].stableNormalized()) < near;
     }
-    return 2 * other > all;
+    return all > 0 ? double(other) / double(all) : 0;
+}
+
+bool hasOwnNormals(const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    if (mesh.fn == 0)
+        return std::any_of(mesh.vert.begin(), mesh.vert.end(),
+                           [](const CVertexO &v) { return !v.IsD() && v.cN().SquaredNorm() > 0; });
+    return shareOfOtherNormals(layer, 5) > 0.5; // rounding and other weights stay below
 }

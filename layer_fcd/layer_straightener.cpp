@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <sstream>
+#include <utility>
 
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
@@ -47,14 +48,13 @@ LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
     return goal;
 }
 
-StraightenedShape straightened(const MeshModel &layer, LineGoal goal, const StraightenMeshParam &param,
+StraightenedShape straightened(LineSurface surface, LineGoal goal, const StraightenMeshParam &param,
                                const Progress &progress, const KnownLine &known) {
     StraightenedShape shape;
     StraightenedLayers &made = shape.made;
     vcg::fcd::DeformationResult &result = made.result;
-    LineSurface surface(layer, progress.Slice(0, 0.02));
     vcg::fcd::StraightenParam bend = param.bend;
-    bend.linear = hasDirections(layer);
+    bend.linear = surface.hasDirections;
     if (known.surface && surface.isSame(*known.surface)) {
         surface.prepared = known.surface->prepared;
         if (known.middle.cols() > 0) {
@@ -74,7 +74,7 @@ StraightenedShape straightened(const MeshModel &layer, LineGoal goal, const Stra
     result.pose = vcg::fcd::Straighten(deformer, world, motion, bend, made.report, progress.Slice(0.65, 0.75));
     result.converged = result.pose.converged;
     result.position = view.Copy();
-    const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
+    const vcg::fcd::NormalOf normal = [&](std::size_t i) { return toVector(surface.normal[i]); };
     vcg::fcd::CarryPose(view, normal, surface.handles, deformer, bend, progress.Slice(0.75, 0.95), result);
     if (param.quality == StraightenMeshParam::Place)
         shape.quality = vcg::fcd::PlacesOfVertices(view, deformer, world, motion.From(), progress.Slice(0.95, 1));
@@ -99,8 +99,10 @@ StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, con
 
 StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
                                    const Remark &remark, const Progress &progress) {
+    const LineGoal goal = lineGoalOf(layer, param);
+    LineSurface surface(layer, progress.Slice(0, 0.02));
     return addStraightened(document, layer, param,
-                           straightened(layer, lineGoalOf(layer, param), param, progress.Slice(0, 0.95)), remark,
+                           straightened(std::move(surface), goal, param, progress.Slice(0.02, 0.95)), remark,
                            progress.Slice(0.95, 1));
 }
 

@@ -37,9 +37,10 @@ struct KnownLine {
 /// \throw vcg::fcd::Error each message says what to do
 vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);
 
-/// What becomes of \p layer, which is only read, with that goal. \param known with the same goal and \p param, maybe
-/// when the layer was another surface \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
-StraightenedShape straightened(const MeshModel &layer, vcg::fcd::LineGoal goal, const StraightenMeshParam &param,
+/// What becomes of a layer with that goal. The layer itself is not needed, so that this may run beside the window.
+/// \param surface of the layer \param known with the same goal and \p param, maybe when the layer was another surface
+/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
+StraightenedShape straightened(LineSurface surface, vcg::fcd::LineGoal goal, const StraightenMeshParam &param,
                                const vcg::fcd::Progress &progress, const KnownLine &known = {});
 
 /// Puts that into new layers. A line that was given as points becomes one, too, in front of them. \param remark may be

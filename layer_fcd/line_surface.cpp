@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "layer_contents.h"
 #include "layer_matrix.h"
 #include "line_surface.h"
 
@@ -9,8 +10,10 @@
 using vcg::fcd::SurfaceView;
 
 LineSurface::LineSurface(const MeshModel &layer, const vcg::fcd::Progress &progress)
-    : world(invertibleMatrixOf(layer)), arrays(vcg::tri::ReadSurface(layer.cm, progress)),
-      handles(vcg::fcd::AllFree(arrays.Slots(), world)) {}
+    : world(invertibleMatrixOf(layer)), arrays(vcg::tri::ReadSurface(layer.cm, progress)), normal(layer.cm.vert.size()),
+      hasDirections(::hasDirections(layer)), handles(vcg::fcd::AllFree(arrays.Slots(), world)) {
+    forVertices(layer.cm, [&](std::size_t i) { normal[i] = layer.cm.vert[i].cN(); });
+}
 
 bool LineSurface::isSame(const LineSurface &other) const {
     const auto isEqual = [](const auto *a, const auto *b, std::size_t count) {

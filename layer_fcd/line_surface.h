@@ -7,11 +7,14 @@
 #include "prepared_layers.h"
 
 #include <memory>
+#include <vector>
 
 /// The surface of a layer that is straightened, as it was when it was read: nothing here needs the layer any more.
 struct LineSurface {
     Eigen::Affine3d world; ///< the layer's matrix
     vcg::fcd::SurfaceArrays arrays;
+    std::vector<Point3m> normal;        ///< of each vertex slot
+    bool hasDirections;                 ///< as ::hasDirections tells it
     vcg::fcd::Handles handles;          ///< all is free
     std::shared_ptr<Prepared> prepared; ///< null: not yet
 

@@ -47,6 +47,17 @@ inline void endProgress() {
 }
 #endif
 
+/// Writes a warning to the log of a document, which renders HTML.
+inline void log(MeshDocument &document, std::string line) {
+    for (char &c : line)
+        c = c == '<' ? '[' : c == '>' ? ']' : c;
+#ifdef FCD_MESHLAB_2020
+    document.Log.Log(GLLogStream::WARNING, line);
+#else
+    document.Log.log(GLLogStream::WARNING, line);
+#endif
+}
+
 // --- parameters ---
 
 #if defined(FCD_MESHLAB_2020)

@@ -156,15 +156,22 @@ std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {
     return found->prepared;
 }
 
-std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument &document, const MeshModel &layer,
+void PreparedLayers::follow(const MeshDocument &document) {
+    QObject::disconnect(&document, nullptr, &context, nullptr);
+    QObject::connect(&document, &QObject::destroyed, &context, [this, gone = &document] {
+        entries.remove_if([gone](const Entry &entry) { return entry.document == gone; });
+    });
+}
+
+std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument &document, int layer,
                                               const SurfaceView &surface, const vcg::fcd::Handles &handles,
                                               const vcg::fcd::DeformerParam &param,
                                               const vcg::fcd::Progress &progress) {
     std::shared_ptr<const vcg::fcd::Deformer> before; // of which regions may be the same
     for (const Entry &entry : entries)
-        if (!before && entry.document == &document && entry.layer == layer.id() && entry.key.surface == key.surface)
+        if (!before && entry.document == &document && entry.layer == layer && entry.key.surface == key.surface)
             before = entry.prepared->deformer;
-    entries.remove_if([&](const Entry &entry) { return entry.document == &document && entry.layer == layer.id(); });
+    entries.remove_if([&](const Entry &entry) { return entry.document == &document && entry.layer == layer; });
     const vcg::fcd::Stopwatch watch;
     auto prepared = std::make_shared<Prepared>();
     prepared->tags = vcg::fcd::CountHandles(handles, surface.vertexSlots, surface.deleted);
@@ -172,13 +179,7 @@ std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument
     prepared->moving.assign(surface.vertexSlots, 0);
     prepared->deformer->ForMoving([&](std::size_t slot) { prepared->moving[slot] = 1; });
     prepared->seconds = watch.Seconds();
-    if (std::none_of(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.document == &document; })) {
-        QObject::disconnect(&document, nullptr, &context, nullptr);
-        QObject::connect(&document, &QObject::destroyed, &context, [this, gone = &document] {
-            entries.remove_if([gone](const Entry &entry) { return entry.document == gone; });
-        });
-    }
-    entries.push_front({key, &document, layer.id(), prepared});
+    entries.push_front({key, &document, layer, prepared});
     std::size_t vertices = 0;
     for (auto entry = entries.begin(); entry != entries.end();) {
         vertices += entry->prepared->moving.size();

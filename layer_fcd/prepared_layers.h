@@ -47,12 +47,15 @@ class PreparedLayers {
 
     /// What is prepared, null where nothing is.
     std::shared_ptr<Prepared> find(const Key &key);
-    /// Prepares \p surface, which is that of \p layer; what else was prepared of the layer goes, but for regions that
-    /// are the same. \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
-    std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, const MeshModel &layer,
+    /// Prepares \p surface, which is that of the layer of a number; what else was prepared of the layer goes, but for
+    /// regions that are the same. Nothing of document and layer is read. \pre follow() \throw vcg::fcd::Error no
+    /// handle, nothing free, ... \throw vcg::fcd::Cancelled
+    std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, int layer,
                                   const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                                   const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
-    /// Drops what was prepared of layers that are gone. Those of a document go with it.
+    /// What is prepared of a document's layers goes with it.
+    void follow(const MeshDocument &document);
+    /// Drops what was prepared of layers that are gone.
     void dropRemoved();
     void clear() { entries.clear(); }
 

@@ -203,9 +203,12 @@ class Window:
         self.wait("trace: place:", places + 1) # where its buttons are, which it says when they are there
         self.do("mousemove", *MIDDLE)
 
-    def save(self, name):
+    def save(self, name, by_menu=False):
         path = self.folder / name
-        self.key("ctrl+shift+e")
+        if by_menu:
+            self.click((36, 29), (110, 230)) # File, Export Mesh As
+        else:
+            self.key("ctrl+shift+e")
         asked = self.wait_for_title("Save")
         self.do("type", "--delay", "5", str(path))
         self.key("Return")

@@ -5,9 +5,10 @@ same environment."""
 import shutil
 
 import numpy as np
+import pytest
 
 import host_edit
-from host_edit import MIDDLE, load, tube_of, write_ply
+from host_edit import MIDDLE, Filters, load, the_dialogs_are_those_of_2020, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_meshlabserver import Run, fit_filter
 
@@ -137,7 +138,7 @@ def write_pairs(points, path):
 
 
 def test_what_stays_of_a_fit(window, tmp_path):
-    """Nothing but what is applied; undo leads back over that, pairs come back with the tool, and both files hold them."""
+    """What is shown; undo leads back over that, pairs come back with the tool, and both files hold them."""
     w, points, _ = open_two(window, tmp_path)
     before = w.save("before.ply").read_bytes()
     w.start_tool("FCD: Fit")
@@ -170,15 +171,98 @@ def test_what_stays_of_a_fit(window, tmp_path):
     w.wait("trace: pulled", 3)
     assert np.abs(load(w.save("stiffer.ply"))[0] - pulled).max() > 1e-6
     w.toggle_tool("FCD: Fit", is_on=True)
-    w.wait("is as it was: only what is applied stays")
-    assert w.save("left.ply").read_bytes() == before
+    w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
+    left = load(w.save("left.ply"))[0]
+    assert np.abs(left - pulled).max() > 1e-6 # what is shown is kept: that of another stiffness
 
     w.start_tool("FCD: Fit")
+    assert np.array_equal(load(w.save("still.ply"))[0], left)
     assert save_pairs(w, "back.csv").read_bytes() == saved.read_bytes()
+    w.key("ctrl+z")
+    w.wait("trace: pulled", 4)
+    assert np.array_equal(load(w.save("softer.ply"))[0], pulled)
+    w.key("BackSpace")
+    assert w.save("at_rest_again.ply").read_bytes() == before
     picked = save_pairs(w, "picked.pp")
     w.click(w.place("clear"))
     answer(w, "load", "Load pairs", str(picked))
     assert save_pairs(w, "from_picked.csv").read_bytes() == saved.read_bytes()
+
+
+@the_dialogs_are_those_of_2020
+@pytest.mark.parametrize(("title", "is_moved"), [("Taubin Smooth", True), ("Re-Compute Vertex Normals", False)])
+def test_what_a_filter_makes_of_a_fitted_layer_stays(window, tmp_path, title, is_moved):
+    """Of one whose dialog was open before the tool: its positions, or its normals alone."""
+    w, points, _ = open_two(window, tmp_path)
+    filters = Filters(w)
+    dialog = filters.dialog(title)
+    w.do("windowmove", dialog, 960, 350) # not over the panel
+    w.start_tool("FCD: Fit")
+    answer(w, "load", "Load pairs", str(write_pairs(points, tmp_path / "pairs.csv")))
+    w.wait("trace: follow")
+    followed = load(w.save("followed.ply"))[0]
+    assert np.abs(followed - points).max() > 0.1
+    filters.apply(dialog)
+    w.wait(f"Applied filter {title}")
+    filters.finish(dialog)
+    filters.back()
+    changed = w.save("changed.ply").read_bytes()
+    assert np.array_equal(load(tmp_path / "changed.ply")[0], followed) != is_moved
+    w.toggle_tool("FCD: Fit", is_on=True)
+    assert w.save("left.ply").read_bytes() == changed
+    w.start_tool("FCD: Fit")
+    w.key("ctrl+z")
+    w.toggle_tool("FCD: Fit", is_on=True)
+    assert w.save("left_again.ply").read_bytes() == changed
+
+
+def test_an_apply_does_not_wait_for_what_is_prepared(window, tmp_path):
+    """And is not bent once more when that is done."""
+    target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 300), 120, 0.25)
+    w = window(write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces))
+    w.start_tool("FCD: Fit")
+    answer(w, "load", "Load pairs", str(write_pairs(points, tmp_path / "pairs.csv")))
+    w.wait("trace: follow")
+    vertices, places, _ = pairs_of(save_pairs(w, "saved.csv"))
+    w.key("BackSpace")
+    w.click(w.place("start")) # another one, for which it is prepared anew
+    w.key("Home", "Return")
+    w.click(w.place("follow"))
+    w.settle()
+    w.key("BackSpace")
+    w.click(w.place("start"))
+    w.key("Down", "Return")
+    w.while_asleep(w.meshlab, "mousemove", *w.place("follow"), "click", 1, "mousemove", X, Y, "key", "ctrl+Return")
+    w.wait("In a script: ")
+    w.settle()
+    applied = load(w.save("applied.ply"))[0]
+    assert np.abs(applied[vertices] - places).max() < 1e-5
+    w.key("ctrl+z")
+    w.key("BackSpace")
+    assert np.array_equal(load(w.save("undone.ply"))[0], points)
+
+
+def test_a_file_is_replaced_only_when_asked(window, tmp_path):
+    """Also one whose ending the tool has added to what was typed."""
+    w, points, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    answer(w, "load", "Load pairs", str(write_pairs(points, tmp_path / "pairs.csv")))
+    w.wait("trace: follow")
+    walk = tmp_path / "walk.csv"
+    walk.write_text("mine")
+    w.click(w.place("save"))
+    for key in ("Return", "y"): # no, which is chosen; yes
+        w.wait_for_title("Save pairs")
+        w.key("ctrl+a")
+        w.do("type", "--delay", "5", str(tmp_path / "walk"))
+        w.key("Return")
+        w.settle()
+        assert walk.read_text() == "mine" and "Saved the pairs" not in w.text()
+        w.shot("asked")
+        w.key("alt+y" if key == "y" else key)
+    w.wait("Saved the pairs")
+    assert len(pairs_of(walk)[0]) == 4
 
 
 def test_bad_pairs_change_nothing(window, tmp_path):

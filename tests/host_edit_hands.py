@@ -2,6 +2,8 @@
 """The tool "FCD: Bend" in a modeller's hands: what is marked, pulled and turned there, and what the window says of it. Windows and mice as
 in host_edit.py, with the same environment."""
 
+import ctypes
+import errno
 import os
 import re
 import time
@@ -554,6 +556,174 @@ def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     assert moved.max() > 0.1 and np.mean(moved == 0) > 0.3
     w.key("ctrl+z")
     assert w.save("undone.ply").read_bytes() == before
+
+
+class Asleep:
+    """Threads of a process that do nothing meanwhile: those that it has begun since."""
+    SEIZE, INTERRUPT, DETACH, ANY_THREAD = 0x4206, 0x4207, 17, 0x40000000
+
+    def __init__(self, process):
+        self.process, self.before = process, self.threads(process)
+
+    @staticmethod
+    def threads(process):
+        return set(map(int, os.listdir(f"/proc/{process}/task")))
+
+    @staticmethod
+    def ask(what, thread):
+        done = ctypes.CDLL(None, use_errno=True).ptrace(what, thread, None, None)
+        if done and ctypes.get_errno() == errno.EPERM:
+            pytest.skip("no process may stop another one's threads here (ptrace)")
+        return done
+
+    def __enter__(self):
+        self.asleep = [each for each in self.threads(self.process) - self.before if self.ask(self.SEIZE, each) == 0]
+        for each in self.asleep:
+            self.ask(self.INTERRUPT, each)
+            os.waitpid(each, self.ANY_THREAD)
+        return self.asleep
+
+    def __exit__(self, *error):
+        for each in self.asleep:
+            self.ask(self.DETACH, each)
+
+
+@the_dialogs_are_those_of_2020
+def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
+    """While the threads that prepare it sleep, a file gets the shape that is seen. And MeshLab may end meanwhile."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 600, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    w.start_tool()
+    full = w.text().count("trace: full")
+    w.do("mousemove", X + 100, Y, "mousedown", 1, "mousemove", X + 120, Y - 80, "mouseup", 1)
+    w.wait("trace: full", full + 1)
+    posed = load(w.save("posed.ply"))[0]
+    assert np.abs(posed - points).max() > 0.1
+    slept = 0
+    for i in range(4): # at one of these, it has begun with what takes longest
+        asleep, answers = Asleep(w.meshlab.pid), w.text().count("trace: answer")
+        w.do("mousemove", X - 120 + i, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+        w.wait("trace: answer", answers + 1)
+        time.sleep(0.2 * i)
+        with asleep as threads:
+            if threads and "trace: press" not in w.text().rpartition("trace: answer")[2]:
+                slept += 1
+                assert np.array_equal(load(w.save(f"meanwhile_{i}.ply", by_menu=True))[0], posed)
+        w.do("mousemove", X, Y + 230)
+        w.until("end of it", lambda: w.text().rpartition("trace: answer")[2].count("trace: full"))
+        w.settle()
+        assert np.abs(load(w.save(f"pulled_{i}.ply"))[0] - posed).max() > 0.1
+        w.key("ctrl+z")
+        assert np.array_equal(load(w.save(f"undone_{i}.ply"))[0], posed)
+    assert slept
+    w.do("mousemove", X - 110, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+    w.do("mousemove", 36, 29, "click", 1, "sleep", 0.3, "mousemove", 62, 413, "click", 1, settle=False) # File, Exit
+    for _ in range(3): # it asks whether that is meant
+        time.sleep(1)
+        if w.meshlab.poll() is None:
+            w.do("key", "alt+y", settle=False)
+    assert w.meshlab.wait(60) == 0
+
+
+@the_dialogs_are_those_of_2020
+def test_what_a_filter_makes_of_a_layer_that_is_prepared_stays(window, tmp_path):
+    """One whose dialog was open before the tool."""
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    filters = Filters(w)
+    dialog = filters.dialog("Taubin Smooth")
+    w.do("windowmove", dialog, 960, 350) # not over the layer
+    w.start_tool()
+    asleep = Asleep(w.meshlab.pid)
+    w.do("mousemove", X - 100, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
+    w.wait("trace: answer")
+    with asleep as threads:
+        assert threads
+        filters.apply(dialog)
+        w.wait("Applied filter Taubin Smooth")
+    w.wait("Something else has changed the layer meanwhile")
+    filters.finish(dialog)
+    filters.back()
+    smooth = w.save("smooth.ply").read_bytes()
+    assert np.abs(load(tmp_path / "smooth.ply")[0] - points).max() > 1e-6
+    w.key("ctrl+z", "BackSpace")
+    w.toggle_tool()
+    assert w.save("left.ply").read_bytes() == smooth
+
+
+def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
+    """With a comma before its decimals as with a point, while a handle moves and in the lists; what can be done is said at once."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    mark_two_regions(w)
+    w.do("mousemove", X, Y + 200)
+    handle = points[:, 0] > 0.9
+    for key, text in (("g", "move: move the mouse"), ("r", "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"),
+                      ("s", "scale: move the mouse")):
+        w.key(key)
+        assert w.text().rpartition("trace: says: ")[2].startswith("Handle 2: " + text)
+        w.key("Escape")
+    w.key("g", "x", "1", "comma", "5", "Return")
+    moved = load(w.save("comma.ply"))[0]
+    assert np.abs((moved - points)[handle] - [1.5, 0, 0]).max() < 1e-5
+    w.key("g", "y", "a", "b", "c", "1", "Return") # which goes on
+    assert "abc1_, which is no number: Backspace takes back what was typed" in w.text()
+    w.key("BackSpace", "BackSpace", "BackSpace", "BackSpace", "1", "Return")
+    assert np.abs(load(w.save("typed_anew.ply"))[0][handle] - moved[handle] - [0, 1, 0]).max() < 1e-5
+    w.key("ctrl+z", "o")
+    assert "What is marked from now on becomes outside." in w.text()
+
+    x, y, width, height = w.box("handles")
+    row, cells = y + 35, lambda: np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].astype(int)
+    w.do("mousemove", X, Y + 200)
+    before = cells()
+    for place, text, said in ((x + width - 70, "foo", "The motion"), (x + 50, "", "")):
+        w.click((place, row), count=2)
+        w.key("ctrl+a", "BackSpace")
+        if text:
+            w.do("type", text)
+        w.key("Return")
+        w.do("mousemove", X, Y + 200)
+        w.shot("typed")
+        assert np.array_equal(cells(), before)
+        assert said in w.text().rpartition("trace: says: ")[2]
+    assert "The motion" not in w.text().rpartition("trace: says: ")[2] # what was refused is said until something else is done
+
+
+def be_symmetric(w):
+    """In x."""
+    axes = w.box("axes")
+    w.do("mousemove", axes[0] - 120, axes[1] + 8, "click", 5) # the wheel
+
+
+def test_a_handle_in_the_middle_has_no_twin(window, tmp_path):
+    """Though another one is near."""
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X, Y), (X, Y - 10))
+    w.drag((X - 14, Y + 14), (X - 14, Y + 24))
+    be_symmetric(w)
+    before = load(w.save("before.ply"))[0]
+    upper, lower = (before - points)[:, 1].argmax(), (before - points)[:, 1].argmin()
+    w.do("mousemove", X, Y - 10)
+    w.key("g", "z", "1", "Return")
+    w.shot("moved")
+    moved = load(w.save("moved.ply"))[0] - before
+    assert np.abs(moved[upper] - [0, 0, 1]).max() < 1e-5 and np.abs(moved[lower]).max() < 1e-5
+
+
+def test_a_lopsided_layer_gets_no_stray_handles(window, tmp_path):
+    points, faces = tube_of(np.linspace(-1, 1, 80), 64, 0.25)
+    points[:, 1] *= np.where(points[:, 0] > 0, 3, 1).astype(points.dtype)
+    w = window(write_ply(tmp_path / "lopsided.ply", points, faces))
+    w.start_tool()
+    be_symmetric(w)
+    w.drag((X + 120, Y - 130), (X + 120, Y - 150))
+    assert np.abs(load(w.save("moved.ply"))[0] - points).max() > 0.05
+    w.shot("one")
+    x, y, width, _ = w.box("handles")
+    rows = np.asarray(w.picture().convert("L"))[y + 26:y + 68, x + 4:x + width - 4]
+    assert np.ptp(rows[:20]) > 50 > np.ptp(rows[24:]) # one handle
 
 
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):

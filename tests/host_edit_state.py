@@ -305,6 +305,18 @@ def test_filters_find_the_pose(window, tmp_path):
     assert np.array_equal(load(w.save("posed_still.ply"))[0], posed)
 
 
+@the_dialogs_are_those_of_2020
+def test_a_closed_dialog_outlives_the_last_layer(window, tmp_path):
+    w, _, _ = open_tube(window, tmp_path)
+    filters = Filters(w)
+    filters.finish(filters.dialog("FCD: Deform Mesh"))
+    filters.run("Delete Current Mesh")
+    filters.back()
+    points = import_another(w, tmp_path)
+    assert np.array_equal(load(w.save("two_again.ply"))[0], points)
+    assert "the dialog: " not in w.text()
+
+
 def test_the_panel_goes_with_its_document(window, tmp_path):
     w, _, _ = open_tube(window, tmp_path)
     w.start_tool()

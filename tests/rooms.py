@@ -4,7 +4,7 @@
     python3 tests/rooms.py
 
 In vcg_ext each folder includes what stands before it in FLOORS, or is its own; only the doors, the headers at the top, include all
-of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other. The method takes sine,
+of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other. What the window's loop calls of a tool is guarded. The method takes sine,
 exponential and the like from base/elementary.h, for the same bits everywhere."""
 import re
 import sys
@@ -15,6 +15,8 @@ FLOORS = ["shape_constants.h", "base", "line", "handles", "surface", "patches", 
           "centroidal_deformation.h"]
 SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_report.cpp": "fit.h", "straightener.cpp": "straighten.h"}  # of a door, at its floor
 VCG = {"centroidal_deformation.h": "reads VCG meshes"}
+# Of a tool, what the window's loop calls is guarded: by LayerTool's when(), later() and every().
+UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")
 LONGEST = 350
 # What libraries compute each in their own way. (AngleAxis and the closed form for eigenvalues call them.)
 VARYING = re.compile(r"\bstd::(sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|exp2?|expm1|log|log2|log10|log1p|pow|cbrt|hypot|polar|arg)\b|AngleAxis|computeDirect"
@@ -64,6 +66,11 @@ def main():
             if path.suffix in (".h", ".cpp"):
                 faults += [f"{plugin}/{path.name}:{line}: error: includes {included}"
                            for line, included in includes(path) if other in included]
+    for path in sorted((ROOT / "edit_fcd").glob("*.cpp")):
+        text = path.read_text()
+        if re.search(r"^\S.* (Bend|Fit)Tool::", text, re.MULTILINE):
+            faults += [f"edit_fcd/{path.name}:{line}: error: a slot of a tool that is not guarded"
+                       for line, each in enumerate(text.split("\n"), 1) if UNGUARDED.search(each)]
     for folder in ("vcg_ext", "layer_fcd", "filter_fcd", "edit_fcd", "python"):
         for path in sorted([*(ROOT / folder).glob("**/*.h"), *(ROOT / folder).glob("**/*.cpp")]):
             name, lines = str(path.relative_to(ROOT)), path.read_text().count("\n")
