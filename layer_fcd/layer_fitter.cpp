@@ -7,12 +7,14 @@
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
+#include "marks.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
 #include "rest_shape.h"
 #include "results.h"
 #include "tag_sources.h"
+#include "weight_sources.h"
 
 #include <memory>
 
@@ -48,6 +50,13 @@ std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest,
     return landmarks;
 }
 
+/// \param weight must outlive it
+vcg::fcd::WeightOf weightOf(const std::vector<float> &weight) {
+    if (weight.empty())
+        return {};
+    return [&weight](std::size_t i) { return double(weight[i]); };
+}
+
 } // namespace
 
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
@@ -56,6 +65,12 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           FitMeshParam fit = asked;
           if (!rest)
               fit.fit.linear = hasDirections(layer);
+          // What tells the weights tells no tags.
+          const bool isTold =
+              fit.weights == FitMeshParam::WeightsQuality
+                  ? fit.handles.source == HandleParam::Quality && !hasMarks(layer)
+                  : fit.weights == FitMeshParam::WeightsSelection && fit.handles.source == HandleParam::Selection;
+          fit.handles.allFree = fit.handles.allFree || isTold;
           if (fit.landmarksOnly)
               fit.fit = fit.fit.LandmarksAlone();
           return fit;
@@ -76,6 +91,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     const SurfaceView view = surface.View();
     normal =
         restNormal ? [restNormal](std::size_t i) { return toVector(restNormal[i]); } : vcg::tri::NormalsOf(layer.cm);
+    weight = readWeights(layer, param.weights, param.weightAttribute);
     const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return view.At(i); });
     readMotions(document, layer, rest, param.handles, center, remark, handles);
     if (!target)
@@ -84,12 +100,13 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (target->cm.fn == 0)
         for (const CVertexO &vertex : target->cm.vert)
             targetNormal.push_back(toVector(vertex.cN()));
+    targetWeight = readWeights(*target, param.targetWeights, param.weightAttribute);
     goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target),
-            [this] { targetSurface = {}; }};
+            [this] { targetSurface = {}; }, weightOf(targetWeight)};
 }
 
 std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const {
-    return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress);
+    return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress, weightOf(weight));
 }
 
 FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {

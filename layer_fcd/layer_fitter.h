@@ -50,6 +50,7 @@ class LayerFit {
     vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
     vcg::fcd::NormalOf normal;
     std::vector<Eigen::Vector3d> targetNormal;
+    std::vector<float> weight, targetWeight; ///< by slot; empty: all counts
     vcg::fcd::FitGoal goal;
 };
 

@@ -40,6 +40,13 @@ FitParam fitParamOf(const nb::dict &given) {
     return nb::cast<bool>(given["landmarks_only"]) ? param.LandmarksAlone() : param;
 }
 
+/// Of an array that outlives it; empty without any.
+vcg::fcd::WeightOf weightsOf(const std::optional<Fitting::Weights> &weights) {
+    if (!weights)
+        return {};
+    return [data = weights->data()](std::size_t i) { return data[i]; };
+}
+
 /// Of rows that outlive it; empty without any.
 NormalOf normalsOf(const std::optional<Rows> &rows) {
     if (!rows)
@@ -61,6 +68,7 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
                  const std::optional<Rows> &normals, const nb::dict &given, unsigned threads,
                  const nb::object &report) {
     const FitParam param = fitParamOf(given);
+    const std::optional<Weights> weights = nb::cast<std::optional<Weights>>(given["weights"]);
     const auto make = [&](const Prepared &read, const Progress &progress) {
         Handles handles = read.handles;
         const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return read.view.At(i); });
@@ -68,7 +76,8 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
             const auto steps = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "the motion");
             handles.motion[tag] = vcg::fcd::ToMotion(steps.at(tag), center.at(tag));
         }
-        fitter = std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress);
+        fitter =
+            std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress, weightsOf(weights));
         return std::shared_ptr<const vcg::fcd::Deformer>(fitter, &fitter->Surface()); // lives as long as the fitter
     };
     prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
@@ -79,6 +88,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     const bool isAlone = given.empty();
     std::optional<Rows> vertices, normals;
     std::optional<Corners> faces;
+    std::optional<Weights> weights;
     FitGoal goal;
     if (!isAlone) {
         vertices = nb::cast<Rows>(given["vertices"]);
@@ -92,6 +102,8 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         }
         goal.surface.isCloud = goal.surface.faces == 0;
         goal.normal = normalsOf(normals);
+        weights = nb::cast<std::optional<Weights>>(given["weights"]);
+        goal.weight = weightsOf(weights);
     }
     FitReport found;
     vcg::fcd::SurfacePose pose;
@@ -111,6 +123,8 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["median"] = found.median;
     all["percentile_95"] = found.percentile95;
     all["matched"] = found.matched;
+    all["counted"] = found.counted;
+    all["carried"] = found.carried;
     all["landmarks"] = points.shape(0);
     all["landmark_residual"] = found.landmarks;
     all["landmark_pull"] = found.pull;

@@ -5,6 +5,7 @@
 #include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_matches.h>
+#include <vcg_ext/fit/fit_parts.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_system.h>
 #include <vcg_ext/fit/fit_target.h>
@@ -101,7 +102,7 @@ void FitParam::ValidateFit() const {
 }
 
 Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
-               const Progress &progress)
+               const Progress &progress, const WeightOf &weight)
     : source(source), handles(handles), param(param) {
     param.ValidateFit();
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
@@ -113,7 +114,13 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
         points.isCloud = true;
         deformer = PrepareDeformer(points, handles, param, progress.Slice(0.7, 0.9));
     }
-    sample = EvenSample(deformer->Whole(), std::size_t(param.samples));
+    if (weight && !FollowsAlone())
+        nodeWeight = WeightsAtNodes(source, weight, *deformer);
+    sample = EvenSample(deformer->Whole(), std::size_t(param.samples), nodeWeight);
+    if (sample.empty() && !nodeWeight.empty())
+        throw BadInput(
+            "The weights of the surface are 0 wherever it is free, so nothing of it can be matched. Give what "
+            "counts one up to 1.");
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
     progress(1, "Preparing the fit");
 }
@@ -135,6 +142,9 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         samples.Add(region, pose, node);
     samples.normal = sampleNormal;
     const std::size_t matched = samples.Size();
+    for (std::size_t s = 0; s < matched && !nodeWeight.empty(); ++s)
+        samples.weight[s] = double(nodeWeight[std::size_t(sample[s])]);
+    report.counted = CountedShare();
     std::vector<Eigen::Vector3d> place; // of each landmark
     std::vector<char> hasLandmark(std::size_t(surface.graph.Size()), 0);
     for (const Landmark &each : landmark) {
@@ -153,7 +163,11 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     std::vector<char> isFree(std::size_t(region.graph.Size()));
     for (Index j = 0; j < region.graph.Size(); ++j)
         isFree[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
+    const std::vector<char> isAnyFree = isFree;
     const bool isAlone = FollowsAlone();
+    FitSamples drawn = samples; // the landmarks are behind those that are matched
+    FitParts parts(region, isAlone ? drawn.From(matched) : drawn, isAlone ? 0 : matched);
+    isFree = parts.Led(std::move(isFree));
     if (!isAlone) {
         std::vector<Eigen::Vector3d> at; // where they are before the start
         at.reserve(matched);
@@ -169,7 +183,6 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         }
     }
 
-    FitSamples drawn = samples; // the landmarks are behind those that are matched
     samples.Shrink(matched);
     FitSystem system(region, isFree, drawn, param.smoothness);
     MatchParam how;
@@ -289,7 +302,15 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     report.insideOut = matches->IsInsideOut();
     if (report.insideOut && !report.converged && place.empty()) // as of what was mirrored by negating a coordinate
         report.mirrored = true;
-    Arrive(drawn, matched, place, leads, isFree, graph, report, progress.Slice(0.98, 1));
+    if (!isAlone) {
+        parts.Judge(
+            *matches, [&](std::size_t s) { return IsOn(*matches, s, report); }, leads);
+        matches->LeaveOut(parts.CarriedSamples());
+    }
+    Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress.Slice(0.98, 1));
+    parts.Carry(isAnyFree, param.smoothness, stiffest, graph, progress.threads);
+    report.carried = parts.Carried();
+    report.carriedNode = parts.CarriedNodes();
     pose.solved.position = graph.position;
     pose.solved.linear = graph.linear;
     pose.solved.rests = graph.rests;

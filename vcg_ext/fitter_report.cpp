@@ -11,6 +11,24 @@
 
 namespace vcg::fcd {
 
+/// Whether a sample has a counterpart.
+bool Fitter::IsOn(const FitMatches &matches, std::size_t s, const FitReport &report) const {
+    return matches.Counts(s) &&
+           report.LiesOn(matches.Distance(s) * deformer->Whole().surface.frame.scale, matches.OnBorder(s));
+}
+
+/// Of the free surface.
+double Fitter::CountedShare() const {
+    const RegionDeformer &region = deformer->Whole();
+    double all = 0, counts = 0;
+    for (std::size_t u = 0; u < nodeWeight.size(); ++u)
+        if (region.held.tag[u] == 1) {
+            all += double(region.surface.nodeArea[u]);
+            counts += nodeWeight[u] > 0 ? double(region.surface.nodeArea[u]) : 0;
+        }
+    return all > 0 ? counts / all : 1;
+}
+
 void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     const double scale = deformer->Whole().surface.frame.scale;
     std::vector<double> distance, near;
@@ -31,7 +49,7 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     report.nearest = std::max(report.percentile95, 1e-4 * scale);
     std::size_t matched = 0;
     for (std::size_t s = 0; s < matches.Size(); ++s)
-        matched += matches.Counts(s) && report.LiesOn(distance[s] * scale, matches.OnBorder(s));
+        matched += IsOn(matches, s, report);
     report.matched = double(matched) / double(std::max<std::size_t>(distance.size(), 1));
 }
 
@@ -100,6 +118,13 @@ std::vector<std::string> FitReport::TargetRemarks() const {
     return remarks;
 }
 
+bool Fitter::CountsAt(std::size_t slot, const FitReport &report) const {
+    const Index u = deformer->nodeOf[slot];
+    const auto patch = [&] { return deformer->Whole().patches.patchOf[std::size_t(u)]; };
+    return u < 0 || ((nodeWeight.empty() || nodeWeight[std::size_t(u)] > 0) &&
+                     (report.carriedNode.empty() || patch() < 0 || !report.carriedNode[std::size_t(patch())]));
+}
+
 void Fitter::Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
                      std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress) const {
     const Frame &frame = deformer->Whole().surface.frame;
@@ -115,7 +140,8 @@ void Fitter::Compare(const FitTarget &target, const FitReport &report, const Pos
                         const FitTarget::Match match = target.Nearest(p, hint);
                         const double far = (p - match.point).norm() * frame.scale;
                         distance[i] = float(far);
-                        liesOn[i] = report.LiesOn(far, match.onBorder) && far <= param.largestDistance;
+                        liesOn[i] = report.LiesOn(far, match.onBorder) && far <= param.largestDistance &&
+                                    match.weight > 0 && CountsAt(i, report);
                     }
                 });
 }

@@ -39,7 +39,11 @@ class FitInfo(PoseInfo):
     percentile_95: float
     """What 95 percent of them are within."""
     matched: float
-    """Share of the surface that has a counterpart, 0 to 1."""
+    """Share of the surface that has a counterpart, of what counts, 0 to 1."""
+    counted: float
+    """Share of the free surface that counts, as its `weights` are above 0; the rest was carried along."""
+    carried: int
+    """Separate parts that were carried by others, as nothing of the target leads them."""
     landmarks: int
     """How many there are."""
     landmark_residual: float
@@ -126,6 +130,10 @@ class Fitter(Unchanging):
         `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+    weights : array_like, optional
+        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. What has 0 is not matched, but carried along, as
+        something that the target lacks. None: all counts. A separate part that nothing of the target leads is carried by those around it
+        in any case: by what it belongs to or lies in.
     copy : bool, default True
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
@@ -181,6 +189,7 @@ class Fitter(Unchanging):
         transforms: Transforms | None = None,
         *,
         normals: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
         copy: bool = True,
         start: FitStart = "as_they_lie",
         stiffness: float = 1.0,
@@ -211,7 +220,8 @@ class Fitter(Unchanging):
 
         def plan(n: int) -> Plan:
             regions = _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
-            return Plan("fitted", param, regions, _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist()))
+            own = {**param, "weights": _inputs.weights(weights, n)}
+            return Plan("fitted", own, regions, _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist()))
 
         self._deformer = Deformer._made(vertices, faces, normals, not _inputs.flag("copy", copy), _inputs.whole("threads", threads, 0, 1024),
                                         plan, report(progress))
@@ -228,6 +238,7 @@ class Fitter(Unchanging):
         *,
         landmarks: Sequence[ArrayLike] | None = None,
         target_normals: ArrayLike | None = None,
+        target_weights: ArrayLike | None = None,
         progress: Progress = None,
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
@@ -244,6 +255,9 @@ class Fitter(Unchanging):
             of the target where they belong. These are exact, or within `landmark_tolerance`.
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
+        target_weights : array_like, optional
+            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. What has 0 is as if it were not there. None: all
+            counts.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -268,14 +282,14 @@ class Fitter(Unchanging):
             What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other or are too
             dense for the graph, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
         """
-        return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
+        return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, shared(progress), 3)
 
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
-             told: Progress, level: int) -> Fitted:
+             weights: ArrayLike | None, told: Progress, level: int) -> Fitted:
         points, places = self._pairs(landmarks)
         if self._alone and len(points) == 0:
             raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
-        goal = {} if self._alone else self._goal(target, faces, normals)
+        goal = {} if self._alone else self._goal(target, faces, normals, weights)
         fitting = self._deformer._fitting
         solved, found = fitting.fit(goal, points, places, report(told, 0, 70))
         found["alone"] = self._alone
@@ -289,14 +303,14 @@ class Fitter(Unchanging):
         warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
         return made
 
-    def _goal(self, target: object, faces: object, normals: ArrayLike | None) -> dict[str, Any]:
+    def _goal(self, target: object, faces: object, normals: ArrayLike | None, weights: ArrayLike | None) -> dict[str, Any]:
         positions, corners = (np.zeros((0, 3)), None) if target is None else _meshes.surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
         if normals is not None:  # those of points that are not finite do not count
             normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
             normals = np.where(np.isfinite(positions).all(axis=1, keepdims=True), normals, 0.0)
-        return {"vertices": positions, "faces": corners,
+        return {"vertices": positions, "faces": corners, "weights": _inputs.weights(weights, len(positions), "target_weights"),
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
@@ -330,6 +344,8 @@ def fit(
     transforms: Transforms | None = None,
     normals: ArrayLike | None = None,
     target_normals: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    target_weights: ArrayLike | None = None,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
     largest_distance: float = 0.0,
@@ -369,6 +385,10 @@ def fit(
         n x 3, at rest, which turn with the surface.
     target_normals : array_like, optional
         k x 3, of a cloud.
+    weights : array_like, optional
+        n numbers from 0, which is carried along and not matched, to 1; or a mask. None: all counts.
+    target_weights : array_like, optional
+        k numbers from 0, which is as if it were not there, to 1; or a mask. None: all counts.
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0
@@ -428,7 +448,7 @@ def fit(
             own, target = None, faces
         elif target_faces is None:
             own, target, corners = None, faces, target_vertices
-    fitter = Fitter(vertices, own, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
+    fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, largest_distance=largest_distance,
                     largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
-    return fitter._fit(target, corners, landmarks, target_normals, report(told, 40, 100), 3)
+    return fitter._fit(target, corners, landmarks, target_normals, target_weights, report(told, 40, 100), 3)

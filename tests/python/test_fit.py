@@ -2,6 +2,7 @@
 """fit and Fitter: one surface laid onto another, without MeshLab."""
 import concurrent.futures
 import dataclasses
+import pickle
 import subprocess
 import sys
 import warnings
@@ -205,6 +206,34 @@ def test_a_surface_that_lies_elsewhere(start, scale):
     assert landmarks is None or np.abs(laid.vertices - TRUTH)[CHOSEN].max() < 1e-12
 
 
+def ball(middle, radius, around=16):
+    """(vertices, faces)"""
+    a, b = (each.ravel() for each in np.meshgrid(2 * np.pi * np.arange(around) / around, np.linspace(0.1, np.pi - 0.1, 9), indexing="ij"))
+    i = (np.arange(around)[:, None] * 9 + np.arange(8)).ravel()
+    j = ((np.arange(around)[:, None] + 1) % around * 9 + np.arange(8)).ravel()
+    return radius * np.stack([np.sin(b) * np.cos(a), np.sin(b) * np.sin(a), np.cos(b)], 1) + middle, np.vstack([np.c_[i, i + 1, j], np.c_[j, i + 1, j + 1]])
+
+
+def test_a_part_without_a_counterpart_is_carried():
+    eye, corners = ball([0.15, 0, 3], 0.3)
+    both, faces = np.vstack([VERTICES, eye]), np.vstack([FACES, corners + len(VERTICES)])
+    weights = np.arange(len(both)) < len(VERTICES)
+    for given in ({}, {"weights": weights}, {"weights": weights.astype(np.float32).tolist()}):
+        laid = fit(both, faces, TARGET, TARGET_FACES, **given, **{**QUICK, "steps": 60})
+        assert rms(laid.vertices[weights], TRUTH) < 0.6 and rms(laid.vertices[~weights], bent(eye)) < 0.8
+        assert laid.info.carried == 1 and laid.info.matched > 0.7 and (laid.info.counted < 1) == bool(given)
+    fitter = pickle.loads(pickle.dumps(Fitter(both, faces, weights=weights, **{**QUICK, "steps": 60})))
+    assert same(fitter.fit(TARGET, TARGET_FACES).vertices, laid.vertices)
+
+
+def test_what_does_not_count_of_the_target_is_as_if_it_were_not_there(fitter, laid):
+    beside, corners = ball([0.6, 0, 2], 0.3)
+    both = np.vstack([TARGET, beside])
+    counts = np.arange(len(both)) < len(TARGET)
+    assert same(fitter.fit(both, np.vstack([TARGET_FACES, corners + len(TARGET)]), target_weights=counts).vertices, laid.vertices)
+    assert same(fit(VERTICES, FACES, both, target_weights=counts, **QUICK).vertices, fitter.fit(TARGET).vertices)
+
+
 def test_little_that_is_matched_is_warned_of(fitter):
     part, faces = tube(8, 27, end=0.4)
     with pytest.warns(pymeshlab_fcd.MatchWarning, match="do not trust the rest"):
@@ -298,6 +327,12 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
     (TARGET, {"largest_angle": 200}, "largest angle of matches"),
     (TARGET, {"samples": 5}, "At least 100 places"),
+    (TARGET, {"weights": np.ones(3)}, "weights must be 1800 numbers, one for each vertex"),
+    (TARGET, {"weights": np.full(len(VERTICES), np.nan)}, "weights must be from 0, .* that of vertex 0 is nan"),
+    (TARGET, {"weights": np.arange(len(VERTICES)) / 2}, "weights must be from 0, .* that of vertex 3 is 1.5"),
+    (TARGET, {"weights": np.zeros(len(VERTICES))}, "The weights of the surface are 0 wherever it is free"),
+    (TARGET, {"target_weights": np.zeros(len(TARGET))}, "The weights of the target are 0 all over"),
+    (TARGET, {"target_weights": np.ones(4)}, "target_weights must be 1323 numbers, one for each vertex"),
     (TARGET, {"steps": 1}, "A fit takes 2 to 10000 steps"),
 ])
 def test_what_cannot_be_taken(target, given, message):

@@ -48,6 +48,10 @@ class FitMatches {
 
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
+    const Eigen::Vector3d &Place(std::size_t s) const { return match[s].point; }
+    double Spacing() const { return param.spacing; }
+    /// Samples that are not matched from now on. \param carried flags
+    void LeaveOut(const std::vector<char> &carried);
     bool Counts(std::size_t s) const { return counts[s] != 0; }
     bool OnBorder(std::size_t s) const { return match[s].onBorder; }
     /// Whether the target's normals point to the other side than the surface's, as those of a mesh whose faces are
@@ -56,6 +60,8 @@ class FitMatches {
 
   private:
     double Side() const;
+    void ListThoseThatCount();
+    std::vector<Eigen::Vector3d> WhereTheyAre() const;
     void Search(const GraphPose &pose, unsigned threads);
     FitSystem::Pull PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
                            double along) const;
@@ -70,11 +76,13 @@ class FitMatches {
     double side = 1;   // that the target's normals are taken by
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
+    std::vector<double> weight; // of each sample; 0: it is not matched
+    std::vector<Index> some;    // samples that are matched
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
     const std::vector<FitTarget::Match> reach; // of the target, what is to be reached
-    std::vector<Index> reaches;                // of each of them, the nearest sample; both ways
+    std::vector<Index> reaches;                // of each of them, the nearest sample that is matched; both ways
 };
 
 /// A part of a list, as if it were sorted; 0 of none.

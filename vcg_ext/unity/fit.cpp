@@ -5,6 +5,7 @@
 #include <vcg_ext/fit/fit_gaps.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_landmarks.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_matches.cpp>        // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fit/fit_parts.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_samples.cpp>        // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_start.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_system.cpp>         // NOLINT(bugprone-suspicious-include)
