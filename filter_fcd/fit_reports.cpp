@@ -2,7 +2,29 @@
 // What FCD: Fit to Layer says of what it did.
 #include "filter_reports.h"
 
+#include <algorithm>
+#include <cmath>
+#include <ostream>
 #include <sstream>
+
+namespace {
+
+double rmsOf(const std::vector<double> &off) {
+    double squares = 0;
+    for (double each : off)
+        squares += each * each;
+    return off.empty() ? 0 : std::sqrt(squares / double(off.size()));
+}
+double mostOf(const std::vector<double> &off) { return off.empty() ? 0 : *std::max_element(off.begin(), off.end()); }
+
+/// \param what they are, and how far off
+void tell(const std::vector<double> &off, const char *what, std::ostream &line) {
+    if (!off.empty())
+        line << " " << what << " by " << rmsOf(off) << " (rms), at most by " << mostOf(off) << " (number "
+             << std::max_element(off.begin(), off.end()) - off.begin() << " of " << off.size() << ", counted from 0).";
+}
+
+} // namespace
 
 std::string describe(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
@@ -12,6 +34,14 @@ std::string describe(const FittedLayers &made) {
     if (!made.landmarksOnly)
         line << " " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
              << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+    if (report.matched > 0)
+        line << " That came from " << report.moved << " away (median; at most " << report.movedMost << ").";
+    if (report.guessed > 0 && !made.landmarksOnly)
+        line << " " << 100 * report.guessed
+             << " percent are guessed, as they have no counterpart, and may be off by about " << report.guessError
+             << ".";
+    tell(made.check, "Pairs that were kept back to check by are off", line);
+    tell(made.leftOut, "Landmarks that are left out in turn are off", line);
     if (report.counted < 1)
         line << " That is of the " << 100 * report.counted << " percent that count; the rest was carried along.";
     if (report.carried > 0)
@@ -42,6 +72,14 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"percentile_95", report.percentile95},
                    {"matched", report.matched},
                    {"counted", report.counted},
+                   {"moved", report.moved},
+                   {"moved_most", report.movedMost},
+                   {"guessed", report.guessed},
+                   {"guess_error", report.guessError},
+                   {"check_rms", rmsOf(made.check)},
+                   {"check_largest", mostOf(made.check)},
+                   {"leave_one_out_rms", rmsOf(made.leftOut)},
+                   {"leave_one_out_largest", mostOf(made.leftOut)},
                    {"carried_parts", int(report.carried)},
                    {"folded_triangles", made.result.check.flipped},
                    {"landmarks", int(made.landmarks)},
@@ -67,6 +105,12 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         line << "Only " << 100 * report.matched
              << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "
                 "first, give landmarks, or raise largest_distance or largest_angle.";
+        warnings.push_back(line.str());
+    }
+    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: no hand misses so much
+        std::ostringstream line;
+        line << 100 * report.guessed << " percent of the surface are guessed, as they have no counterpart, and may be "
+             << "off by about " << report.guessError << ": give landmarks there, or do not trust them.";
         warnings.push_back(line.str());
     }
     if (made.result.check.flipped > 0)

@@ -84,6 +84,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     handles = readHandles(layer, rest, param.handles);
     landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
+    checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile);
     if (param.landmarksOnly && landmarks.empty())
         throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
     surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })
@@ -123,11 +124,16 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     fitted.landmarksOnly = param.landmarksOnly;
 
     std::shared_ptr<const vcg::fcd::FitTarget> target;
+    const double first = param.leaveOneOut ? 0.55 : 0.8; // then the fits without one landmark each
     if (param.landmarksOnly) {
-        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, 0.8));
+        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, first));
+        if (param.leaveOneOut)
+            fitted.leftOut = fitter->LeaveOneOut(landmarks, progress.Slice(first, 0.8));
     } else {
         target = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
-        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
+        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
+        if (param.leaveOneOut)
+            fitted.leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 0.8));
     }
     if (!param.landmarksOnly && fitted.report.matched == 0)
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
@@ -138,6 +144,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);
     fitter->PutLandmarks(landmarks, result.position);
+    fitted.check = fitter->Residuals(checks, result.position);
     if (measured && !target)
         target = fitter->Prepare(goal);
     if (measured)

@@ -91,6 +91,8 @@ struct FitMeshParam {
     QString landmarkFile;                      ///< .csv or .pp, may be empty
     QString targetFile;                        ///< .pp, to be matched with the other by name; may be empty
     std::vector<vcg::fcd::Landmark> landmarks; ///< besides these
+    QString checkFile, checkTargetFile;        ///< pairs that are kept back, as of the other two; may be empty
+    bool leaveOneOut = false;                  ///< also fits without each of the landmarks
     bool landmarksOnly = false;                ///< nothing else of the target counts
     Weights weights = AllCounts;               ///< how much the vertices count: 0 is carried, 1 counts fully
     Weights targetWeights = AllCounts;         ///< those of the target: 0 is as if it were not there

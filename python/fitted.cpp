@@ -83,7 +83,7 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
     prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
 }
 
-nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places,
+nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places, bool leaveOneOut,
                        const nb::object &report) const {
     const bool isAlone = given.empty();
     std::optional<Rows> vertices, normals;
@@ -106,16 +106,23 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         goal.weight = weightsOf(weights);
     }
     FitReport found;
+    std::vector<double> leftOut;
     vcg::fcd::SurfacePose pose;
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const std::vector<Landmark> landmarks = landmarksOf(points, places);
+        const Progress rest = progress.Slice(leaveOneOut ? 0.4 : 1, 1); // for the fits without one of them
         if (isAlone) {
-            pose = fitter->Follow(landmarksOf(points, places), found, progress);
+            pose = fitter->Follow(landmarks, found, progress.Slice(0, leaveOneOut ? 0.4 : 1));
+            if (leaveOneOut)
+                leftOut = fitter->LeaveOneOut(landmarks, rest);
             return;
         }
         goal.surface.Validate(progress.Slice(0, 0.02));
         const auto target = fitter->Prepare(goal, progress.Slice(0.02, 0.3));
-        pose = fitter->Solve(*target, landmarksOf(points, places), found, progress.Slice(0.3, 1));
+        pose = fitter->Solve(*target, landmarks, found, progress.Slice(0.3, leaveOneOut ? 0.4 : 1));
+        if (leaveOneOut)
+            leftOut = fitter->LeaveOneOut(*target, landmarks, rest);
     });
     pose.iterations = found.steps;
     nb::dict all;
@@ -123,6 +130,11 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["median"] = found.median;
     all["percentile_95"] = found.percentile95;
     all["matched"] = found.matched;
+    all["moved"] = found.moved;
+    all["moved_most"] = found.movedMost;
+    all["guessed"] = found.guessed;
+    all["guess_error"] = found.guessError;
+    all["leave_one_out"] = nb::tuple(nb::cast(leftOut));
     all["counted"] = found.counted;
     all["carried"] = found.carried;
     all["landmarks"] = points.shape(0);

@@ -12,12 +12,13 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
     "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
-    "median": float, "percentile_95": float, "matched": float, "counted": float, "carried_parts": int, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
+    "median": float, "percentile_95": float, "matched": float, "counted": float, "moved": float, "moved_most": float, "guessed": float, "guess_error": float, "check_rms": float, "check_largest": float,
+    "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
     "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
@@ -124,6 +125,46 @@ def test_what_counts_is_told_by_quality_selection_or_attribute(capfd):
     assert same_points(weighed(2)[0], fitted) and same_points(weighed(2, handles=1)[0], fitted)
     assert same_points(weighed(3, weight_attribute="counts")[0], fitted)
     assert not same_points(weighed(0)[0], fitted)
+
+
+def test_a_fit_is_judged_by_what_it_does_not_see(capfd, tmp_path):
+    ms, truth = pair()
+    start = ms.current_mesh().vertex_matrix()
+    chosen, kept = np.arange(5, 7200, 1200), np.arange(700, 7200, 900)
+    wrong = truth.copy()
+    wrong[kept[3]] += [0, 0.1, 0]
+    check = point_file(tmp_path / "check.csv", "index", kept, None, wrong[kept])
+    plain = fit(ms, graph_layers=False)[1]
+    ms.set_current_mesh(1)
+    result, log = fit_logged(ms, capfd, check_file=check, graph_layers=False)
+    off = np.linalg.norm(plain - wrong, axis=1)[kept]
+    assert same_points(ms.current_mesh().vertex_matrix(), plain)  # which has not seen them
+    assert abs(result["check_rms"] - np.sqrt((off ** 2).mean())) < 1e-9 and abs(result["check_largest"] - off.max()) < 1e-9
+    assert "Pairs that were kept back to check by are off by" in log and "(number 3 of 8, counted from 0)" in log
+    assert "That came from" in log and 0 < result["moved"] < result["moved_most"] and result["leave_one_out_rms"] == 0
+    ms.set_current_mesh(1)
+    names = {f"p{i}": i for i in kept}
+    result, _ = fit_logged(ms, capfd, graph_layers=False, check_file=picked(tmp_path / "a.pp", **{name: start[i] for name, i in names.items()}),
+                           target_check_file=picked(tmp_path / "b.pp", **{name: wrong[i] for name, i in names.items()}))
+    assert abs(result["check_largest"] - off.max()) < 1e-6
+    ms.set_current_mesh(1)
+    landmarks = point_file(tmp_path / "landmarks.csv", "index", chosen, None, wrong[chosen])
+    for alone in (False, True):
+        ms.set_current_mesh(1)
+        result, log = fit_logged(ms, capfd, graph_layers=False, landmarks_file=landmarks, leave_one_out=True, landmarks_only=alone)
+        assert result["landmark_residual"] < 1e-5 < result["leave_one_out_rms"] <= result["leave_one_out_largest"] < (0.7 if alone else 0.05)
+        assert "Landmarks that are left out in turn are off by" in log
+
+
+def test_what_is_guessed_is_told(capfd):
+    ms, truth = pair(target=tube(50, 53, end=LENGTH / 2), degrees=60)
+    result, log = fit_logged(ms, capfd)
+    off = np.linalg.norm(ms.current_mesh().vertex_matrix() - truth, axis=1)[tube()[0][:, 2] > LENGTH / 2]
+    assert abs(result["guessed"] - 0.5) < 0.05 and 0.5 < result["guess_error"] / np.sqrt((off ** 2).mean()) < 2
+    assert "percent are guessed, as they have no counterpart, and may be off by about" in log and "give landmarks there, or do not trust them" in log
+    ms, _ = pair()
+    result, log = fit_logged(ms, capfd)
+    assert result["guessed"] < 0.05 and "give landmarks there" not in log
 
 
 def test_a_separate_part_without_a_counterpart_is_carried(capfd):

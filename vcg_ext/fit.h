@@ -80,8 +80,11 @@ struct FitReport {
 
     double nearest = 0;                           ///< world units
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
-    double matched = 0;      ///< share of the samples that have a counterpart, of what counts, [0, 1]
-    double counted = 1;      ///< share of the free surface that counts: its weight is above 0
+    double matched = 0;              ///< share of the samples that have a counterpart, of what counts, [0, 1]
+    double counted = 1;              ///< share of the free surface that counts: its weight is above 0
+    double moved = 0, movedMost = 0; ///< from how far what is matched came: median and most, world units
+    double guessed = 0;              ///< share of the free surface that has no counterpart, and was carried along
+    double guessError = 0;   ///< how far that may be off, root mean square, world units; NaN where nothing tells
     std::size_t carried = 0; ///< separate parts that others carried, as nothing of the target leads them
     double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
     double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
@@ -135,6 +138,18 @@ class Fitter {
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 
+    /// How far each landmark is from where it belongs if it is left out: what the target and the others say of it,
+    /// world units. As many fits as there are landmarks. \throw as Solve
+    std::vector<double> LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
+                                    const Progress &progress = {}) const;
+
+    /// The same where landmarks lead alone. \pre, \throw as Follow
+    std::vector<double> LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress = {}) const;
+
+    /// How far vertices are from where they belong in a pose that was carried to \p position, 3 x vertex slots, mesh
+    /// units: pairs that were kept back from the fit judge it. \return world units
+    std::vector<double> Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const;
+
     /// The pose in which it follows its landmarks as rigidly as possible, and nothing else.
     /// \pre made with FitParam::LandmarksAlone \throw BadInput, Unsolvable, Cancelled as Solve
     Deformer::Pose Follow(const std::vector<Landmark> &landmark, FitReport &report,
@@ -161,6 +176,9 @@ class Fitter {
     bool FollowsAlone() const; // its landmarks: nothing is matched
     bool CountsAt(std::size_t slot, const FitReport &report) const;
     double CountedShare() const;
+    void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
+                      const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;
+    FitTarget NoTarget(const std::vector<Landmark> &landmark) const;
     bool IsOn(const FitMatches &matches, std::size_t sample, const FitReport &report) const;
     void Judge(const FitTarget &target, const FitPlacement &placement, bool isLed, FitReport &report) const;
     std::vector<Contradiction> Doubted(const FitSamples &drawn, std::size_t first,

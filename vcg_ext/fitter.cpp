@@ -319,6 +319,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     all.converged = report.converged;
     all.energy = graph.energy * frame.scale * frame.scale;
     Measure(*matches, report);
+    MeasureGuess(*matches, drawn, isAnyFree, leads, graph, report);
     progress(1, "Fitting");
     return all;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit is worth: how far it is from the target, and what of it has a counterpart there.
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_guess.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_target.h>
 
@@ -15,6 +16,28 @@ namespace vcg::fcd {
 bool Fitter::IsOn(const FitMatches &matches, std::size_t s, const FitReport &report) const {
     return matches.Counts(s) &&
            report.LiesOn(matches.Distance(s) * deformer->Whole().surface.frame.scale, matches.OnBorder(s));
+}
+
+void Fitter::MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
+                          const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const {
+    const RegionDeformer &region = deformer->Whole();
+    const double scale = region.surface.frame.scale;
+    std::vector<double> moved;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        if (IsOn(matches, s, report))
+            moved.push_back(
+                (drawn.At(s, graph) - region.surface.graph.position.col(drawn.surfaceNode[s]).cast<double>()).norm() *
+                scale);
+    report.moved = Quantile(moved, 0.5);
+    report.movedMost = Quantile(moved, 1);
+    const auto isKnown = [&](std::size_t s) {
+        return s < matches.Size() ? IsOn(matches, s, report) : leads[s - matches.Size()] != 0;
+    };
+    const double counts = report.counted * region.surface.area,
+                 density = counts > 0 && !FollowsAlone() ? double(matches.Size()) / counts : 0;
+    const FitGuess guess = Guess(region, drawn, isKnown, isFree, density, graph);
+    report.guessed = guess.share;
+    report.guessError = guess.rms * scale;
 }
 
 /// Of the free surface.

@@ -234,6 +234,40 @@ def test_what_does_not_count_of_the_target_is_as_if_it_were_not_there(fitter, la
     assert same(fit(VERTICES, FACES, both, target_weights=counts, **QUICK).vertices, fitter.fit(TARGET).vertices)
 
 
+def test_it_is_judged_by_what_it_does_not_see(fitter, laid):
+    kept = np.arange(60, len(VERTICES), 200)
+    wrong = TRUTH[kept] + np.where(np.arange(len(kept))[:, None] == 2, 0.2, 0)
+    judged = fitter.fit(TARGET, TARGET_FACES, check=(kept, wrong))
+    assert same(judged.vertices, laid.vertices) and laid.info.check == ()
+    assert np.allclose(judged.info.check, np.linalg.norm(laid.vertices[kept] - wrong, axis=1)) and np.argmax(judged.info.check) == 2
+    places = fitter.fit(TARGET, TARGET_FACES, check=(VERTICES[kept] + [0, 0, 1e-3], wrong + [0, 0, 1e-3]))
+    assert np.allclose(places.info.check, judged.info.check)
+    assert 0 < laid.info.moved < laid.info.moved_most < DIAGONAL and laid.info.leave_one_out == ()
+    chosen = CHOSEN[::2]
+    places = TRUTH[chosen] + np.where(np.arange(len(chosen))[:, None] == 1, [0, 0.3, 0], 0)
+    for alone in (False, True):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            left = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen, places), leave_one_out=True, landmarks_only=alone, **QUICK).info
+            rest = np.arange(len(chosen)) != 1
+            without = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen[rest], places[rest]), landmarks_only=alone, **QUICK).vertices
+        assert len(left.leave_one_out) == len(chosen) and left.landmark_residual < 1e-9
+        assert abs(left.leave_one_out[1] - np.linalg.norm(without[chosen[1]] - places[1])) < 1e-4
+    with pytest.raises(TypeError, match="check must be a pair"):
+        fitter.fit(TARGET, TARGET_FACES, check=[1])
+    with pytest.raises(ValueError, match="the second of check must have 1 rows"):
+        fitter.fit(TARGET, TARGET_FACES, check=([1], wrong))
+
+
+def test_what_is_guessed_is_told(laid):
+    truth, (part, faces) = bent(VERTICES, 60.0), tube(25, 27, end=LENGTH / 2)
+    with pytest.warns(pymeshlab_fcd.MatchWarning, match="percent of the surface are guessed, as they have no counterpart, and may be off by about"):
+        half = fit(VERTICES, FACES, bent(part, 60.0), faces, **QUICK)
+    off = np.linalg.norm(half.vertices - truth, axis=1)[VERTICES[:, 2] > LENGTH / 2]
+    assert abs(half.info.guessed - 0.5) < 0.1 and 0.4 < half.info.guess_error / np.sqrt((off ** 2).mean()) < 2.5
+    assert laid.info.guessed < 0.1
+
+
 def test_little_that_is_matched_is_warned_of(fitter):
     part, faces = tube(8, 27, end=0.4)
     with pytest.warns(pymeshlab_fcd.MatchWarning, match="do not trust the rest"):

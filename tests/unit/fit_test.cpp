@@ -478,6 +478,40 @@ Shape Together(Shape a, const Shape &b) {
     return a;
 }
 
+TEST(Fit, TellsWhatItGuesses) {
+    EXPECT_LT(Fit(source, target).report.guessed, 0.02);
+    const auto isLeft = [](std::size_t i) { return source.position[i][0] < 5; };
+    const Fitted half = Weighted(source, target, isLeft);
+    EXPECT_NEAR(half.report.guessed, 0.5, 0.1);
+    const double off = Rms(half, truth, [](std::size_t i) { return source.position[i][0] > 5; }) * std::hypot(10, 6);
+    EXPECT_GT(half.report.guessError, off / 3);
+    EXPECT_LT(half.report.guessError, 3 * off);
+    EXPECT_GT(half.report.movedMost, half.report.moved);
+    EXPECT_NEAR(half.report.movedMost, 1, 0.3); // as far as the sheet was rolled up by its middle
+}
+
+TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
+    const MeshD from(source), to(target);
+    const Arrays fromArrays = Read(from), toArrays = Read(to);
+    Handles handles;
+    handles.tag.assign(source.position.size(), 1);
+    const Fitter fitter(fromArrays.View(), {}, handles, Small());
+    FitGoal goal;
+    goal.surface = toArrays.View();
+    const auto prepared = fitter.Prepare(goal);
+    const std::vector<Landmark> landmark = {{300, truth.position[300]}, {800, truth.position[800] + Vector3d(1, 0, 0)}};
+    const std::vector<double> off = fitter.LeaveOneOut(*prepared, landmark);
+    const Fitted without = Fit(source, target, Small(), {}, {landmark[0]});
+    ASSERT_EQ(off.size(), 2u);
+    EXPECT_NEAR(off[1], (without.position.col(800) - landmark[1].target).norm(), 1e-4);
+    EXPECT_EQ(fitter.Residuals(landmark, without.position)[1], (without.position.col(800) - landmark[1].target).norm());
+    ExpectError(
+        [&] {
+            fitter.Residuals({{999999, Vector3d::Zero()}}, without.position);
+        },
+        "Pair 0 of those to check, counted from 0, is no vertex");
+}
+
 // A ball that sits at the sheet has no counterpart: it goes with the place where it sits, though parts of it are near
 // enough to be matched. What is near and is there, is matched.
 TEST(Fit, PartsThatNothingMatchesAreCarried) {

@@ -3,6 +3,7 @@
 // where it is built, so that a compiler cache knows it anywhere.
 #include <vcg_ext/fit/fit_contradictions.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_gaps.cpp>           // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fit/fit_guess.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_landmarks.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_matches.cpp>        // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_parts.cpp>          // NOLINT(bugprone-suspicious-include)
