@@ -175,6 +175,7 @@ class Fitter {
     bool IsAllFree() const;
     bool FollowsAlone() const; // its landmarks: nothing is matched
     bool CountsAt(std::size_t slot, const FitReport &report) const;
+    std::size_t CountOn(const FitMatches &matches, const FitReport &report) const;
     double CountedShare() const;
     void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
                       const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;

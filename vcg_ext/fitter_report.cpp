@@ -40,6 +40,14 @@ void Fitter::MeasureGuess(const FitMatches &matches, const FitSamples &drawn, co
     report.guessError = guess.rms * scale;
 }
 
+/// How many samples lie on the target, as another fit to it told.
+std::size_t Fitter::CountOn(const FitMatches &matches, const FitReport &report) const {
+    std::size_t on = 0;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        on += IsOn(matches, s, report);
+    return on;
+}
+
 /// Of the free surface.
 double Fitter::CountedShare() const {
     const RegionDeformer &region = deformer->Whole();

@@ -417,7 +417,7 @@ TEST(Fit, WhatDoesNotCountIsCarriedAndNotMatched) {
     EXPECT_LT(Rms(half, truth, [](std::size_t i) { return source.position[i][0] < 4.5; }), 0.0042);
     EXPECT_NEAR(half.report.counted, 0.5, 0.05);
     EXPECT_EQ(all.report.counted, 1);
-    EXPECT_GT(half.report.matched, 0.9); // of what counts
+    EXPECT_GT(half.report.matched, 0.85); // of what counts
     for (std::size_t i = 0; i < source.position.size(); ++i)
         if (isRight(i)) {
             EXPECT_FALSE(half.liesOn[i]);
@@ -470,6 +470,26 @@ Shape Ball(const Vector3d &middle, double radius, int around = 16) {
         }
     return ball;
 }
+/// A ball with lumps that tell each place of it from the others.
+Shape Lumpy(int around) {
+    Shape ball = Ball(Vector3d::Zero(), 1, around);
+    for (Vector3d &p : ball.position)
+        p = (3 + 0.3 * std::sin(4 * p[0] + 3 * p[1]) + 0.3 * std::sin(5 * p[1] - 3 * p[2] + 1) +
+             0.1 * std::sin(11 * p[2] + 9 * p[0]) + 0.1 * std::sin(13 * p[1] - 8 * p[0] + 2)) *
+            Vector3d(1.3 * p[0], p[1], 0.9 * p[2]);
+    return ball;
+}
+
+// Where the soft surface follows the noise of a fine target, it gets stiffer: it is 0.0042 off otherwise.
+TEST(Fit, FollowsLittleOfStrongNoise) {
+    if (sanitized)
+        return; // it is as large as it is for the noise
+    const Shape from = Lumpy(110);
+    FitParam param;
+    param.samples = 4000;
+    EXPECT_LT(Rms(Fit(from, Jittered(Rolled(Lumpy(131)), 0.04), param), Rolled(from)), 0.0038);
+}
+
 Shape Together(Shape a, const Shape &b) {
     const int first = int(a.position.size());
     a.position.insert(a.position.end(), b.position.begin(), b.position.end());

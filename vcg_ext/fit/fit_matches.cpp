@@ -25,6 +25,14 @@ constexpr double mostDetour = 2;
 // at first.
 constexpr double firstAlong = 0.5, alongFalls = 0.004;
 
+// Places that tell how alike the distances are; for each, so many that are so many spacings away: farther than the
+// noise of a triangle's corner reaches, and nearer than nodes are to each other.
+constexpr std::size_t places = 1500;
+constexpr int neighbours = 4;
+constexpr double nearest = 1.5, farthest = 3;
+// Standard deviations, as the median tells them: what is farther is no noise, and counts as so much.
+constexpr double mostOfMedian = 3 * 1.4826;
+
 } // namespace
 
 double Quantile(std::vector<double> values, double part) {
@@ -159,6 +167,35 @@ double FitMatches::Unreached() const {
     for (std::size_t r = 0; r < reach.size(); ++r)
         unreached += Draw(r, std::size_t(some[std::size_t(tree.Nearest(reach[r].point))]), mean) > 0;
     return double(unreached) / double(reach.size());
+}
+
+double FitMatches::Alike() {
+    for (std::size_t s = 0; s < Size() && beside.size() < neighbours * places; s += 1 + (Size() - 1) / places) {
+        int found = 0;
+        for (std::size_t other = 0; other < Size() && found < neighbours; ++other) {
+            const double far = (at[s] - at[other]).norm() / param.spacing;
+            if (far > nearest && far < farthest && turned[s].dot(turned[other]) >= 0.5) { // on the same side
+                beside.emplace_back(Index(s), Index(other));
+                ++found;
+            }
+        }
+    }
+    std::vector<double> far;
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (counts[s])
+            far.push_back(distance[s]);
+    const double most = mostOfMedian * Quantile(far, 0.5);
+    const auto off = [&](Index s) { // across the target
+        const Eigen::Vector3d way = at[std::size_t(s)] - match[std::size_t(s)].point;
+        return std::clamp(normal[std::size_t(s)].normalized().dot(way), -most, most);
+    };
+    double squares = 0, products = 0;
+    for (const auto &[a, b] : beside)
+        if (counts[std::size_t(a)] && counts[std::size_t(b)]) {
+            squares += detail::Squared(off(a)) + detail::Squared(off(b));
+            products += 2 * off(a) * off(b);
+        }
+    return squares > 0 ? products / squares : 1;
 }
 
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {

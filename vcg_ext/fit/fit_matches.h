@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace vcg::fcd {
@@ -42,6 +43,11 @@ class FitMatches {
     /// \param pull out: of each sample, from point to plane (Chen and Medioni 1992), with the mean of both normals
     /// (Rusinkiewicz 2019)
     void Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull);
+
+    /// How alike the distances from the target are, with their signs, at places some spacings from each other: their
+    /// correlation, [-1, 1]. What the surface is too stiff to follow is alike at neighbouring places; noise is not.
+    /// Below 0, the surface follows some of the noise. 1 where there are no such places
+    double Alike();
 
     /// The share of the target's places that are not reached where the samples are now, [0, 1].
     double Unreached() const;
@@ -81,8 +87,9 @@ class FitMatches {
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
-    const std::vector<FitTarget::Match> reach; // of the target, what is to be reached
-    std::vector<Index> reaches;                // of each of them, the nearest sample that is matched; both ways
+    std::vector<std::pair<Index, Index>> beside; // samples some spacings from each other
+    const std::vector<FitTarget::Match> reach;   // of the target, what is to be reached
+    std::vector<Index> reaches;                  // of each of them, the nearest sample that is matched; both ways
 };
 
 /// A part of a list, as if it were sorted; 0 of none.

@@ -14,4 +14,5 @@
 #include <vcg_ext/fit/one_sided.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter.cpp>                 // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_landmarks.cpp>       // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fitter_param.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_report.cpp>          // NOLINT(bugprone-suspicious-include)
