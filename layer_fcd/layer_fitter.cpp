@@ -7,12 +7,14 @@
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
+#include "marks.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
 #include "rest_shape.h"
 #include "results.h"
 #include "tag_sources.h"
+#include "weight_sources.h"
 
 #include <memory>
 
@@ -48,6 +50,13 @@ std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest,
     return landmarks;
 }
 
+/// \param weight must outlive it
+vcg::fcd::WeightOf weightOf(const std::vector<float> &weight) {
+    if (weight.empty())
+        return {};
+    return [&weight](std::size_t i) { return double(weight[i]); };
+}
+
 } // namespace
 
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
@@ -56,6 +65,12 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           FitMeshParam fit = asked;
           if (!rest)
               fit.fit.linear = hasDirections(layer);
+          // What tells the weights tells no tags.
+          const bool isTold =
+              fit.weights == FitMeshParam::WeightsQuality
+                  ? fit.handles.source == HandleParam::Quality && !hasMarks(layer)
+                  : fit.weights == FitMeshParam::WeightsSelection && fit.handles.source == HandleParam::Selection;
+          fit.handles.allFree = fit.handles.allFree || isTold;
           if (fit.landmarksOnly)
               fit.fit = fit.fit.LandmarksAlone();
           return fit;
@@ -66,11 +81,13 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
         target = &checkedTarget(layer, param.target);
         targetName = inQuotes(*target);
     }
-    if (remark && param.handles.source == HandleParam::Quality && hasQuality(layer) && !mayHaveTags(layer))
+    if (remark && !param.handles.allFree && param.handles.source == HandleParam::Quality && hasQuality(layer) &&
+        !mayHaveTags(layer))
         remark("The quality of " + name + " is no tags, so nothing of it is held.");
     handles = readHandles(layer, rest, param.handles);
     landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
+    checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile);
     if (param.landmarksOnly && landmarks.empty())
         throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
     surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })
@@ -78,6 +95,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     const SurfaceView view = surface.View();
     normal =
         restNormal ? [restNormal](std::size_t i) { return toVector(restNormal[i]); } : vcg::tri::NormalsOf(layer.cm);
+    weight = readWeights(layer, param.weights, param.weightAttribute);
     const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return view.At(i); });
     readMotions(document, layer, rest, param.handles, center, remark, handles);
     if (!target)
@@ -86,12 +104,13 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (target->cm.fn == 0)
         for (const CVertexO &vertex : target->cm.vert)
             targetNormal.push_back(toVector(vertex.cN()));
+    targetWeight = readWeights(*target, param.targetWeights, param.weightAttribute);
     goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target),
-            [this] { targetSurface = {}; }};
+            [this] { targetSurface = {}; }, weightOf(targetWeight)};
 }
 
 std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const {
-    return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress);
+    return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress, weightOf(weight));
 }
 
 FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
@@ -108,11 +127,16 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     fitted.landmarksOnly = param.landmarksOnly;
 
     std::shared_ptr<const vcg::fcd::FitTarget> target;
+    const double first = param.leaveOneOut ? 0.55 : 0.8; // then the fits without one landmark each
     if (param.landmarksOnly) {
-        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, 0.8));
+        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, first));
+        if (param.leaveOneOut)
+            fitted.leftOut = fitter->LeaveOneOut(landmarks, progress.Slice(first, 0.8));
     } else {
         target = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
-        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, 0.8));
+        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
+        if (param.leaveOneOut)
+            fitted.leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 0.8));
     }
     if (!param.landmarksOnly && fitted.report.matched == 0)
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
@@ -123,6 +147,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);
     fitter->PutLandmarks(landmarks, result.position);
+    fitted.check = fitter->Residuals(checks, result.position);
     if (measured && !target)
         target = fitter->Prepare(goal);
     if (measured)

@@ -16,6 +16,8 @@ struct FittedSurface {
     double diagonal = 0;         ///< of what bends, world units
     std::size_t landmarks = 0;   ///< how many there are
     bool landmarksOnly = false;  ///< nothing else of the target counted
+    std::vector<double> check;   ///< how far pairs that were kept back are off, world units
+    std::vector<double> leftOut; ///< where FitMeshParam asks for it: so does each landmark without itself
     std::vector<float> distance; ///< from the target, one per vertex slot, world units; empty unless measured
     std::vector<char> matched;   ///< whether a vertex has a counterpart there; as well
     std::shared_ptr<const vcg::fcd::Fitter> fitter; ///< where FitMeshParam asks for graph layers; or null
@@ -45,11 +47,12 @@ class LayerFit {
     const FitMeshParam param;
     std::string name, targetName; ///< of the layers, in quotation marks
     vcg::fcd::Handles handles;
-    std::vector<vcg::fcd::Landmark> landmarks;
+    std::vector<vcg::fcd::Landmark> landmarks, checks;
     vcg::fcd::SurfaceArrays surface;
     vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
     vcg::fcd::NormalOf normal;
     std::vector<Eigen::Vector3d> targetNormal;
+    std::vector<float> weight, targetWeight; ///< by slot; empty: all counts
     vcg::fcd::FitGoal goal;
 };
 

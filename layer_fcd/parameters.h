@@ -54,6 +54,7 @@ struct HandleParam {
     QString transformFile;            ///< .def, may be empty; read with every source
     QString transforms;               ///< as vcg::fcd::ReadMotionText reads it, may be empty; goes before transformFile
     bool mayLack = false;             ///< where no vertex has a tag, or the quality is no tags, all are free
+    bool allFree = false;             ///< no tags are read: all vertices are free
     QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
 
     // The motion of handles that neither of these moves: first as the layer, then matrix, rotation and translation.
@@ -84,13 +85,19 @@ struct DeformMeshParam {
 /// What "FCD: Fit to Layer" is asked for.
 struct FitMeshParam {
     enum Quality { Input, Distance, Matched };
+    enum Weights { AllCounts, WeightsQuality, WeightsSelection, WeightsAttribute };
 
     const MeshModel *target = nullptr;
     HandleParam handles;                       ///< regions that stay, or move as they are told
     QString landmarkFile;                      ///< .csv or .pp, may be empty
     QString targetFile;                        ///< .pp, to be matched with the other by name; may be empty
     std::vector<vcg::fcd::Landmark> landmarks; ///< besides these
+    QString checkFile, checkTargetFile;        ///< pairs that are kept back, as of the other two; may be empty
+    bool leaveOneOut = false;                  ///< also fits without each of the landmarks
     bool landmarksOnly = false;                ///< nothing else of the target counts
+    Weights weights = AllCounts;               ///< how much the vertices count: 0 is carried, 1 counts fully
+    Weights targetWeights = AllCounts;         ///< those of the target: 0 is as if it were not there
+    QString weightAttribute = "fcd_weight";    ///< per-vertex scalar attribute of both (WeightsAttribute)
     vcg::fcd::FitParam fit;                    ///< without nodes
     bool graphLayers = true;                   ///< keep the rest and the deformed graph as layers
     Quality quality = Input;                   ///< of the fitted layer

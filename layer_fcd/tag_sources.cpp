@@ -7,6 +7,7 @@
 #include "marks.h"
 #include "point_sources.h"
 #include "tag_sources.h"
+#include "weight_sources.h"
 
 #include <algorithm>
 #include <atomic>
@@ -100,31 +101,10 @@ std::vector<int> tagsFromSelection(const MeshModel &layer, bool freeIfNone) {
 }
 
 std::vector<int> tagsFromAttribute(const MeshModel &layer, const QString &name) {
-    const CMeshO &mesh = layer.cm;
-    std::string others;
-    for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
-        if (attribute._name != name.toStdString()) {
-            if (!attribute._name.empty())
-                others += (others.empty() ? " It has: " : ", ") + attribute._name;
-            continue;
-        }
-        // The handle's own index, not its operator[]: that one refers to the container the attribute was made for.
-        const vcg::SimpleTempDataBase *data = attribute._handle;
-        const std::string what = "attribute '" + name.toStdString() + "'";
-        if (host::isOfType<float>(attribute))
-            return tagsFrom(layer, what,
-                            [&](std::size_t i) { return double(*static_cast<const float *>(data->At(i))); });
-        if (host::isOfType<double>(attribute))
-            return tagsFrom(layer, what, [&](std::size_t i) { return *static_cast<const double *>(data->At(i)); });
-        if (host::isOfType<int>(attribute))
-            return tagsFrom(layer, what, [&](std::size_t i) { return double(*static_cast<const int *>(data->At(i))); });
-        throw Error("The vertex attribute '" + name.toStdString() +
-                    "' does not hold one number per vertex. Use a scalar attribute (float, double or int).");
-    }
-    throw Error("This layer has no vertex attribute '" + name.toStdString() +
-                "'. Add a scalar attribute of that name with a tag per vertex (" + tagMeaning +
-                "), or give its name as 'tag_attribute'." +
-                (others.empty() ? " It has no attributes at all." : others + "."));
+    return tagsFrom(layer, "attribute '" + name.toStdString() + "'",
+                    attributeNumbers(layer, name,
+                                     std::string("with a tag per vertex (") + tagMeaning +
+                                         "), or give its name as 'tag_attribute'"));
 }
 
 std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
@@ -154,6 +134,8 @@ bool mayHaveTags(const MeshModel &layer) {
 }
 
 std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
+    if (param.allFree)
+        return std::vector<int>(layer.cm.vert.size(), 1);
     const bool freeIfNone = param.mayLack || !param.pointFile.isEmpty();
     switch (param.source) {
     case HandleParam::Quality: return tagsFromQuality(layer, freeIfNone, param.mayLack);

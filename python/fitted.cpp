@@ -40,6 +40,13 @@ FitParam fitParamOf(const nb::dict &given) {
     return nb::cast<bool>(given["landmarks_only"]) ? param.LandmarksAlone() : param;
 }
 
+/// Of an array that outlives it; empty without any.
+vcg::fcd::WeightOf weightsOf(const std::optional<Fitting::Weights> &weights) {
+    if (!weights)
+        return {};
+    return [data = weights->data()](std::size_t i) { return data[i]; };
+}
+
 /// Of rows that outlive it; empty without any.
 NormalOf normalsOf(const std::optional<Rows> &rows) {
     if (!rows)
@@ -61,6 +68,7 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
                  const std::optional<Rows> &normals, const nb::dict &given, unsigned threads,
                  const nb::object &report) {
     const FitParam param = fitParamOf(given);
+    const std::optional<Weights> weights = nb::cast<std::optional<Weights>>(given["weights"]);
     const auto make = [&](const Prepared &read, const Progress &progress) {
         Handles handles = read.handles;
         const auto center = vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return read.view.At(i); });
@@ -68,17 +76,19 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
             const auto steps = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "the motion");
             handles.motion[tag] = vcg::fcd::ToMotion(steps.at(tag), center.at(tag));
         }
-        fitter = std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress);
+        fitter =
+            std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress, weightsOf(weights));
         return std::shared_ptr<const vcg::fcd::Deformer>(fitter, &fitter->Surface()); // lives as long as the fitter
     };
     prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
 }
 
-nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places,
+nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places, bool leaveOneOut,
                        const nb::object &report) const {
     const bool isAlone = given.empty();
     std::optional<Rows> vertices, normals;
     std::optional<Corners> faces;
+    std::optional<Weights> weights;
     FitGoal goal;
     if (!isAlone) {
         vertices = nb::cast<Rows>(given["vertices"]);
@@ -92,18 +102,27 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         }
         goal.surface.isCloud = goal.surface.faces == 0;
         goal.normal = normalsOf(normals);
+        weights = nb::cast<std::optional<Weights>>(given["weights"]);
+        goal.weight = weightsOf(weights);
     }
     FitReport found;
+    std::vector<double> leftOut;
     vcg::fcd::SurfacePose pose;
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const std::vector<Landmark> landmarks = landmarksOf(points, places);
+        const Progress rest = progress.Slice(leaveOneOut ? 0.4 : 1, 1); // for the fits without one of them
         if (isAlone) {
-            pose = fitter->Follow(landmarksOf(points, places), found, progress);
+            pose = fitter->Follow(landmarks, found, progress.Slice(0, leaveOneOut ? 0.4 : 1));
+            if (leaveOneOut)
+                leftOut = fitter->LeaveOneOut(landmarks, rest);
             return;
         }
         goal.surface.Validate(progress.Slice(0, 0.02));
         const auto target = fitter->Prepare(goal, progress.Slice(0.02, 0.3));
-        pose = fitter->Solve(*target, landmarksOf(points, places), found, progress.Slice(0.3, 1));
+        pose = fitter->Solve(*target, landmarks, found, progress.Slice(0.3, leaveOneOut ? 0.4 : 1));
+        if (leaveOneOut)
+            leftOut = fitter->LeaveOneOut(*target, landmarks, rest);
     });
     pose.iterations = found.steps;
     nb::dict all;
@@ -111,6 +130,13 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["median"] = found.median;
     all["percentile_95"] = found.percentile95;
     all["matched"] = found.matched;
+    all["moved"] = found.moved;
+    all["moved_most"] = found.movedMost;
+    all["guessed"] = found.guessed;
+    all["guess_error"] = found.guessError;
+    all["leave_one_out"] = nb::tuple(nb::cast(leftOut));
+    all["counted"] = found.counted;
+    all["carried"] = found.carried;
     all["landmarks"] = points.shape(0);
     all["landmark_residual"] = found.landmarks;
     all["landmark_pull"] = found.pull;

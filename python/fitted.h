@@ -16,6 +16,7 @@
 class Fitting {
   public:
     using Numbers = Given<std::int64_t, nb::ndim<1>>;
+    using Weights = Given<double, nb::ndim<1>>;
 
     /// \param tags one per vertex \param motions of tags, as ReadMotionText reads their steps
     /// \param normals those of the vertices; a cloud's tell its sides apart \param param by name; see Fitter in Python
@@ -23,10 +24,11 @@ class Fitting {
             const std::vector<std::pair<int, std::string>> &motions, const std::optional<Rows> &normals,
             const nb::dict &param, unsigned threads, const nb::object &report);
 
-    /// Fits it. \param goal vertices, faces (or None), normals (or None); empty where the landmarks count
-    /// alone \param points vertices of the landmarks \param places where they belong \return the pose, and what is told
-    /// of it
-    nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, const nb::object &report) const;
+    /// Fits it. \param goal vertices, faces (or None), normals (or None), weights (or None); empty where the landmarks
+    /// count alone \param points vertices of the landmarks \param places where they belong \param leaveOneOut also fits
+    /// it without each of these \return the pose, and what is told of it
+    nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, bool leaveOneOut,
+                  const nb::object &report) const;
 
     /// Puts landmarks to the last bit into what a pose has written.
     void put(const Numbers &points, const Rows &places, const Written &vertices) const;

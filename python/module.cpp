@@ -126,7 +126,8 @@ NB_MODULE(_core, module) {
              arg("vertices"), arg("faces").none(), arg("tags"), arg("motions"), arg("normals").none(), arg("param"),
              arg("threads"), arg("report").none())
         .def_ro("prepared", &Fitting::prepared)
-        .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("report").none())
+        .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("leave_one_out"),
+             arg("report").none())
         .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
     nb::class_<Sequence>(module, "Sequence")
         .def(nb::init<const std::vector<std::pair<std::string, std::string>> &, const std::vector<Sequence::Key> &>(),

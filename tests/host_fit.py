@@ -12,12 +12,13 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False,
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
     "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
-    "median": float, "percentile_95": float, "matched": float, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
+    "median": float, "percentile_95": float, "matched": float, "counted": float, "moved": float, "moved_most": float, "guessed": float, "guess_error": float, "check_rms": float, "check_largest": float,
+    "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
     "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
@@ -112,6 +113,83 @@ def test_a_fit_is_fitted_again_whatever_was_measured_of_it(capfd, quality):
         result, log = fit_logged(ms, capfd, handles=handles, graph_layers=False)
         assert result["fixed_vertices"] == 0 and result["free_vertices"] == ms.current_mesh().vertex_number()
         assert ("is no tags, so nothing of it is held" in log) == (handles == 0)
+
+
+def test_what_counts_is_told_by_quality_selection_or_attribute(capfd):
+    points, faces = tube(97, 53, shift=0.5)
+    far = np.vstack([points, points[:53] + [0, 0, 0.2]])  # loose points beside it, which do not count
+    counts = np.arange(len(far)) < len(points)
+    carried = tube()[0][:, 2] > 3
+
+    def weighed(source, **parameters):
+        ms = new_set()
+        ms.add_mesh(mesh_of(bent(far), None, v_scalar_array=counts.astype(float)), "target")
+        ms.add_mesh(mesh_of(*tube(), v_scalar_array=np.where(carried, 0.0, 1.0)), "tube")
+        for layer in (0, 1):
+            ms.set_current_mesh(layer)
+            ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="q > 0.5")
+            ms.current_mesh().add_vertex_custom_scalar_attribute(ms.current_mesh().vertex_scalar_array(), "counts")
+            if source != 1:
+                set_quality(ms, "1")
+        result, log = fit_logged(ms, capfd, graph_layers=False, weights=source, target_weights=source, handles=parameters.pop("handles", 0), **parameters)
+        return ms.current_mesh().vertex_matrix(), result, log
+    fitted, result, log = weighed(1)
+    assert 0.7 < result["counted"] < 0.8 and result["matched"] > 0.8 and result["free_vertices"] == len(fitted)
+    assert "percent that count; the rest was carried along" in log
+    assert same_points(weighed(2)[0], fitted) and same_points(weighed(2, handles=1)[0], fitted)
+    assert same_points(weighed(3, weight_attribute="counts")[0], fitted)
+    assert not same_points(weighed(0)[0], fitted)
+
+
+def test_a_fit_is_judged_by_what_it_does_not_see(capfd, tmp_path):
+    ms, truth = pair()
+    start = ms.current_mesh().vertex_matrix()
+    chosen, kept = np.arange(5, 7200, 1200), np.arange(700, 7200, 900)
+    wrong = truth.copy()
+    wrong[kept[3]] += [0, 0.1, 0]
+    check = point_file(tmp_path / "check.csv", "index", kept, None, wrong[kept])
+    plain = fit(ms, graph_layers=False)[1]
+    ms.set_current_mesh(1)
+    result, log = fit_logged(ms, capfd, check_file=check, graph_layers=False)
+    off = np.linalg.norm(plain - wrong, axis=1)[kept]
+    assert same_points(ms.current_mesh().vertex_matrix(), plain)  # which has not seen them
+    assert abs(result["check_rms"] - np.sqrt((off ** 2).mean())) < 1e-9 and abs(result["check_largest"] - off.max()) < 1e-9
+    assert "Pairs that were kept back to check by are off by" in log and "(number 3 of 8, counted from 0)" in log
+    assert "That came from" in log and 0 < result["moved"] < result["moved_most"] and result["leave_one_out_rms"] == 0
+    ms.set_current_mesh(1)
+    names = {f"p{i}": i for i in kept}
+    result, _ = fit_logged(ms, capfd, graph_layers=False, check_file=picked(tmp_path / "a.pp", **{name: start[i] for name, i in names.items()}),
+                           target_check_file=picked(tmp_path / "b.pp", **{name: wrong[i] for name, i in names.items()}))
+    assert abs(result["check_largest"] - off.max()) < 1e-6
+    ms.set_current_mesh(1)
+    landmarks = point_file(tmp_path / "landmarks.csv", "index", chosen, None, wrong[chosen])
+    for alone in (False, True):
+        ms.set_current_mesh(1)
+        result, log = fit_logged(ms, capfd, graph_layers=False, landmarks_file=landmarks, leave_one_out=True, landmarks_only=alone)
+        assert result["landmark_residual"] < 1e-5 < result["leave_one_out_rms"] <= result["leave_one_out_largest"] < (0.7 if alone else 0.05)
+        assert "Landmarks that are left out in turn are off by" in log
+
+
+def test_what_is_guessed_is_told(capfd):
+    ms, truth = pair(target=tube(50, 53, end=LENGTH / 2), degrees=60)
+    result, log = fit_logged(ms, capfd)
+    off = np.linalg.norm(ms.current_mesh().vertex_matrix() - truth, axis=1)[tube()[0][:, 2] > LENGTH / 2]
+    assert abs(result["guessed"] - 0.5) < 0.05 and 0.5 < result["guess_error"] / np.sqrt((off ** 2).mean()) < 2
+    assert "percent are guessed, as they have no counterpart, and may be off by about" in log and "give landmarks there, or do not trust them" in log
+    ms, _ = pair()
+    result, log = fit_logged(ms, capfd)
+    assert result["guessed"] < 0.05 and "give landmarks there" not in log
+
+
+def test_a_separate_part_without_a_counterpart_is_carried(capfd):
+    points, faces = tube()
+    ball = new_set()
+    ball.create_sphere(radius=0.3, subdiv=3)
+    eye, corners = ball.current_mesh().vertex_matrix() + [0.1, 0, 3], ball.current_mesh().face_matrix()
+    ms, _ = pair(source=(np.vstack([points, eye]), np.vstack([faces, corners + len(points)])))
+    result, log = fit_logged(ms, capfd)
+    assert result["carried_parts"] == 1 and "1 separate part that nothing of the target leads was carried by what is around" in log
+    assert rms(ms.current_mesh().vertex_matrix()[len(points):], bent(eye)) < 0.8
 
 
 def test_what_is_wrong_with_landmarks_and_target_is_logged(capfd, tmp_path):
@@ -373,6 +451,7 @@ def test_a_start_that_cannot_be():
     ("target_layer", 1, "The target is the layer that is fitted itself"), ("target_layer", 77, "'target_layer' names no layer"),
     ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
     ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
+    ("weights", 2, "The weights of the surface are 0 wherever it is free"), ("target_weights", 3, "with a weight per vertex, from 0, which is carried along, to 1"),
     ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"),
     ("transforms", "2: translate 0 0 1", "no vertex has tag 2"), ("landmarks_file", "/no/such.csv", "Cannot open '/no/such.csv'")])
 def test_a_value_that_makes_no_sense_changes_nothing(name, value, word):

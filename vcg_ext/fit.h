@@ -36,6 +36,7 @@ struct FitGoal {
     NormalOf normal;                                     ///< of points; may be empty
     Eigen::Affine3d world = Eigen::Affine3d::Identity(); ///< the matrix of its layer
     std::function<void()> isRead; ///< called when no array of it is needed any more; may be empty
+    WeightOf weight;              ///< of each vertex: 0 does not count, 1 counts fully; may be empty: 1 everywhere
 };
 
 /// From where a fit begins.
@@ -79,12 +80,17 @@ struct FitReport {
 
     double nearest = 0;                           ///< world units
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
-    double matched = 0;                           ///< share of the samples that have a counterpart, [0, 1]
-    double landmarks = 0;                         ///< largest distance of a landmark from where it belongs, world units
-    double beyond = 0;      ///< how far the landmarks are beyond their tolerance, at most, world units
-    double pull = 0;        ///< how far nodes had to give way so that all landmarks are there, world units
-    bool bothWays = false;  ///< places of the target drew what is nearest, too: as asked, or as it fits better
-    bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
+    double matched = 0;              ///< share of the samples that have a counterpart, of what counts, [0, 1]
+    double counted = 1;              ///< share of the free surface that counts: its weight is above 0
+    double moved = 0, movedMost = 0; ///< from how far what is matched came: median and most, world units
+    double guessed = 0;              ///< share of the free surface that has no counterpart, and was carried along
+    double guessError = 0;   ///< how far that may be off, root mean square, world units; NaN where nothing tells
+    std::size_t carried = 0; ///< separate parts that others carried, as nothing of the target leads them
+    double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
+    double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
+    double pull = 0;         ///< how far nodes had to give way so that all landmarks are there, world units
+    bool bothWays = false;   ///< places of the target drew what is nearest, too: as asked, or as it fits better
+    bool insideOut = false;  ///< the target's normals point to the other side than the source's; they were turned over
     std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
     bool leftOut = false;                  ///< these were not followed, as there is a tolerance
     std::size_t unmet = 0;      ///< landmarks farther than their tolerance, as the graph is too coarse for them
@@ -103,7 +109,8 @@ struct FitReport {
     std::vector<std::string> TargetRemarks() const;   ///< and what is about the target, or where it is
     /// Whether one of these tells why a fit does not come to rest.
     bool IsMisplaced() const { return otherSize || mirrored || flat || isApart; }
-    bool isApart = false; ///< they lie so far apart that nothing of them overlaps, and could not be moved
+    std::vector<char> carriedNode; ///< flags of the graph's nodes: of parts that others carried
+    bool isApart = false;          ///< they lie so far apart that nothing of them overlaps, and could not be moved
     int steps = 0;
     bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,
                             ///< or further ones would, all together
@@ -114,9 +121,12 @@ class Fitter {
   public:
     /// \param source must outlive this \param normal of a source that is a cloud; may be empty
     /// \param handles at least one free vertex; may have no handle
-    /// \throw BadInput as PrepareDeformer; a parameter out of range \throw Cancelled
+    /// \param weight of each vertex: 0 is carried and not matched, 1 counts fully; may be empty: 1 everywhere. Where
+    /// landmarks lead alone, it is not looked at
+    /// \throw BadInput as PrepareDeformer; a parameter or a weight out of range, nothing free that counts
+    /// \throw Cancelled
     Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
-           const Progress &progress = {});
+           const Progress &progress = {}, const WeightOf &weight = {});
 
     /// Prepares what it is fitted to, for Solve and Compare. \param goal is not needed after it
     /// What is not finite is left out. \throw BadInput a goal without vertices, or of a point or a line \throw
@@ -128,6 +138,18 @@ class Fitter {
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 
+    /// How far each landmark is from where it belongs if it is left out: what the target and the others say of it,
+    /// world units. As many fits as there are landmarks. \throw as Solve
+    std::vector<double> LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
+                                    const Progress &progress = {}) const;
+
+    /// The same where landmarks lead alone. \pre, \throw as Follow
+    std::vector<double> LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress = {}) const;
+
+    /// How far vertices are from where they belong in a pose that was carried to \p position, 3 x vertex slots, mesh
+    /// units: pairs that were kept back from the fit judge it. \return world units
+    std::vector<double> Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const;
+
     /// The pose in which it follows its landmarks as rigidly as possible, and nothing else.
     /// \pre made with FitParam::LandmarksAlone \throw BadInput, Unsolvable, Cancelled as Solve
     Deformer::Pose Follow(const std::vector<Landmark> &landmark, FitReport &report,
@@ -135,6 +157,7 @@ class Fitter {
 
     /// The distance of each vertex slot from the target, world units, and whether it lies on it, as \p report of the
     /// fit tells; 0 and false for deleted ones. \param position 3 x slots, mesh units \throw Cancelled
+    /// What does not count, or is carried by other parts, lies on nothing.
     void Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
                  std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress = {}) const;
 
@@ -151,6 +174,13 @@ class Fitter {
                           const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const;
     bool IsAllFree() const;
     bool FollowsAlone() const; // its landmarks: nothing is matched
+    bool CountsAt(std::size_t slot, const FitReport &report) const;
+    std::size_t CountOn(const FitMatches &matches, const FitReport &report) const;
+    double CountedShare() const;
+    void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
+                      const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;
+    FitTarget NoTarget(const std::vector<Landmark> &landmark) const;
+    bool IsOn(const FitMatches &matches, std::size_t sample, const FitReport &report) const;
     void Judge(const FitTarget &target, const FitPlacement &placement, bool isLed, FitReport &report) const;
     std::vector<Contradiction> Doubted(const FitSamples &drawn, std::size_t first,
                                        const std::vector<Eigen::Vector3d> &place, const std::vector<char> &isFree,
@@ -166,6 +196,7 @@ class Fitter {
     std::unique_ptr<Deformer> deformer;
     std::vector<Index> sample;
     std::vector<Eigen::Vector3d> sampleNormal;
+    std::vector<float> nodeWeight; // of each node of the surface; empty: 1
 };
 
 } // namespace vcg::fcd

@@ -36,25 +36,64 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    auto target =
-        std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead);
+    auto target = std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress,
+                                                    goal.isRead, goal.weight);
     if (!(target->Spans().acrossLine > noShape))
         throw BadInput("All of the target lies at one point or on one line, so it is no surface. Choose a surface, or "
                        "points all over one; where points are meant one by one, give them as landmarks.");
     return target;
 }
 
-Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &report,
-                              const Progress &progress) const {
+/// No place of the surface is near enough to it to be matched.
+FitTarget Fitter::NoTarget(const std::vector<Landmark> &landmark) const {
     std::vector<double> place;
     for (const Landmark &each : landmark)
         place.insert(place.end(), each.target.data(), each.target.data() + 3);
-    FitGoal goal; // no place of the surface is near enough to these to be matched
+    FitGoal goal;
     goal.surface.position = place.data();
     goal.surface.vertexSlots = landmark.size();
     goal.surface.isCloud = true;
     goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
-    return Solve(FitTarget(goal.surface, goal.normal, ToFrame(goal.world)), landmark, report, progress);
+    return FitTarget(goal.surface, goal.normal, ToFrame(goal.world));
+}
+
+Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &report,
+                              const Progress &progress) const {
+    return Solve(NoTarget(landmark), landmark, report, progress);
+}
+
+std::vector<double> Fitter::LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress) const {
+    return LeaveOneOut(NoTarget(landmark), landmark, progress);
+}
+
+std::vector<double> Fitter::LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
+                                        const Progress &progress) const {
+    const RegionDeformer &region = deformer->Whole();
+    const Frame &frame = region.surface.frame;
+    std::vector<double> off;
+    const double n = double(landmark.size());
+    for (std::size_t l = 0; l < landmark.size(); ++l) {
+        std::vector<Landmark> others = landmark;
+        others.erase(others.begin() + std::ptrdiff_t(l));
+        FitReport report;
+        const Deformer::Pose pose = Solve(target, others, report, progress.Slice(double(l) / n, (double(l) + 1) / n));
+        FitSamples mark;
+        mark.Add(region, pose.region[0], deformer->nodeOf[landmark[l].vertex]);
+        const Eigen::Vector3d place = frame.ToFrame(handles.world.inverse() * landmark[l].target);
+        off.push_back((mark.At(0, pose.region[0].solved) - place).norm() * frame.scale);
+    }
+    return off;
+}
+
+std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const {
+    std::vector<double> off;
+    for (const Landmark &each : pair) {
+        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
+            throw BadInput("Pair " + std::to_string(off.size()) +
+                           " of those to check, counted from 0, is no vertex, or belongs nowhere.");
+        off.push_back((handles.world * position.col(Eigen::Index(each.vertex)) - each.target).norm());
+    }
+    return off;
 }
 
 bool Fitter::IsAllFree() const {

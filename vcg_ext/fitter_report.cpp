@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit is worth: how far it is from the target, and what of it has a counterpart there.
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_guess.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_target.h>
 
@@ -10,6 +11,54 @@
 #include <string>
 
 namespace vcg::fcd {
+
+/// Whether a sample has a counterpart.
+bool Fitter::IsOn(const FitMatches &matches, std::size_t s, const FitReport &report) const {
+    return matches.Counts(s) &&
+           report.LiesOn(matches.Distance(s) * deformer->Whole().surface.frame.scale, matches.OnBorder(s));
+}
+
+void Fitter::MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
+                          const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const {
+    const RegionDeformer &region = deformer->Whole();
+    const double scale = region.surface.frame.scale;
+    std::vector<double> moved;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        if (IsOn(matches, s, report))
+            moved.push_back(
+                (drawn.At(s, graph) - region.surface.graph.position.col(drawn.surfaceNode[s]).cast<double>()).norm() *
+                scale);
+    report.moved = Quantile(moved, 0.5);
+    report.movedMost = Quantile(moved, 1);
+    const auto isKnown = [&](std::size_t s) {
+        return s < matches.Size() ? IsOn(matches, s, report) : leads[s - matches.Size()] != 0;
+    };
+    const double counts = report.counted * region.surface.area,
+                 density = counts > 0 && !FollowsAlone() ? double(matches.Size()) / counts : 0;
+    const FitGuess guess = Guess(region, drawn, isKnown, isFree, density, graph);
+    report.guessed = guess.share;
+    report.guessError = guess.rms * scale;
+}
+
+/// How many samples lie on the target, as another fit to it told.
+std::size_t Fitter::CountOn(const FitMatches &matches, const FitReport &report) const {
+    std::size_t on = 0;
+    for (std::size_t s = 0; s < matches.Size(); ++s)
+        on += IsOn(matches, s, report);
+    return on;
+}
+
+/// Of the free surface.
+double Fitter::CountedShare() const {
+    const RegionDeformer &region = deformer->Whole();
+    double all = 0, counts = 0;
+    for (std::size_t u = 0; u < nodeWeight.size(); ++u)
+        if (region.held.tag[u] == 1) {
+            all += double(region.surface.nodeArea[u]);
+            counts += nodeWeight[u] > 0 ? double(region.surface.nodeArea[u]) : 0;
+        }
+    return all > 0 ? counts / all : 1;
+}
 
 void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     const double scale = deformer->Whole().surface.frame.scale;
@@ -31,7 +80,7 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     report.nearest = std::max(report.percentile95, 1e-4 * scale);
     std::size_t matched = 0;
     for (std::size_t s = 0; s < matches.Size(); ++s)
-        matched += matches.Counts(s) && report.LiesOn(distance[s] * scale, matches.OnBorder(s));
+        matched += IsOn(matches, s, report);
     report.matched = double(matched) / double(std::max<std::size_t>(distance.size(), 1));
 }
 
@@ -100,6 +149,13 @@ std::vector<std::string> FitReport::TargetRemarks() const {
     return remarks;
 }
 
+bool Fitter::CountsAt(std::size_t slot, const FitReport &report) const {
+    const Index u = deformer->nodeOf[slot];
+    const auto patch = [&] { return deformer->Whole().patches.patchOf[std::size_t(u)]; };
+    return u < 0 || ((nodeWeight.empty() || nodeWeight[std::size_t(u)] > 0) &&
+                     (report.carriedNode.empty() || patch() < 0 || !report.carriedNode[std::size_t(patch())]));
+}
+
 void Fitter::Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
                      std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress) const {
     const Frame &frame = deformer->Whole().surface.frame;
@@ -115,7 +171,8 @@ void Fitter::Compare(const FitTarget &target, const FitReport &report, const Pos
                         const FitTarget::Match match = target.Nearest(p, hint);
                         const double far = (p - match.point).norm() * frame.scale;
                         distance[i] = float(far);
-                        liesOn[i] = report.LiesOn(far, match.onBorder) && far <= param.largestDistance;
+                        liesOn[i] = report.LiesOn(far, match.onBorder) && far <= param.largestDistance &&
+                                    match.weight > 0 && CountsAt(i, report);
                     }
                 });
 }

@@ -39,7 +39,23 @@ class FitInfo(PoseInfo):
     percentile_95: float
     """What 95 percent of them are within."""
     matched: float
-    """Share of the surface that has a counterpart, 0 to 1."""
+    """Share of the surface that has a counterpart, of what counts, 0 to 1."""
+    counted: float
+    """Share of the free surface that counts, as its `weights` are above 0; the rest was carried along."""
+    carried: int
+    """Separate parts that were carried by others, as nothing of the target leads them."""
+    moved: float
+    """From how far what is matched came: the median of its way from rest."""
+    moved_most: float
+    """The longest of these ways."""
+    guessed: float
+    """Share of the surface that is guessed, 0 to 1: it has no counterpart, and was carried along."""
+    guess_error: float
+    """How far that may be off, root mean square, as the surface has bent where it is matched; not a number where nothing tells."""
+    check: tuple[float, ...]
+    """How far each pair of `check` is from where it belongs: pairs that the fit has not seen."""
+    leave_one_out: tuple[float, ...]
+    """How far each landmark would be from where it belongs without itself, with `leave_one_out`: what the target and the others say of it."""
     landmarks: int
     """How many there are."""
     landmark_residual: float
@@ -99,6 +115,9 @@ class Fitted(Pose):
         if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
             found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay "
                                         "the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
+        if told["guessed"] > 0.05 and told["guess_error"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
+            found.append((MatchWarning, f"{100 * told['guessed']:.3g} percent of the surface are guessed, as they have no counterpart, and may be off "
+                                        f"by about {told['guess_error']:.3g}: give landmarks there, or do not trust them."))
         if folded > 0:
             found.append((FoldWarning, f"{triangles_turned(folded)}: the fit folds the surface there. Give landmarks, or raise stiffness."))
         if told["landmark_pull"] > 0.01 * told["diagonal"] and not told["contradicted"]:  # 1 %: no hand misses so much
@@ -126,6 +145,10 @@ class Fitter(Unchanging):
         `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+    weights : array_like, optional
+        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. What has 0 is not matched, but carried along, as
+        something that the target lacks. None: all counts. A separate part that nothing of the target leads is carried by those around it
+        in any case: by what it belongs to or lies in.
     copy : bool, default True
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
@@ -181,6 +204,7 @@ class Fitter(Unchanging):
         transforms: Transforms | None = None,
         *,
         normals: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
         copy: bool = True,
         start: FitStart = "as_they_lie",
         stiffness: float = 1.0,
@@ -211,7 +235,8 @@ class Fitter(Unchanging):
 
         def plan(n: int) -> Plan:
             regions = _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
-            return Plan("fitted", param, regions, _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist()))
+            own = {**param, "weights": _inputs.weights(weights, n)}
+            return Plan("fitted", own, regions, _inputs.transforms(transforms, np.unique(regions[regions > 1]).tolist()))
 
         self._deformer = Deformer._made(vertices, faces, normals, not _inputs.flag("copy", copy), _inputs.whole("threads", threads, 0, 1024),
                                         plan, report(progress))
@@ -228,6 +253,9 @@ class Fitter(Unchanging):
         *,
         landmarks: Sequence[ArrayLike] | None = None,
         target_normals: ArrayLike | None = None,
+        target_weights: ArrayLike | None = None,
+        check: Sequence[ArrayLike] | None = None,
+        leave_one_out: bool = False,
         progress: Progress = None,
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
@@ -244,6 +272,14 @@ class Fitter(Unchanging):
             of the target where they belong. These are exact, or within `landmark_tolerance`.
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
+        target_weights : array_like, optional
+            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. What has 0 is as if it were not there. None: all
+            counts.
+        check : Sequence[array_like], optional
+            Pairs as of `landmarks`, of any vertices, which are kept back from the fit: how far they are from where they belong judges it
+            (`FitInfo.check`).
+        leave_one_out : bool, default False
+            Also fits without each of the landmarks, which takes as many fits, and tells where these would be (`FitInfo.leave_one_out`).
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -266,18 +302,20 @@ class Fitter(Unchanging):
         -----
         DeformationWarning
             What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other or are too
-            dense for the graph, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
+            dense for the graph, much is guessed, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
         """
-        return self._fit(target_vertices, target_faces, landmarks, target_normals, shared(progress), 3)
+        return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, check, leave_one_out,
+                         shared(progress), 3)
 
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
-             told: Progress, level: int) -> Fitted:
-        points, places = self._pairs(landmarks)
+             weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool, told: Progress, level: int) -> Fitted:
+        points, places = self._pairs("landmarks", landmarks)
+        judges, judged = self._pairs("check", check)
         if self._alone and len(points) == 0:
             raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
-        goal = {} if self._alone else self._goal(target, faces, normals)
+        goal = {} if self._alone else self._goal(target, faces, normals, weights)
         fitting = self._deformer._fitting
-        solved, found = fitting.fit(goal, points, places, report(told, 0, 70))
+        solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 0, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
             known = " ".join(found["landmark_remarks"] + found["target_remarks"])
@@ -286,29 +324,30 @@ class Fitter(Unchanging):
         made = Fitted(self._deformer, solved)
         made._report = found
         made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))
+        found["check"] = tuple(np.linalg.norm(made.vertices[judges] - judged, axis=1).tolist())
         warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
         return made
 
-    def _goal(self, target: object, faces: object, normals: ArrayLike | None) -> dict[str, Any]:
+    def _goal(self, target: object, faces: object, normals: ArrayLike | None, weights: ArrayLike | None) -> dict[str, Any]:
         positions, corners = (np.zeros((0, 3)), None) if target is None else _meshes.surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
         if normals is not None:  # those of points that are not finite do not count
             normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
             normals = np.where(np.isfinite(positions).all(axis=1, keepdims=True), normals, 0.0)
-        return {"vertices": positions, "faces": corners,
+        return {"vertices": positions, "faces": corners, "weights": _inputs.weights(weights, len(positions), "target_weights"),
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
-    def _pairs(self, landmarks: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
+    def _pairs(self, name: str, pairs: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
         """Numbers of vertices, and where they belong."""
-        if landmarks is None:
+        if pairs is None:
             return np.zeros(0, np.int64), np.zeros((0, 3))
-        if not isinstance(landmarks, (tuple, list)) or len(landmarks) != 2:
-            raise TypeError("landmarks must be a pair: (numbers of vertices or places, k x 3 points where they belong)")
+        if not isinstance(pairs, (tuple, list)) or len(pairs) != 2:
+            raise TypeError(f"{name} must be a pair: (numbers of vertices or places, k x 3 points where they belong)")
         vertices = self._deformer.vertices
-        given = _inputs.points(landmarks[0], len(vertices), "the first of landmarks")
-        places = _inputs.finite("the second of landmarks",
-                                _inputs.rows("the second of landmarks", landmarks[1], len(given), "one for each of the first"))
+        given = _inputs.points(pairs[0], len(vertices), f"the first of {name}")
+        second = f"the second of {name}"
+        places = _inputs.finite(second, _inputs.rows(second, pairs[1], len(given), "one for each of the first"))
         if given.ndim == 1:
             return np.asarray(given, np.int64), places
         starts = np.asarray(given, np.float64)
@@ -330,6 +369,10 @@ def fit(
     transforms: Transforms | None = None,
     normals: ArrayLike | None = None,
     target_normals: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    target_weights: ArrayLike | None = None,
+    check: Sequence[ArrayLike] | None = None,
+    leave_one_out: bool = False,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
     largest_distance: float = 0.0,
@@ -369,6 +412,14 @@ def fit(
         n x 3, at rest, which turn with the surface.
     target_normals : array_like, optional
         k x 3, of a cloud.
+    weights : array_like, optional
+        n numbers from 0, which is carried along and not matched, to 1; or a mask. None: all counts.
+    target_weights : array_like, optional
+        k numbers from 0, which is as if it were not there, to 1; or a mask. None: all counts.
+    check : Sequence[array_like], optional
+        Pairs as of `landmarks` that are kept back, to judge the fit by: `FitInfo.check`.
+    leave_one_out : bool, default False
+        Also fits without each landmark: `FitInfo.leave_one_out`.
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0
@@ -428,7 +479,7 @@ def fit(
             own, target = None, faces
         elif target_faces is None:
             own, target, corners = None, faces, target_vertices
-    fitter = Fitter(vertices, own, tags, transforms, normals=normals, start=start, stiffness=stiffness, largest_distance=largest_distance,
+    fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, largest_distance=largest_distance,
                     largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
-    return fitter._fit(target, corners, landmarks, target_normals, report(told, 40, 100), 3)
+    return fitter._fit(target, corners, landmarks, target_normals, target_weights, check, leave_one_out, report(told, 40, 100), 3)

@@ -92,6 +92,20 @@ def tags(values: object, vertices: int) -> NDArray[np.int32]:
     return own(np.maximum(array, -1) if array.dtype.kind != "u" else array, np.int32)
 
 
+def weights(values: object, vertices: int, name: str = "weights") -> NDArray[np.float64] | None:
+    """A number from 0 to 1 per vertex; a mask, too."""
+    if values is None:
+        return None
+    array = plain(name, values)
+    if array.shape != (vertices,) or array.dtype.kind not in "bfiu":
+        raise ValueError(f"{name} must be {vertices} numbers, one for each vertex, from 0, which is carried along, to 1; it is {told_shape(array)} "
+                         f"of {array.dtype}")
+    odd = ~((array >= 0) & (array <= 1))  # NaN, too
+    if odd.any():
+        raise ValueError(f"{name} must be from 0, which is carried along, to 1; that of vertex {odd.argmax()} is {array[odd.argmax()]}")
+    return own(array, np.float64)
+
+
 def number(name: str, value: object) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise TypeError(f"{name} must be a number; it is {value!r}")

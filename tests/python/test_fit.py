@@ -2,6 +2,7 @@
 """fit and Fitter: one surface laid onto another, without MeshLab."""
 import concurrent.futures
 import dataclasses
+import pickle
 import subprocess
 import sys
 import warnings
@@ -205,6 +206,68 @@ def test_a_surface_that_lies_elsewhere(start, scale):
     assert landmarks is None or np.abs(laid.vertices - TRUTH)[CHOSEN].max() < 1e-12
 
 
+def ball(middle, radius, around=16):
+    """(vertices, faces)"""
+    a, b = (each.ravel() for each in np.meshgrid(2 * np.pi * np.arange(around) / around, np.linspace(0.1, np.pi - 0.1, 9), indexing="ij"))
+    i = (np.arange(around)[:, None] * 9 + np.arange(8)).ravel()
+    j = ((np.arange(around)[:, None] + 1) % around * 9 + np.arange(8)).ravel()
+    return radius * np.stack([np.sin(b) * np.cos(a), np.sin(b) * np.sin(a), np.cos(b)], 1) + middle, np.vstack([np.c_[i, i + 1, j], np.c_[j, i + 1, j + 1]])
+
+
+def test_a_part_without_a_counterpart_is_carried():
+    eye, corners = ball([0.15, 0, 3], 0.3)
+    both, faces = np.vstack([VERTICES, eye]), np.vstack([FACES, corners + len(VERTICES)])
+    weights = np.arange(len(both)) < len(VERTICES)
+    for given in ({}, {"weights": weights}, {"weights": weights.astype(np.float32).tolist()}):
+        laid = fit(both, faces, TARGET, TARGET_FACES, **given, **{**QUICK, "steps": 60})
+        assert rms(laid.vertices[weights], TRUTH) < 0.6 and rms(laid.vertices[~weights], bent(eye)) < 0.8
+        assert laid.info.carried == 1 and laid.info.matched > 0.7 and (laid.info.counted < 1) == bool(given)
+    fitter = pickle.loads(pickle.dumps(Fitter(both, faces, weights=weights, **{**QUICK, "steps": 60})))
+    assert same(fitter.fit(TARGET, TARGET_FACES).vertices, laid.vertices)
+
+
+def test_what_does_not_count_of_the_target_is_as_if_it_were_not_there(fitter, laid):
+    beside, corners = ball([0.6, 0, 2], 0.3)
+    both = np.vstack([TARGET, beside])
+    counts = np.arange(len(both)) < len(TARGET)
+    assert same(fitter.fit(both, np.vstack([TARGET_FACES, corners + len(TARGET)]), target_weights=counts).vertices, laid.vertices)
+    assert same(fit(VERTICES, FACES, both, target_weights=counts, **QUICK).vertices, fitter.fit(TARGET).vertices)
+
+
+def test_it_is_judged_by_what_it_does_not_see(fitter, laid):
+    kept = np.arange(60, len(VERTICES), 200)
+    wrong = TRUTH[kept] + np.where(np.arange(len(kept))[:, None] == 2, 0.2, 0)
+    judged = fitter.fit(TARGET, TARGET_FACES, check=(kept, wrong))
+    assert same(judged.vertices, laid.vertices) and laid.info.check == ()
+    assert np.allclose(judged.info.check, np.linalg.norm(laid.vertices[kept] - wrong, axis=1)) and np.argmax(judged.info.check) == 2
+    places = fitter.fit(TARGET, TARGET_FACES, check=(VERTICES[kept] + [0, 0, 1e-3], wrong + [0, 0, 1e-3]))
+    assert np.allclose(places.info.check, judged.info.check)
+    assert 0 < laid.info.moved < laid.info.moved_most < DIAGONAL and laid.info.leave_one_out == ()
+    chosen = CHOSEN[::2]
+    places = TRUTH[chosen] + np.where(np.arange(len(chosen))[:, None] == 1, [0, 0.3, 0], 0)
+    for alone in (False, True):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            left = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen, places), leave_one_out=True, landmarks_only=alone, **QUICK).info
+            rest = np.arange(len(chosen)) != 1
+            without = fit(VERTICES, FACES, TARGET, TARGET_FACES, landmarks=(chosen[rest], places[rest]), landmarks_only=alone, **QUICK).vertices
+        assert len(left.leave_one_out) == len(chosen) and left.landmark_residual < 1e-9
+        assert abs(left.leave_one_out[1] - np.linalg.norm(without[chosen[1]] - places[1])) < 1e-4
+    with pytest.raises(TypeError, match="check must be a pair"):
+        fitter.fit(TARGET, TARGET_FACES, check=[1])
+    with pytest.raises(ValueError, match="the second of check must have 1 rows"):
+        fitter.fit(TARGET, TARGET_FACES, check=([1], wrong))
+
+
+def test_what_is_guessed_is_told(laid):
+    truth, (part, faces) = bent(VERTICES, 60.0), tube(25, 27, end=LENGTH / 2)
+    with pytest.warns(pymeshlab_fcd.MatchWarning, match="percent of the surface are guessed, as they have no counterpart, and may be off by about"):
+        half = fit(VERTICES, FACES, bent(part, 60.0), faces, **QUICK)
+    off = np.linalg.norm(half.vertices - truth, axis=1)[VERTICES[:, 2] > LENGTH / 2]
+    assert abs(half.info.guessed - 0.5) < 0.1 and 0.4 < half.info.guess_error / np.sqrt((off ** 2).mean()) < 2.5
+    assert laid.info.guessed < 0.1
+
+
 def test_little_that_is_matched_is_warned_of(fitter):
     part, faces = tube(8, 27, end=0.4)
     with pytest.warns(pymeshlab_fcd.MatchWarning, match="do not trust the rest"):
@@ -298,6 +361,12 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
     (TARGET, {"largest_angle": 200}, "largest angle of matches"),
     (TARGET, {"samples": 5}, "At least 100 places"),
+    (TARGET, {"weights": np.ones(3)}, "weights must be 1800 numbers, one for each vertex"),
+    (TARGET, {"weights": np.full(len(VERTICES), np.nan)}, "weights must be from 0, .* that of vertex 0 is nan"),
+    (TARGET, {"weights": np.arange(len(VERTICES)) / 2}, "weights must be from 0, .* that of vertex 3 is 1.5"),
+    (TARGET, {"weights": np.zeros(len(VERTICES))}, "The weights of the surface are 0 wherever it is free"),
+    (TARGET, {"target_weights": np.zeros(len(TARGET))}, "The weights of the target are 0 all over"),
+    (TARGET, {"target_weights": np.ones(4)}, "target_weights must be 1323 numbers, one for each vertex"),
     (TARGET, {"steps": 1}, "A fit takes 2 to 10000 steps"),
 ])
 def test_what_cannot_be_taken(target, given, message):

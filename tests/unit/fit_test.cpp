@@ -57,18 +57,20 @@ struct Fitted {
 };
 
 Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Small(), std::vector<int> tag = {},
-           const std::vector<Landmark> &landmark = {}, const NormalOf &normal = {}, unsigned threads = 0) {
+           const std::vector<Landmark> &landmark = {}, const NormalOf &normal = {}, unsigned threads = 0,
+           const WeightOf &weight = {}, const WeightOf &targetWeight = {}) {
     const MeshD from(source), to(target);
     const Arrays fromArrays = Read(from), toArrays = Read(to);
     Handles handles;
     handles.tag = tag.empty() ? std::vector<int>(source.position.size(), 1) : std::move(tag);
     Progress progress;
     progress.threads = threads;
-    const Fitter fitter(fromArrays.View(), {}, handles, param, progress);
+    const Fitter fitter(fromArrays.View(), {}, handles, param, progress, weight);
     Fitted fitted;
     FitGoal goal;
     goal.surface = toArrays.View();
     goal.normal = normal;
+    goal.weight = targetWeight;
     const auto prepared = fitter.Prepare(goal, progress);
     const Deformer::Pose pose = fitter.Solve(*prepared, landmark, fitted.report, progress);
     fitted.position = fromArrays.View().Copy();
@@ -393,6 +395,169 @@ TEST(Fit, SaysWhatCannotBe) {
     param = {};
     param.samples = 1;
     ExpectError([&] { Fit(source, target, param); }, "places");
+}
+
+Fitted Weighted(const Shape &source, const Shape &target, const WeightOf &weight, const WeightOf &targetWeight = {}) {
+    return Fit(source, target, Small(), {}, {}, {}, 0, weight, targetWeight);
+}
+
+bool IsSame(const Fitted &a, const Fitted &b) { return (a.position.array() == b.position.array()).all(); }
+
+// Half of the target lies elsewhere: as the target of a person's jaw has gum that is another's.
+TEST(Fit, WhatDoesNotCountIsCarriedAndNotMatched) {
+    Shape other = target;
+    for (std::size_t i = 0; i < other.position.size(); ++i)
+        if (const double x = double(i % 57) / 56 * 10; x > 5)
+            other.position[i] += Vector3d(0, 0, 1.5 * std::min(1.0, x - 5));
+    const auto isLeft = [](std::size_t i) { return source.position[i][0] < 5; };
+    const auto isRight = [](std::size_t i) { return source.position[i][0] > 6; };
+    const Fitted all = Weighted(source, other, {}), half = Weighted(source, other, isLeft);
+    EXPECT_GT(Rms(all, truth, isRight), 0.1);
+    EXPECT_LT(Rms(half, truth, isRight), 0.5 * Rms(all, truth, isRight));
+    EXPECT_LT(Rms(half, truth, [](std::size_t i) { return source.position[i][0] < 4.5; }), 0.0042);
+    EXPECT_NEAR(half.report.counted, 0.5, 0.05);
+    EXPECT_EQ(all.report.counted, 1);
+    EXPECT_GT(half.report.matched, 0.85); // of what counts
+    for (std::size_t i = 0; i < source.position.size(); ++i)
+        if (isRight(i)) {
+            EXPECT_FALSE(half.liesOn[i]);
+        }
+    // In between, it counts in between.
+    const Fitted little = Weighted(source, other, [&](std::size_t i) { return source.position[i][0] < 5 ? 1 : 1e-5; });
+    EXPECT_LT(Rms(half, truth, isRight), Rms(little, truth, isRight));
+    EXPECT_LT(Rms(little, truth, isRight), Rms(all, truth, isRight));
+    // 1 everywhere is as if nothing were said.
+    const auto one = [](std::size_t) { return 1; };
+    EXPECT_TRUE(IsSame(Weighted(source, other, one, one), all));
+}
+
+TEST(Fit, WhatDoesNotCountOfTheTargetIsAsIfItWereNotThere) {
+    Shape cluttered = target; // a second sheet above it
+    const int first = int(target.position.size());
+    for (const Vector3d &p : target.position)
+        cluttered.position.emplace_back(p + Vector3d(0, 0, 0.3));
+    for (const auto &face : target.face)
+        cluttered.face.push_back({face[0] + first, face[1] + first, face[2] + first});
+    const auto isTarget = [&](std::size_t i) { return i < std::size_t(first); };
+    EXPECT_TRUE(IsSame(Weighted(source, cluttered, {}, isTarget), Fit(source, target)));
+    EXPECT_TRUE(IsSame(Weighted(source, Points(cluttered), {}, isTarget), Fit(source, Points(target))));
+}
+
+TEST(Fit, SaysWhichWeightsCannotBe) {
+    const auto none = [](std::size_t) { return 0; };
+    ExpectError([&] { Weighted(source, target, none); }, "The weights of the surface are 0 wherever it is free");
+    ExpectError([&] { Weighted(source, target, {}, none); }, "The weights of the target are 0 all over");
+    ExpectError([&] { Weighted(source, target, [](std::size_t i) { return i == 7 ? 2 : 1; }); },
+                "The weight of vertex 7 of the surface is 2");
+    ExpectError([&] { Weighted(source, target, {}, [](std::size_t i) { return i == 3 ? std::nan("") : 1; }); },
+                "The weight of vertex 3 of the target is nan");
+}
+
+/// With a ball of so many vertices around.
+Shape Ball(const Vector3d &middle, double radius, int around = 16) {
+    Shape ball;
+    for (int i = 0; i <= around / 2; ++i)
+        for (int k = 0; k < around; ++k) {
+            const double a = 2 * detail::pi * k / around, b = detail::pi * (i + 0.05) / (around / 2 + 0.1);
+            ball.position.emplace_back(
+                middle + radius * Vector3d(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), std::cos(b)));
+        }
+    for (int i = 0; i < around / 2; ++i)
+        for (int k = 0; k < around; ++k) {
+            const int a = i * around + k, b = i * around + (k + 1) % around;
+            ball.face.push_back({a, a + around, b});
+            ball.face.push_back({b, a + around, b + around});
+        }
+    return ball;
+}
+/// A ball with lumps that tell each place of it from the others.
+Shape Lumpy(int around) {
+    Shape ball = Ball(Vector3d::Zero(), 1, around);
+    for (Vector3d &p : ball.position)
+        p = (3 + 0.3 * std::sin(4 * p[0] + 3 * p[1]) + 0.3 * std::sin(5 * p[1] - 3 * p[2] + 1) +
+             0.1 * std::sin(11 * p[2] + 9 * p[0]) + 0.1 * std::sin(13 * p[1] - 8 * p[0] + 2)) *
+            Vector3d(1.3 * p[0], p[1], 0.9 * p[2]);
+    return ball;
+}
+
+// Where the soft surface follows the noise of a fine target, it gets stiffer: it is 0.0042 off otherwise.
+TEST(Fit, FollowsLittleOfStrongNoise) {
+    if (sanitized)
+        return; // it is as large as it is for the noise
+    const Shape from = Lumpy(110);
+    FitParam param;
+    param.samples = 4000;
+    EXPECT_LT(Rms(Fit(from, Jittered(Rolled(Lumpy(131)), 0.04), param), Rolled(from)), 0.0038);
+}
+
+Shape Together(Shape a, const Shape &b) {
+    const int first = int(a.position.size());
+    a.position.insert(a.position.end(), b.position.begin(), b.position.end());
+    for (const auto &face : b.face)
+        a.face.push_back({face[0] + first, face[1] + first, face[2] + first});
+    return a;
+}
+
+TEST(Fit, TellsWhatItGuesses) {
+    EXPECT_LT(Fit(source, target).report.guessed, 0.02);
+    const auto isLeft = [](std::size_t i) { return source.position[i][0] < 5; };
+    const Fitted half = Weighted(source, target, isLeft);
+    EXPECT_NEAR(half.report.guessed, 0.5, 0.1);
+    const double off = Rms(half, truth, [](std::size_t i) { return source.position[i][0] > 5; }) * std::hypot(10, 6);
+    EXPECT_GT(half.report.guessError, off / 3);
+    EXPECT_LT(half.report.guessError, 3 * off);
+    EXPECT_GT(half.report.movedMost, half.report.moved);
+    EXPECT_NEAR(half.report.movedMost, 1, 0.3); // as far as the sheet was rolled up by its middle
+}
+
+TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
+    const MeshD from(source), to(target);
+    const Arrays fromArrays = Read(from), toArrays = Read(to);
+    Handles handles;
+    handles.tag.assign(source.position.size(), 1);
+    const Fitter fitter(fromArrays.View(), {}, handles, Small());
+    FitGoal goal;
+    goal.surface = toArrays.View();
+    const auto prepared = fitter.Prepare(goal);
+    const std::vector<Landmark> landmark = {{300, truth.position[300]}, {800, truth.position[800] + Vector3d(1, 0, 0)}};
+    const std::vector<double> off = fitter.LeaveOneOut(*prepared, landmark);
+    const Fitted without = Fit(source, target, Small(), {}, {landmark[0]});
+    ASSERT_EQ(off.size(), 2u);
+    EXPECT_NEAR(off[1], (without.position.col(800) - landmark[1].target).norm(), 1e-4);
+    EXPECT_EQ(fitter.Residuals(landmark, without.position)[1], (without.position.col(800) - landmark[1].target).norm());
+    ExpectError(
+        [&] {
+            fitter.Residuals({{999999, Vector3d::Zero()}}, without.position);
+        },
+        "Pair 0 of those to check, counted from 0, is no vertex");
+}
+
+// A ball that sits at the sheet has no counterpart: it goes with the place where it sits, though parts of it are near
+// enough to be matched. What is near and is there, is matched.
+TEST(Fit, PartsThatNothingMatchesAreCarried) {
+    const Shape ball = Ball(Bumpy(6, 3) + Vector3d(0, 0, 0.5), 0.45);
+    const Shape both = Together(source, ball), there = Together(truth, Rolled(ball));
+    const auto isBall = [](std::size_t i) { return i >= source.position.size(); };
+    const Fitted without = Fit(both, target);
+    EXPECT_EQ(without.report.carried, 1u);
+    EXPECT_LT(Rms(without, there, isBall), 0.006);
+    EXPECT_LT(Rms(without, there, [&](std::size_t i) { return !isBall(i); }), 0.0042);
+    for (std::size_t i = source.position.size(); i < both.position.size(); ++i)
+        EXPECT_FALSE(without.liesOn[i]);
+    const Fitted weighted = Weighted(both, target, [&](std::size_t i) { return !isBall(i); });
+    EXPECT_EQ(weighted.report.carried, 1u);
+    EXPECT_LT(Rms(weighted, there, isBall), 0.006);
+    EXPECT_EQ(Fit(both, Together(target, Rolled(ball))).report.carried, 0u);
+    // By landmarks alone, what has none is carried, and what has one follows it.
+    FitParam alone = Small().LandmarksAlone();
+    std::vector<Landmark> landmark;
+    for (std::size_t i = 0; i < source.position.size(); i += 37)
+        landmark.push_back({i, truth.position[i]});
+    EXPECT_LT(Rms(Fit(both, target, alone, {}, landmark), there, isBall), 0.01);
+    landmark.push_back({source.position.size() + 20, Vector3d(5, 3, 9)});
+    const Fitted led = Fit(both, target, alone, {}, landmark);
+    EXPECT_EQ(led.report.carried, 0u);
+    EXPECT_LT((led.position.col(Eigen::Index(source.position.size()) + 20) - Vector3d(5, 3, 9)).norm(), 1e-4);
 }
 
 TEST(Fit, SaysWhatHasNoSolution) {

@@ -25,6 +25,14 @@ constexpr double mostDetour = 2;
 // at first.
 constexpr double firstAlong = 0.5, alongFalls = 0.004;
 
+// Places that tell how alike the distances are; for each, so many that are so many spacings away: farther than the
+// noise of a triangle's corner reaches, and nearer than nodes are to each other.
+constexpr std::size_t places = 1500;
+constexpr int neighbours = 4;
+constexpr double nearest = 1.5, farthest = 3;
+// Standard deviations, as the median tells them: what is farther is no noise, and counts as so much.
+constexpr double mostOfMedian = 3 * 1.4826;
+
 } // namespace
 
 double Quantile(std::vector<double> values, double part) {
@@ -37,8 +45,34 @@ double Quantile(std::vector<double> values, double part) {
 
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
-      back(Size()), angular(Size()), match(Size()), hint(Size()), counts(Size()), reach(target.Places(Size())),
-      reaches(param.bothWays ? reach.size() : 0) {}
+      back(Size()), angular(Size()), weight(samples.weight), match(Size()), hint(Size()), counts(Size()),
+      reach(target.Places(Size())), reaches(param.bothWays ? reach.size() : 0) {
+    ListThoseThatCount();
+}
+
+void FitMatches::ListThoseThatCount() {
+    some.clear();
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (weight[s] > 0)
+            some.push_back(Index(s));
+}
+
+void FitMatches::LeaveOut(const std::vector<char> &carried) {
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (carried[s]) {
+            weight[s] = 0;
+            counts[s] = 0;
+        }
+    ListThoseThatCount();
+}
+
+std::vector<Eigen::Vector3d> FitMatches::WhereTheyAre() const {
+    std::vector<Eigen::Vector3d> places;
+    places.reserve(some.size());
+    for (Index s : some)
+        places.push_back(at[std::size_t(s)]);
+    return places;
+}
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -49,16 +83,17 @@ void FitMatches::Search(const GraphPose &pose, unsigned threads) {
             distance[s] = (at[s] - match[s].point).norm();
         }
     });
-    if (Size() == 0)
+    if (some.empty())
         return;
-    const PointTree<double> tree(at);
+    const std::vector<Eigen::Vector3d> own = WhereTheyAre();
+    const PointTree<double> tree(own);
     ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s)
-            back[s] = (at[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
+            back[s] = (own[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
     });
     ParallelFor(threads, reaches.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r)
-            reaches[r] = tree.Nearest(reach[r].point);
+            reaches[r] = some[std::size_t(tree.Nearest(reach[r].point))];
     });
 }
 
@@ -100,38 +135,67 @@ FitSystem::Pull FitMatches::PullOf(double weight, std::size_t s, const Eigen::Ve
 /// \param n out: where it does, the mean of the normals at both
 double FitMatches::Draw(std::size_t r, std::size_t s, Eigen::Vector3d &n) const {
     const double far = (at[s] - reach[r].point).norm();
-    return far <= 2 * param.spacing || far > param.farthest ? 0 : Angular(reach[r], s, n);
+    return far <= 2 * param.spacing || far > param.farthest ? 0 : reach[r].weight * Angular(reach[r], s, n);
 }
 
 /// All that one sample is drawn to counts as one match together, and no less where it is far: that is what it is for.
 void FitMatches::DrawBack(std::vector<FitSystem::Pull> &pull) const {
-    std::vector<double> sum(Size(), 0), weight(reaches.size(), 0);
+    std::vector<double> sum(Size(), 0), drawn(reaches.size(), 0);
     std::vector<Eigen::Vector3d> mean(reaches.size());
     for (std::size_t r = 0; r < reaches.size(); ++r) {
         const std::size_t s = std::size_t(reaches[r]);
-        weight[r] = Draw(r, s, mean[r]);
-        sum[s] += weight[r];
+        drawn[r] = Draw(r, s, mean[r]);
+        sum[s] += drawn[r];
     }
     for (std::size_t r = 0; r < reaches.size(); ++r) {
-        if (weight[r] <= 0)
+        if (drawn[r] <= 0)
             continue;
         const std::size_t s = std::size_t(reaches[r]);
         const FitSystem::Pull each =
-            PullOf(weight[r] * std::min(1.0, 1 / sum[s]), s, reach[r].point, mean[r], firstAlong);
+            PullOf(weight[s] * drawn[r] * std::min(1.0, 1 / sum[s]), s, reach[r].point, mean[r], firstAlong);
         pull[s].form += each.form;
         pull[s].gradient += each.gradient;
     }
 }
 
 double FitMatches::Unreached() const {
-    if (Size() == 0 || reach.empty())
+    if (some.empty() || reach.empty())
         return 0;
-    const PointTree<double> tree(at);
+    const PointTree<double> tree(WhereTheyAre());
     std::size_t unreached = 0;
     Eigen::Vector3d mean;
     for (std::size_t r = 0; r < reach.size(); ++r)
-        unreached += Draw(r, std::size_t(tree.Nearest(reach[r].point)), mean) > 0;
+        unreached += Draw(r, std::size_t(some[std::size_t(tree.Nearest(reach[r].point))]), mean) > 0;
     return double(unreached) / double(reach.size());
+}
+
+double FitMatches::Alike() {
+    for (std::size_t s = 0; s < Size() && beside.size() < neighbours * places; s += 1 + (Size() - 1) / places) {
+        int found = 0;
+        for (std::size_t other = 0; other < Size() && found < neighbours; ++other) {
+            const double far = (at[s] - at[other]).norm() / param.spacing;
+            if (far > nearest && far < farthest && turned[s].dot(turned[other]) >= 0.5) { // on the same side
+                beside.emplace_back(Index(s), Index(other));
+                ++found;
+            }
+        }
+    }
+    std::vector<double> far;
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (counts[s])
+            far.push_back(distance[s]);
+    const double most = mostOfMedian * Quantile(far, 0.5);
+    const auto off = [&](Index s) { // across the target
+        const Eigen::Vector3d way = at[std::size_t(s)] - match[std::size_t(s)].point;
+        return std::clamp(normal[std::size_t(s)].normalized().dot(way), -most, most);
+    };
+    double squares = 0, products = 0;
+    for (const auto &[a, b] : beside)
+        if (counts[std::size_t(a)] && counts[std::size_t(b)]) {
+            squares += detail::Squared(off(a)) + detail::Squared(off(b));
+            products += 2 * off(a) * off(b);
+        }
+    return squares > 0 ? products / squares : 1;
 }
 
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {
@@ -141,8 +205,8 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     std::vector<double> good;
     for (std::size_t s = 0; s < Size(); ++s) {
         angular[s] = Angular(match[s], s, normal[s]);
-        counts[s] =
-            angular[s] > 0 && distance[s] <= param.farthest && distance[s] <= param.spacing + mostDetour * back[s];
+        counts[s] = weight[s] > 0 && match[s].weight > 0 && angular[s] > 0 && distance[s] <= param.farthest &&
+                    distance[s] <= param.spacing + mostDetour * back[s];
         if (counts[s] && !match[s].onBorder)
             good.push_back(distance[s]);
     }
@@ -156,7 +220,9 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     const double width = std::max({first * detail::Power(narrow, part), wide * Quantile(good, 0.9), least});
     const double along = firstAlong * detail::Power(alongFalls, part);
     for (std::size_t s = 0; s < Size(); ++s) {
-        const double w = counts[s] ? angular[s] * detail::Exponential(-0.5 * detail::Squared(distance[s] / width)) : 0;
+        const double w = counts[s] ? weight[s] * match[s].weight * angular[s] *
+                                         detail::Exponential(-0.5 * detail::Squared(distance[s] / width))
+                                   : 0;
         pull[s] = PullOf(w, s, match[s].point, normal[s], along);
     }
     DrawBack(pull);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace vcg::fcd {
@@ -43,11 +44,20 @@ class FitMatches {
     /// (Rusinkiewicz 2019)
     void Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull);
 
+    /// How alike the distances from the target are, with their signs, at places some spacings from each other: their
+    /// correlation, [-1, 1]. What the surface is too stiff to follow is alike at neighbouring places; noise is not.
+    /// Below 0, the surface follows some of the noise. 1 where there are no such places
+    double Alike();
+
     /// The share of the target's places that are not reached where the samples are now, [0, 1].
     double Unreached() const;
 
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
+    const Eigen::Vector3d &Place(std::size_t s) const { return match[s].point; }
+    double Spacing() const { return param.spacing; }
+    /// Samples that are not matched from now on. \param carried flags
+    void LeaveOut(const std::vector<char> &carried);
     bool Counts(std::size_t s) const { return counts[s] != 0; }
     bool OnBorder(std::size_t s) const { return match[s].onBorder; }
     /// Whether the target's normals point to the other side than the surface's, as those of a mesh whose faces are
@@ -56,6 +66,8 @@ class FitMatches {
 
   private:
     double Side() const;
+    void ListThoseThatCount();
+    std::vector<Eigen::Vector3d> WhereTheyAre() const;
     void Search(const GraphPose &pose, unsigned threads);
     FitSystem::Pull PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
                            double along) const;
@@ -70,11 +82,14 @@ class FitMatches {
     double side = 1;   // that the target's normals are taken by
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
+    std::vector<double> weight; // of each sample; 0: it is not matched
+    std::vector<Index> some;    // samples that are matched
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
-    const std::vector<FitTarget::Match> reach; // of the target, what is to be reached
-    std::vector<Index> reaches;                // of each of them, the nearest sample; both ways
+    std::vector<std::pair<Index, Index>> beside; // samples some spacings from each other
+    const std::vector<FitTarget::Match> reach;   // of the target, what is to be reached
+    std::vector<Index> reaches;                  // of each of them, the nearest sample that is matched; both ways
 };
 
 /// A part of a list, as if it were sorted; 0 of none.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <string>
 
 namespace vcg::fcd {
 
@@ -27,6 +28,7 @@ void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Ind
         ofHeld += double(each.second) * (pose.motion.at(each.first) * p);
     fixed.push_back(ofHeld);
     normal.emplace_back(Eigen::Vector3d::Zero());
+    weight.push_back(1);
     surfaceNode.push_back(node);
 }
 
@@ -35,6 +37,7 @@ void FitSamples::Shrink(std::size_t size) {
     term.resize(begin.back());
     fixed.resize(size);
     normal.resize(size);
+    weight.resize(size);
     surfaceNode.resize(size);
 }
 
@@ -46,6 +49,7 @@ FitSamples FitSamples::From(std::size_t first) const {
     rest.fixed.assign(fixed.begin() + std::ptrdiff_t(first), fixed.end());
     rest.surfaceNode.assign(surfaceNode.begin() + std::ptrdiff_t(first), surfaceNode.end());
     rest.normal.assign(Size() - first, Eigen::Vector3d::Zero());
+    rest.weight.assign(weight.begin() + std::ptrdiff_t(first), weight.end());
     return rest;
 }
 
@@ -65,12 +69,32 @@ Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const
     return length > 0 ? Eigen::Vector3d(n / length) : n;
 }
 
-std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted) {
+float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what) {
+    const double its = weight(slot);
+    if (!(its >= 0 && its <= 1))
+        throw BadInput(std::string("The weight of vertex ") + std::to_string(slot) + " of the " + what + " is " +
+                       std::to_string(its) + "; give each vertex one from 0, which is carried along, to 1.");
+    return float(its);
+}
+
+std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weight, const Deformer &deformer) {
+    std::vector<float> least(std::size_t(deformer.Whole().surface.graph.Size()), 1.f);
+    for (std::size_t i = 0; i < mesh.vertexSlots; ++i)
+        if (!mesh.IsDeleted(i)) {
+            const float its = CheckedWeight(weight, i, "surface");
+            if (const Index u = deformer.nodeOf[i]; u >= 0)
+                least[std::size_t(u)] = std::min(least[std::size_t(u)], its);
+        }
+    return least;
+}
+
+std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted, const std::vector<float> &weight) {
     const SurfaceGraph &surface = deformer.surface;
     double area = 0;
     std::size_t count = 0;
     const auto isFree = [&](Index u) {
-        return deformer.held.tag[std::size_t(u)] == 1 && deformer.patches.patchOf[std::size_t(u)] >= 0;
+        return deformer.held.tag[std::size_t(u)] == 1 && deformer.patches.patchOf[std::size_t(u)] >= 0 &&
+               (weight.empty() || weight[std::size_t(u)] > 0);
     };
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (isFree(u)) {

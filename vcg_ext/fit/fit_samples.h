@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace vcg::fcd {
@@ -25,6 +26,7 @@ struct FitSamples {
     std::vector<Term> term;
     std::vector<Eigen::Vector3d> fixed;  ///< what held regions nearby give
     std::vector<Eigen::Vector3d> normal; ///< at rest, of length 1; 0 where it is not known
+    std::vector<double> weight;          ///< how much its match counts, (0, 1]
 
     std::size_t Size() const { return surfaceNode.size(); }
     /// Leaves the first \p size of them.
@@ -39,8 +41,19 @@ struct FitSamples {
     Eigen::Vector3d NormalAt(std::size_t s, const GraphPose &pose) const;
 };
 
+/// How much the match of a vertex slot counts: 0 is carried and not matched, 1 counts fully.
+using WeightOf = std::function<double(std::size_t slot)>;
+
+/// That of a vertex. \param what has it, in words \throw BadInput a number outside 0 to 1
+float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what);
+
+/// Of each node of the surface, the least of its vertices. \throw BadInput a number outside 0 to 1
+std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weight, const Deformer &deformer);
+
 /// Free nodes of a surface that stand for the same area each. \param wanted how many, about
-std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted);
+/// \param weight of each node of the surface: only of those above 0; empty: of all
+std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted,
+                              const std::vector<float> &weight = {});
 
 /// The normals of the surface at nodes, from the faces, or where there are none, from \p normal; in the frame.
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,

@@ -20,33 +20,60 @@ double Moments::Radius() const { return std::sqrt(std::max((second / sum).trace(
 
 namespace {
 
-/// A surface without the vertices that are not finite, and without the faces at them.
-class FinitePart {
+/// A surface without the vertices that are not finite, and without the faces at them; and without what does not count:
+/// points of weight 0, and faces of which all corners have that.
+class CountingPart {
   public:
-    explicit FinitePart(const SurfaceView &all) : view(all) {
-        for (std::size_t i = 0; i < all.vertexSlots; ++i)
-            if (!all.IsDeleted(i) && !all.At(i).allFinite()) {
-                if (deleted.empty())
-                    for (std::size_t k = 0; k < all.vertexSlots; ++k)
-                        deleted.push_back(all.IsDeleted(k));
-                deleted[i] = 1;
+    CountingPart(const SurfaceView &all, const WeightOf &weight) : view(all) {
+        std::vector<char> isNone(weight ? all.vertexSlots : 0, 0); // of weight 0, and at no face that counts
+        bool isLess = false;
+        for (std::size_t i = 0; i < all.vertexSlots; ++i) {
+            if (all.IsDeleted(i))
+                continue;
+            if (weight && CheckedWeight(weight, i, "target") == 0)
+                isNone[i] = isLess = true;
+            if (!all.At(i).allFinite()) {
+                Leave(all, i);
                 ++leftOut;
+            } else if (isNone.empty() || !isNone[i]) {
+                any = true;
             }
-        if (leftOut == 0)
+        }
+        if (deleted.empty() && !isLess)
             return;
         corner.assign(all.corner, all.corner + 3 * all.faces);
-        for (std::size_t f = 0; f < all.faces; ++f)
-            if (all.IsFace(f) && (deleted[corner[3 * f]] || deleted[corner[3 * f + 1]] || deleted[corner[3 * f + 2]]))
-                corner[3 * f] = SurfaceView::none;
-        view.deleted = deleted.data();
+        const std::vector<char> zero = isNone;
+        for (std::size_t f = 0; f < all.faces; ++f) {
+            if (!all.IsFace(f))
+                continue;
+            std::uint32_t *const at = &corner[3 * f];
+            if ((!deleted.empty() && (deleted[at[0]] || deleted[at[1]] || deleted[at[2]])) ||
+                (isLess && zero[at[0]] && zero[at[1]] && zero[at[2]]))
+                at[0] = SurfaceView::none;
+            else if (isLess)
+                isNone[at[0]] = isNone[at[1]] = isNone[at[2]] = 0;
+        }
+        for (std::size_t i = 0; i < isNone.size(); ++i)
+            if (isNone[i])
+                Leave(all, i);
+        if (!deleted.empty())
+            view.deleted = deleted.data();
         view.corner = corner.data();
         view.edges = 0; // which no fit looks at
     }
 
-    SurfaceView view; ///< refers to this object
-    std::size_t leftOut = 0;
+    SurfaceView view;        ///< refers to this object
+    std::size_t leftOut = 0; ///< as they are not finite
+    bool any = false;        ///< something counts
 
   private:
+    void Leave(const SurfaceView &all, std::size_t i) {
+        if (deleted.empty())
+            for (std::size_t k = 0; k < all.vertexSlots; ++k)
+                deleted.push_back(all.IsDeleted(k));
+        deleted[i] = 1;
+    }
+
     std::vector<char> deleted;
     std::vector<std::uint32_t> corner;
 };
@@ -54,16 +81,21 @@ class FinitePart {
 } // namespace
 
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                     const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead)
+                     const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead,
+                     const WeightOf &weightOf)
     : isCloud(target.isCloud) {
     std::vector<Corners> triangle;
     {
-        const FinitePart part(target);
+        const CountingPart part(target, weightOf);
         leftOut = part.leftOut;
+        if (weightOf && !part.any)
+            throw BadInput(
+                "The weights of the target are 0 all over, so nothing of it can be matched. Give what counts "
+                "one up to 1.");
         if (isCloud)
-            ReadPoints(part.view, normalOf, toFrame);
+            ReadPoints(part.view, normalOf, toFrame, weightOf);
         else
-            triangle = ReadTriangles(part.view, toFrame, progress);
+            triangle = ReadTriangles(part.view, toFrame, weightOf, progress);
     }
     if (isRead)
         isRead();
@@ -77,15 +109,20 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
 
 /// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
 std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
-                                              const Progress &progress) {
+                                              const WeightOf &weightOf, const Progress &progress) {
     SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
     const Index n = surface.graph.Size();
     const std::vector<Index> nodeOf = std::move(surface.nodeOf);
     surface = {}; // what joins the nodes takes as much as all that is read here
     position.resize(3, n);
+    if (weightOf)
+        weight.assign(std::size_t(n), 1.f);
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
-        if (nodeOf[i] >= 0)
+        if (nodeOf[i] >= 0) {
             position.col(nodeOf[i]) = toFrame * target.At(i);
+            if (weightOf) // the least of those at one place
+                weight[std::size_t(nodeOf[i])] = std::min(weight[std::size_t(nodeOf[i])], float(weightOf(i)));
+        }
     std::vector<Corners> triangle;
     triangle.reserve(target.faces);
     for (std::size_t f = 0; f < target.faces; ++f) {
@@ -132,8 +169,10 @@ void FitTarget::LookAround() {
 }
 
 void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
-                           const Eigen::Affine3d &toFrame) {
+                           const Eigen::Affine3d &toFrame, const WeightOf &weightOf) {
     flags.assign(target.vertexSlots, 0);
+    if (weightOf)
+        weight.assign(target.vertexSlots, 1.f);
     position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
     if (normalOf)
         normal = Eigen::Matrix3Xf::Zero(3, position.cols());
@@ -144,6 +183,8 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
             flags[i] = inside;
             ++points;
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
+            if (weightOf)
+                weight[i] = float(weightOf(i));
             if (const Eigen::Vector3d its = normalOf ? Eigen::Vector3d(turn * normalOf(i)) : Eigen::Vector3d::Zero();
                 normalOf && its.allFinite())
                 normal.col(Eigen::Index(i)) = its.stableNormalized().cast<float>();
@@ -238,10 +279,13 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     bool isBorder = !isCloud;
     for (int k = 0; k < at.count; ++k) {
         match.point += at.weight[std::size_t(k)] * position.col(at.slot[std::size_t(k)]);
+        if (!weight.empty())
+            match.weight -= at.weight[std::size_t(k)] * (1 - double(weight[std::size_t(at.slot[std::size_t(k)])]));
         if (normal.cols() > 0)
             match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]).cast<double>();
         isBorder = isBorder && IsBorder(at.slot[std::size_t(k)]);
     }
+    match.weight = match.weight < 1e-6 ? 0 : match.weight; // rounding
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
     if (isCloud && match.normal.isZero(0) && at.count > 2) { // the plane through the points around

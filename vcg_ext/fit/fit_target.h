@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
+#include <vcg_ext/fit/fit_samples.h>
 #include <vcg_ext/fit/one_sided.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/surface_arrays.h>
@@ -43,15 +44,18 @@ class FitTarget {
         Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0 where it is not known
         bool isOriented = false;                          ///< the normal points outwards, and not perhaps inwards
         bool onBorder = false;                            ///< of triangles: the surface ends there
+        double weight = 1;                                ///< how much it counts, [0, 1]
     };
 
     /// \param target triangles, or points where it has none; in mesh units of its own, as \p toWorld says
     /// \param normal of points, any length; may be empty, or 0 for some
     /// \param toFrame from mesh units of the target to the frame that all is computed in
     /// \param isRead called as soon as nothing of \p target is needed any more; may be empty
-    /// What is not finite is left out, with the triangles at it. \throw BadInput nothing is left \throw Cancelled
+    /// \param weight of each vertex, [0, 1]; may be empty: 1. Points and triangles of which it is 0 all over are left
+    /// out What is not finite is left out, with the triangles at it. \throw BadInput nothing is left \throw Cancelled
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
-              const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {});
+              const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {},
+              const WeightOf &weight = {});
 
     /// \param hint of a point that is near, or the same one earlier; changes no bit
     Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
@@ -74,10 +78,10 @@ class FitTarget {
 
   private:
     std::vector<Corners> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
-                                       const Progress &progress);
+                                       const WeightOf &weightOf, const Progress &progress);
     void LookAround();
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
-                    const Eigen::Affine3d &toFrame);
+                    const Eigen::Affine3d &toFrame, const WeightOf &weightOf);
 
     bool IsBorder(Index i) const { return flags[std::size_t(i)] == border; }
 
@@ -85,6 +89,7 @@ class FitTarget {
     enum Flag : char { inside = 1, border = 2 };
     Eigen::Matrix3Xd position; // of nodes, in an order along a curve that fills space, or points
     Eigen::Matrix3Xf normal;   // of each, of length 1 or 0; 0 columns where there are none
+    std::vector<float> weight; // of each; empty: 1
     std::vector<char> flags;   // of each: 0 where there is none; border only of nodes of triangles
     bool isCloud = false;
     std::size_t leftOut = 0;

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What FCD: Fit to Layer says of what it did.
+#include "filter_reports.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <sstream>
+
+namespace {
+
+double rmsOf(const std::vector<double> &off) {
+    double squares = 0;
+    for (double each : off)
+        squares += each * each;
+    return off.empty() ? 0 : std::sqrt(squares / double(off.size()));
+}
+double mostOf(const std::vector<double> &off) { return off.empty() ? 0 : *std::max_element(off.begin(), off.end()); }
+
+/// \param what they are, and how far off
+void tell(const std::vector<double> &off, const char *what, std::ostream &line) {
+    if (!off.empty())
+        line << " " << what << " by " << rmsOf(off) << " (rms), at most by " << mostOf(off) << " (number "
+             << std::max_element(off.begin(), off.end()) - off.begin() << " of " << off.size() << ", counted from 0).";
+}
+
+} // namespace
+
+std::string describe(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    std::ostringstream line;
+    line << describe(made.result.tags) << "; " << made.result.rest.position.cols() << " nodes, " << report.steps
+         << " steps.";
+    if (!made.landmarksOnly)
+        line << " " << 100 * report.matched << " percent have a counterpart, at a distance of " << report.rms
+             << " (rms; median " << report.median << ", 95 percent within " << report.percentile95 << ").";
+    if (report.matched > 0)
+        line << " That came from " << report.moved << " away (median; at most " << report.movedMost << ").";
+    if (report.guessed > 0 && !made.landmarksOnly)
+        line << " " << 100 * report.guessed
+             << " percent are guessed, as they have no counterpart, and may be off by about " << report.guessError
+             << ".";
+    tell(made.check, "Pairs that were kept back to check by are off", line);
+    tell(made.leftOut, "Landmarks that are left out in turn are off", line);
+    if (report.counted < 1)
+        line << " That is of the " << 100 * report.counted << " percent that count; the rest was carried along.";
+    if (report.carried > 0)
+        line << " " << report.carried
+             << (report.carried == 1 ? " separate part that nothing of the target leads was"
+                                     : " separate parts that nothing of the target leads were")
+             << " carried by what is around.";
+    if (report.bothWays)
+        line << " Parts of the target drew what is nearest to them, too.";
+    if (report.notFinite > 0)
+        line << " " << report.notFinite << " vertices of the target are not finite and were left out.";
+    if (report.insideOut)
+        line << " Its normals point to the other side than those of the target, which were taken turned over.";
+    if (made.landmarks > 0)
+        line << " None of the " << made.landmarks - (report.leftOut ? report.contradicted.size() : 0)
+             << " landmarks is off by more than " << report.landmarks << "; at last the surface gave way by "
+             << report.pull << " for them.";
+    line << " " << made.seconds << " s.";
+    return line.str();
+}
+
+HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
+    values.merge(valuesOf(made.result.tags));
+    values.insert({{"rms", report.rms},
+                   {"median", report.median},
+                   {"percentile_95", report.percentile95},
+                   {"matched", report.matched},
+                   {"counted", report.counted},
+                   {"moved", report.moved},
+                   {"moved_most", report.movedMost},
+                   {"guessed", report.guessed},
+                   {"guess_error", report.guessError},
+                   {"check_rms", rmsOf(made.check)},
+                   {"check_largest", mostOf(made.check)},
+                   {"leave_one_out_rms", rmsOf(made.leftOut)},
+                   {"leave_one_out_largest", mostOf(made.leftOut)},
+                   {"carried_parts", int(report.carried)},
+                   {"folded_triangles", made.result.check.flipped},
+                   {"landmarks", int(made.landmarks)},
+                   {"landmark_residual", report.landmarks},
+                   {"landmark_pull", report.pull},
+                   {"landmarks_contradicted", int(report.contradicted.size())},
+                   {"target_not_finite", int(report.notFinite)},
+                   {"from_afar", report.fromAfar},
+                   {"both_ways", report.bothWays},
+                   {"inside_out", report.insideOut},
+                   {"nodes", int(made.result.rest.position.cols())},
+                   {"steps", report.steps},
+                   {"converged", report.converged},
+                   {"seconds", made.seconds}});
+    return values;
+}
+
+std::vector<std::string> warningsOf(const FittedLayers &made) {
+    const vcg::fcd::FitReport &report = made.report;
+    std::vector<std::string> warnings = report.Remarks();
+    if (report.matched < 0.3 && !made.landmarksOnly) { // then most of the shape is a guess
+        std::ostringstream line;
+        line << "Only " << 100 * report.matched
+             << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "
+                "first, give landmarks, or raise largest_distance or largest_angle.";
+        warnings.push_back(line.str());
+    }
+    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: no hand misses so much
+        std::ostringstream line;
+        line << 100 * report.guessed << " percent of the surface are guessed, as they have no counterpart, and may be "
+             << "off by about " << report.guessError << ": give landmarks there, or do not trust them.";
+        warnings.push_back(line.str());
+    }
+    if (made.result.check.flipped > 0)
+        warnings.push_back(std::to_string(made.result.check.flipped) +
+                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
+    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: no hand misses so much
+        std::ostringstream line;
+        line << "The landmarks contradict each other or the target, by " << report.pull
+             << ". Look for pairs that are mixed up.";
+        warnings.push_back(line.str());
+    }
+    if (!report.converged && !report.IsMisplaced())
+        warnings.emplace_back("The fit did not come to rest: raise fit_steps.");
+    return warnings;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a fit is asked for.
+#include <vcg_ext/fit.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vcg::fcd {
+
+FitParam::FitParam() {
+    // Smooth where a joint turns: 2 folds there (the arm of tests/fit_recipes.py), and 4 takes twice as long.
+    influence = 3;
+    graph.initialPatches = 150; // the data say where it bends; twice as many fit no better and take four times as long
+    bendsUnheld = true;
+}
+
+FitParam FitParam::LandmarksAlone() const {
+    FitParam alone = *this;
+    alone.largestDistance = std::numeric_limits<double>::min();
+    alone.samples = 100;
+    alone.fitSteps = std::min(fitSteps, 20);
+    return alone;
+}
+
+void FitParam::ValidateFit() const {
+    Validate();
+    if (!(stiffness > 0) || std::isinf(stiffness))
+        throw BadInput("The stiffness must be a positive, finite number; 1 is the default.");
+    if (!(largestDistance > 0))
+        throw BadInput("The largest distance of matches must be positive.");
+    if (!(largestAngle > 0 && largestAngle <= 180))
+        throw BadInput("The largest angle of matches must be above 0 and at most 180 degrees.");
+    if (fitSteps < 2 || fitSteps > 10000)
+        throw BadInput("A fit takes 2 to 10000 steps.");
+    if (samples < 100)
+        throw BadInput("At least 100 places have to be matched.");
+    if (!(landmarkTolerance >= 0) || std::isinf(landmarkTolerance))
+        throw BadInput("The tolerance of the landmarks must be 0, for exact ones, or a positive, finite length.");
+}
+
+} // namespace vcg::fcd
