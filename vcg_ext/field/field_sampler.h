@@ -30,7 +30,7 @@ class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
-                 const std::vector<Index> &regionOf, const FieldParam &param)
+                 const std::vector<Index> &regionOf, const FieldParam &param, const Progress &progress)
         : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
           pieces(1) {
         const std::size_t slotCount = surface.nodeOf.size();
@@ -56,7 +56,7 @@ class FieldSampler {
                 rests[std::size_t(node)] = 0;
         }
         if (!regionOf.empty())
-            NumberOthers(rests);
+            NumberOthers(rests, progress);
         pieces.resize(std::size_t(1 + *std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
         PutSeeds(rests);
@@ -201,10 +201,10 @@ class FieldSampler {
 
     std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[std::size_t(node)]); }
 
-    void NumberOthers(const std::vector<char> &rests) {
+    void NumberOthers(const std::vector<char> &rests, const Progress &progress) {
         std::vector<Index> part;
         const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] == 0 && !rests[std::size_t(u)]; };
-        ConnectedComponents(surface.graph.adjacency, isOther, part, {}, "Sampling");
+        ConnectedComponents(surface.graph.adjacency, isOther, part, progress, "Sampling");
         const Index first = 1 + *std::max_element(pieceOf.begin(), pieceOf.end());
         for (std::size_t u = 0; u < part.size(); ++u)
             if (part[u] >= 0)
