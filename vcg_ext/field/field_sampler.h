@@ -55,11 +55,12 @@ class FieldSampler {
             if (!Rests(i))
                 rests[std::size_t(node)] = 0;
         }
+        const std::size_t regions = std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end()));
         if (!regionOf.empty())
             NumberOthers(rests, progress);
         pieces.resize(std::size_t(1 + *std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
-        PutSeeds(rests);
+        PutSeeds(rests, regions);
     }
 
     /// The dual of the patches around the samples: a triangle where three of them meet in a face, an edge or a point
@@ -234,8 +235,8 @@ class FieldSampler {
         }
     }
 
-    /// \param rests flags of nodes
-    void PutSeeds(const std::vector<char> &rests) {
+    /// \param rests flags of nodes \param regions how many there are: the pieces after the first
+    void PutSeeds(const std::vector<char> &rests, std::size_t regions) {
         // A wall of samples around what moves, and between pieces: no triangle is part of both what moves and what
         // rests farther away, and none of two pieces but what joins their walls.
         isSeed.assign(rests.size(), 0);
@@ -251,12 +252,14 @@ class FieldSampler {
                     char((rests[std::size_t(u)] && !rests[std::size_t(v)]) || PieceOf(u) != PieceOf(v));
         }
         std::vector<float> area;
-        for (const std::vector<Index> &nodes : moving) {
+        for (std::size_t p = 0; p < moving.size(); ++p) {
+            const std::vector<Index> &nodes = moving[p];
             area.clear();
             for (Index u : nodes)
                 area.push_back(surface.nodeArea[std::size_t(u)]);
-            const Index fewer = Index(nodes.size() / 16) + 1; // more come where they are needed
-            for (Index k : RandomSample(area, std::min(param.moving, fewer), 1))
+            // What is held mostly moves by one map, which few tell; more come where they are needed.
+            const Index most = p > regions ? Index(nodes.size() / 16) + 1 : param.moving;
+            for (Index k : RandomSample(area, std::min(param.moving, most), 1))
                 isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
         }
         for (Index u : RandomSample(restingArea, param.resting, 1))
