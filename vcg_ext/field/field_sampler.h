@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -257,8 +258,10 @@ class FieldSampler {
             area.clear();
             for (Index u : nodes)
                 area.push_back(surface.nodeArea[std::size_t(u)]);
-            // What is held mostly moves by one map, which few tell; more come where they are needed.
-            const Index most = p > regions ? Index(nodes.size() / 16) + 1 : param.moving;
+            // What is held mostly moves by one map: as many as of its share of the surface.
+            const double own = std::accumulate(area.begin(), area.end(), 0.0);
+            const Index most =
+                p > regions && surface.area > 0 ? Index(param.moving * (own / surface.area)) + 1 : param.moving;
             for (Index k : RandomSample(area, std::min(param.moving, most), 1))
                 isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
         }
