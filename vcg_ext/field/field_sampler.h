@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,7 @@ class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
-                 const std::vector<Index> &regionOf, const FieldParam &param)
+                 const std::vector<Index> &regionOf, const FieldParam &param, const Progress &progress)
         : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
           pieces(1) {
         const std::size_t slotCount = surface.nodeOf.size();
@@ -55,11 +56,12 @@ class FieldSampler {
             if (!Rests(i))
                 rests[std::size_t(node)] = 0;
         }
+        const std::size_t regions = std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end()));
         if (!regionOf.empty())
-            NumberOthers(rests);
+            NumberOthers(rests, progress);
         pieces.resize(std::size_t(1 + *std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
-        PutSeeds(rests);
+        PutSeeds(rests, regions);
     }
 
     /// The dual of the patches around the samples: a triangle where three of them meet in a face, an edge or a point
@@ -201,10 +203,10 @@ class FieldSampler {
 
     std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[std::size_t(node)]); }
 
-    void NumberOthers(const std::vector<char> &rests) {
+    void NumberOthers(const std::vector<char> &rests, const Progress &progress) {
         std::vector<Index> part;
         const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] == 0 && !rests[std::size_t(u)]; };
-        ConnectedComponents(surface.graph.adjacency, isOther, part, {}, "Sampling");
+        ConnectedComponents(surface.graph.adjacency, isOther, part, progress, "Sampling");
         const Index first = 1 + *std::max_element(pieceOf.begin(), pieceOf.end());
         for (std::size_t u = 0; u < part.size(); ++u)
             if (part[u] >= 0)
@@ -234,8 +236,8 @@ class FieldSampler {
         }
     }
 
-    /// \param rests flags of nodes
-    void PutSeeds(const std::vector<char> &rests) {
+    /// \param rests flags of nodes \param regions how many there are: the pieces after the first
+    void PutSeeds(const std::vector<char> &rests, std::size_t regions) {
         // A wall of samples around what moves, and between pieces: no triangle is part of both what moves and what
         // rests farther away, and none of two pieces but what joins their walls.
         isSeed.assign(rests.size(), 0);
@@ -251,12 +253,16 @@ class FieldSampler {
                     char((rests[std::size_t(u)] && !rests[std::size_t(v)]) || PieceOf(u) != PieceOf(v));
         }
         std::vector<float> area;
-        for (const std::vector<Index> &nodes : moving) {
+        for (std::size_t p = 0; p < moving.size(); ++p) {
+            const std::vector<Index> &nodes = moving[p];
             area.clear();
             for (Index u : nodes)
                 area.push_back(surface.nodeArea[std::size_t(u)]);
-            const Index fewer = Index(nodes.size() / 16) + 1; // more come where they are needed
-            for (Index k : RandomSample(area, std::min(param.moving, fewer), 1))
+            // What is held mostly moves by one map: as many as of its share of the surface.
+            const double own = std::accumulate(area.begin(), area.end(), 0.0);
+            const Index most =
+                p > regions && surface.area > 0 ? Index(param.moving * (own / surface.area)) + 1 : param.moving;
+            for (Index k : RandomSample(area, std::min(param.moving, most), 1))
                 isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
         }
         for (Index u : RandomSample(restingArea, param.resting, 1))
