@@ -4,7 +4,6 @@
 #include "bend_session.h"
 
 #include <layer_fcd/layer_sequence.h>
-#include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/marks.h>
 #include <layer_fcd/motion_sources.h>
 #include <layer_fcd/save_files.h>

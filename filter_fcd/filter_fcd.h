@@ -57,7 +57,8 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
     ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues session(int id, const RichParameterList &parameters, MeshDocument &document, MeshModel &layer) const;
+    ReturnedValues session(int id, const RichParameterList &parameters, const MeshDocument &document,
+                           MeshModel &layer) const;
     ReturnedValues clearTags(const MeshDocument &document, MeshModel &layer) const;
     template <class Made>
     ReturnedValues tell(const Made &made) const;

@@ -17,6 +17,47 @@ const MeshModel *likelyTarget(const MeshDocument &document) {
     return layers[0] == current ? layers[1] : layers[0];
 }
 
+/// Pairs that a fit is judged by.
+void addChecks(RichParameterList &list, const FitMeshParam &param) {
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "check_file", param.checkFile,
+        QStringList() << "*.csv"
+                      << "*.pp",
+        "File with pairs to check by (.csv, .pp)",
+        "Pairs as of the file with landmarks, of any vertices, which are kept back from the fit: how far they are "
+        "from where they belong, which is logged, judges it. <b>Empty</b> (the default): none.");
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "target_check_file", param.checkTargetFile, QStringList() << "*.pp",
+        "Picked points of the target to check by (.pp)",
+        "With picked points of the current layer as the file with pairs to check by: those of the target, whose names "
+        "are the same.");
+    addParameter<RichBool>(list, Shown::Advanced, "leave_one_out", param.leaveOneOut, "Leave landmarks out in turn",
+                           "Also fits without each of the landmarks, which takes as many fits, and logs how far it is "
+                           "from where it belongs then: what the target and the others say of it.");
+}
+
+/// How much of the two layers counts.
+void addWeights(RichParameterList &list, const FitMeshParam &param) {
+    const QStringList sources = QStringList() << "All counts"
+                                              << "Vertex quality"
+                                              << "Selected vertices"
+                                              << "Attribute";
+    addParameter<RichEnum>(
+        list, Shown::Always, "weights", int(param.weights), sources, "What counts",
+        "How much the match of each vertex of the current layer counts: from 0, which is <b>carried along</b> and not "
+        "matched, as the gum of a dental scan, to 1. <b>All counts</b> (the default), the <b>vertex quality</b>, what "
+        "is "
+        "<b>selected</b>, or an <b>attribute</b>. Quality or selection that tell this tell no handles. A separate "
+        "part that nothing of the target leads is carried in any case, by what it belongs to or lies in: an eyeball "
+        "by its head.");
+    addParameter<RichEnum>(list, Shown::Always, "target_weights", int(param.targetWeights), sources,
+                           "What of the target counts",
+                           "The same of the vertices of the target: what has 0 is as if it were not there.");
+    addParameter<RichString>(list, Shown::Advanced, "weight_attribute", param.weightAttribute, "Attribute with weights",
+                             "Name of the scalar attribute per vertex that tells how much it counts, 0 to 1, of either "
+                             "layer.");
+}
+
 } // namespace
 
 RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document) {
@@ -48,21 +89,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
         "<b>Raise it</b> to the error of the points where they were measured or picked by hand. Pairs that the others "
         "contradict, such as two that are mixed up, are left out then; the log names them in any case.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Advanced, "check_file", param.checkFile,
-        QStringList() << "*.csv"
-                      << "*.pp",
-        "File with pairs to check by (.csv, .pp)",
-        "Pairs as of the file with landmarks, of any vertices, which are kept back from the fit: how far they are "
-        "from where they belong, which is logged, judges it. <b>Empty</b> (the default): none.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Advanced, "target_check_file", param.checkTargetFile, QStringList() << "*.pp",
-        "Picked points of the target to check by (.pp)",
-        "With picked points of the current layer as the file with pairs to check by: those of the target, whose names "
-        "are the same.");
-    addParameter<RichBool>(list, Shown::Advanced, "leave_one_out", param.leaveOneOut, "Leave landmarks out in turn",
-                           "Also fits without each of the landmarks, which takes as many fits, and logs how far it is "
-                           "from where it belongs then: what the target and the others say of it.");
+    if (!host::firstMayBeLacking())
+        addChecks(list, param);
     addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
                            "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
                            "counts: to see where they alone take it, or to morph it by them.");
@@ -97,24 +125,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                            "of the target are reached. <b>Off</b> (the default): where parts of the target are left, "
                            "that is tried, and taken if nothing of it is left then and more of the layer has a "
                            "counterpart. Leave it off where the target has parts that the layer lacks.");
-    const QStringList sources = QStringList() << "All counts"
-                                              << "Vertex quality"
-                                              << "Selected vertices"
-                                              << "Attribute";
-    addParameter<RichEnum>(
-        list, Shown::Always, "weights", int(param.weights), sources, "What counts",
-        "How much the match of each vertex of the current layer counts: from 0, which is <b>carried along</b> and not "
-        "matched, as the gum of a dental scan, to 1. <b>All counts</b> (the default), the <b>vertex quality</b>, what "
-        "is "
-        "<b>selected</b>, or an <b>attribute</b>. Quality or selection that tell this tell no handles. A separate "
-        "part that nothing of the target leads is carried in any case, by what it belongs to or lies in: an eyeball "
-        "by its head.");
-    addParameter<RichEnum>(list, Shown::Always, "target_weights", int(param.targetWeights), sources,
-                           "What of the target counts",
-                           "The same of the vertices of the target: what has 0 is as if it were not there.");
-    addParameter<RichString>(list, Shown::Advanced, "weight_attribute", param.weightAttribute, "Attribute with weights",
-                             "Name of the scalar attribute per vertex that tells how much it counts, 0 to 1, of either "
-                             "layer.");
+    if (!host::firstMayBeLacking())
+        addWeights(list, param);
     addInitialPatches(list, fit.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, fit.smoothness);
     addRandomSeed(list, fit.graph.randomSeed);
@@ -148,12 +160,16 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
     param.fit.bothWays = list.getBool("both_ways");
     param.landmarksOnly = list.getBool("landmarks_only");
-    param.checkFile = list.getOpenFileName("check_file");
-    param.checkTargetFile = list.getOpenFileName("target_check_file");
-    param.leaveOneOut = list.getBool("leave_one_out");
-    param.weights = FitMeshParam::Weights(enumValue(list, "weights", 4));
-    param.targetWeights = FitMeshParam::Weights(enumValue(list, "target_weights", 4));
-    param.weightAttribute = list.getString("weight_attribute");
+    if (list.hasParameter("check_file")) {
+        param.checkFile = list.getOpenFileName("check_file");
+        param.checkTargetFile = list.getOpenFileName("target_check_file");
+        param.leaveOneOut = list.getBool("leave_one_out");
+    }
+    if (list.hasParameter("weights")) {
+        param.weights = FitMeshParam::Weights(enumValue(list, "weights", 4));
+        param.targetWeights = FitMeshParam::Weights(enumValue(list, "target_weights", 4));
+        param.weightAttribute = list.getString("weight_attribute");
+    }
     param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;

@@ -54,8 +54,8 @@ std::string describe(const SessionContents &contents, bool saved) {
 
 } // namespace
 
-HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterList &parameters, MeshDocument &document,
-                                                    MeshModel &layer) const {
+HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterList &parameters,
+                                                    const MeshDocument &document, MeshModel &layer) const {
     const QString file = sessionFile(parameters, id == SaveSession);
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine(describe(contents, id == SaveSession));

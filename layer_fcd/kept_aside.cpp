@@ -101,7 +101,6 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
 }
 
 BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
-    CMeshO &mesh = layer.cm;
     if (const LayerState *state = LayerState::of(layer))
         handDown(document, *state);
     const KeptScan *scan = scanOf(layer);
@@ -117,6 +116,7 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     if (!scan)
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
+    CMeshO &mesh = layer.cm;
     std::atomic<int> others{0}, placed{0}, otherColors{0}, otherQualities{0};
     {
         const KeptVertices kept(layer, *scan);
@@ -147,8 +147,10 @@ void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel 
     const CMeshO &from = layer.cm;
     const KeptScan *scan = scanOf(layer);
     std::optional<KeptScan> found;
-    if (!scan && (found = inheritedScan(layer, LayerState::ofOthers(document, layer))))
-        scan = &*found;
+    if (!scan) {
+        found = inheritedScan(layer, LayerState::ofOthers(document, layer));
+        scan = found ? &*found : nullptr;
+    }
     if (!scan)
         return;
     const KeptVertices kept(layer, *scan);

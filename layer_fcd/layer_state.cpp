@@ -62,13 +62,15 @@ using States = std::map<int, std::shared_ptr<LayerState>>;
 /// Those of \p document, null where it has none. It knows them by a property, and keeps them with the connection that
 /// tells which layers go.
 States *statesOf(const MeshDocument &document) {
-    return reinterpret_cast<States *>(document.property(layoutName().c_str()).toULongLong());
+    return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
 }
 
 States &madeStatesOf(const MeshDocument &document) {
-    if (States *known = statesOf(document))
+    States *known = statesOf(document);
+    if (known)
         return *known;
     const auto states = std::make_shared<States>();
+    known = states.get();
     QObject::connect(&document, &MeshDocument::meshRemoved, [states, &document](int gone) {
         const auto its = states->find(gone);
         if (its == states->end())
@@ -81,8 +83,8 @@ States &madeStatesOf(const MeshDocument &document) {
         }
     });
     const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
-                                                     QVariant::fromValue(qulonglong(states.get())));
-    return *states;
+                                                     QVariant::fromValue(static_cast<void *>(known)));
+    return *known; // which the connection keeps
 }
 
 /// body(values) for all values per vertex slot that there are.
@@ -118,7 +120,8 @@ LayerState *LayerState::of(const CMeshO &mesh) {
 }
 
 LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
-    if (LayerState *known = of(layer))
+    LayerState *const known = of(layer);
+    if (known)
         return *known;
     States &states = madeStatesOf(document);
     // A host that closes all at once says nothing of it.
@@ -137,7 +140,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     vcg::PointerToAttribute attribute;
     attribute._name = layoutName();
     while (vcg::tri::HasPerVertexAttribute(mesh, attribute._name))
-        attribute._name += "_"; // somebody else's
+        attribute._name += '_'; // somebody else's
     attribute._handle = new StateAttribute(state);
     attribute._sizeof = 0; // a host takes what is as large as a number or a point for one
     attribute._padding = 0;
@@ -191,6 +194,6 @@ void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
 
 /// A vertex is deleted: another layer, into which it was copied, may ask for what is kept of it.
 void LayerState::leave(std::size_t slot) {
-    if (scan->number[slot] != 0 && rest && rest->vertex[slot].isKnown())
+    if (scan && rest && scan->number[slot] != 0 && rest->vertex[slot].isKnown())
         scan->gone.emplace_back(toPoint(rest->vertex[slot].place()), scan->number[slot]);
 }

@@ -26,7 +26,7 @@ void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<
     LayerState::made(document, layer).marks = shifted(tag, -1);
 }
 
-void dropMarks(MeshModel &layer) {
+void dropMarks(const MeshModel &layer) {
     if (LayerState *state = LayerState::of(layer))
         state->marks.clear();
 }
@@ -40,7 +40,7 @@ const std::string &appliedTags(const MeshDocument &document, MeshModel &layer) {
     std::string &name = LayerState::made(document, layer).appliedName;
     if (name.empty())
         for (name = "fcd_applied"; vcg::tri::HasPerVertexAttribute(layer.cm, name);)
-            name += "_";
+            name += '_';
     return name;
 }
 

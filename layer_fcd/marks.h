@@ -20,7 +20,7 @@ std::vector<int> marksOf(const MeshModel &layer);
 void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag);
 
 /// Its tags are those of its quality again.
-void dropMarks(MeshModel &layer);
+void dropMarks(const MeshModel &layer);
 
 /// Whether the layer is known to have tags: marks, or those that a filter for tags wrote into its quality.
 bool hasTags(const MeshModel &layer);

@@ -67,12 +67,15 @@ void takeNormals(CMeshO &mesh, Shape &shape) {
 
 } // namespace
 
-bool RestShape::exists(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    return state && state->rest && !state->rest->vertex.empty();
+/// That of a layer, null where it has none.
+static RestState *restOf(const MeshModel &layer) {
+    LayerState *state = LayerState::of(layer);
+    return state && state->rest && !state->rest->vertex.empty() ? &*state->rest : nullptr;
 }
 
-const PosedVertex *RestShape::lastPlaces(const MeshModel &layer) { return LayerState::of(layer)->rest->vertex.data(); }
+bool RestShape::exists(const MeshModel &layer) { return restOf(layer) != nullptr; }
+
+const PosedVertex *RestShape::lastPlaces(const MeshModel &layer) { return restOf(layer)->vertex.data(); }
 
 void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
@@ -107,12 +110,12 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     all.rest = std::move(kept);
 }
 
-void RestShape::drop(MeshModel &layer) {
+void RestShape::drop(const MeshModel &layer) {
     if (LayerState *state = LayerState::of(layer))
         state->rest.reset();
 }
 
-RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*LayerState::of(layer)->rest) {}
+RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*restOf(layer)) {}
 
 std::uint64_t RestShape::placeOf(const Point3m &position) {
     return std::max(XXH3_64bits(&position[0], 3 * sizeof(Scalarm)), XXH64_hash_t(1));
@@ -124,6 +127,7 @@ std::uint64_t RestShape::shape() const {
 
 std::vector<std::uint64_t> RestShape::shapes() const {
     std::vector<std::uint64_t> all;
+    all.reserve(state.earlier.size() + 1);
     for (const Shape &earlier : state.earlier)
         all.push_back(shapeSum(mesh, [&earlier](std::size_t i) { return earlier.position[i]; }));
     all.push_back(shape());
@@ -204,9 +208,9 @@ bool RestShape::followMove() {
 }
 
 void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
-    const std::uint64_t strangers = countStrangers(), normals = state.ownNormals ? normalsOf(mesh) : 0;
-    const bool areOwn = normals == state.normalsNow || normals == state.normalsBefore;
-    state.normalsBefore = normals;
+    const std::uint64_t strangers = countStrangers(), now = state.ownNormals ? normalsOf(mesh) : 0;
+    const bool areOwn = now == state.normalsNow || now == state.normalsBefore;
+    state.normalsBefore = now;
     if (strangers == 0) {
         if (remark && !areOwn)
             remark("Something else has computed the normals of '" + layer.label().toStdString() +

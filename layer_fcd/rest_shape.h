@@ -32,7 +32,7 @@ class RestShape {
     /// else has moved or made vertices: none of before is one of the present mesh then, and none is kept.
     static void keep(const MeshDocument &document, MeshModel &layer);
     /// Forgets what keep began.
-    static void drop(MeshModel &layer);
+    static void drop(const MeshModel &layer);
 
     /// \pre the layer has a rest shape
     explicit RestShape(MeshModel &layer);

@@ -77,16 +77,16 @@ KeptScan scanOf(const Reader &from, const LiveVertices &live, const std::vector<
         const auto values = from.array<std::uint8_t>(name, 4, 1);
         *color = vcg::Color4b(values[0], values[1], values[2], values[3]);
     }
-    const auto hasColor = from.array<std::uint8_t>("has_color", 1),
-               hasQuality = from.array<std::uint8_t>("has_quality", 1);
+    const auto ofColor = from.array<std::uint8_t>("has_color", 1),
+               ofQuality = from.array<std::uint8_t>("has_quality", 1);
     const auto tagColor = from.array<std::uint32_t>("tag_color", 1);
     scan.number.assign(mesh.vert.size(), 0);
     scan.vertices.resize(std::size_t(mesh.vn));
-    live.read(hasColor, 1, [&](std::size_t i, const std::uint8_t *value) {
-        const auto j = std::size_t(value - hasColor.data());
+    live.read(ofColor, 1, [&](std::size_t i, const std::uint8_t *value) {
+        const auto j = std::size_t(value - ofColor.data());
         scan.number[i] = std::uint32_t(j + 1);
         scan.vertices[j] = {Point3m(Scalarm(place[3 * j]), Scalarm(place[3 * j + 1]), Scalarm(place[3 * j + 2])),
-                            tagColor[j], hasColor[j] != 0, hasQuality[j] != 0};
+                            tagColor[j], ofColor[j] != 0, ofQuality[j] != 0};
     });
     if (scan.color) {
         const auto values = from.array<std::uint8_t>("colors", 4);
@@ -221,8 +221,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         const QCborArray earlier = rest.list("earlier");
         if (std::size_t(earlier.size()) > RestShape::mostEarlier)
             rest.fail("earlier has too many shapes");
-        for (const QCborValue &shape : earlier)
-            read.earlier.push_back(shapeOf(rest.in(shape, "earlier"), live));
+        for (const auto shape : earlier)
+            read.earlier.push_back(shapeOf(rest.in(QCborValue(shape), "earlier"), live));
         read.vertex.resize(mesh.vert.size());
         read.faces = facesOf(mesh);
         read.vertexSlots = mesh.vert.size();

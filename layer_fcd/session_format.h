@@ -93,7 +93,7 @@ class LiveVertices {
 /// What a file says, of which nothing is trusted.
 class Reader {
   public:
-    Reader(QCborMap map, const QString &file, int vertices) : map(std::move(map)), file(file), vertices(vertices) {}
+    Reader(const QCborMap &map, const QString &file, int vertices) : map(map), file(file), vertices(vertices) {}
 
     [[noreturn]] void fail(const std::string &what) const {
         throw vcg::fcd::Error(inQuotes(file) + " is no session that can be read: " + what +
@@ -140,12 +140,12 @@ class Reader {
     template <class T>
     std::vector<T> array(const char *key, int count, int elements = -1) const {
         const QCborValue value = map.value(QString(key));
-        const QByteArray bytes =
+        const QByteArray stored =
             value.isTag() && value.tag() == tagOf<T>() ? value.taggedValue().toByteArray() : QByteArray();
         std::vector<T> values(std::size_t(elements < 0 ? vertices : elements) * std::size_t(count));
-        if (std::size_t(bytes.size()) != values.size() * sizeof(T))
+        if (std::size_t(stored.size()) != values.size() * sizeof(T))
             fail(std::string(key) + " has not the values that it should have");
-        std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char *>(values.data()));
+        std::copy(stored.begin(), stored.end(), reinterpret_cast<char *>(values.data()));
         if (sizeof(T) > 1)
             qFromLittleEndian<T>(values.data(), qsizetype(values.size()), values.data());
         if (!std::all_of(values.begin(), values.end(), [](T each) { return std::isfinite(double(each)); }))

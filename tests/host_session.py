@@ -94,7 +94,7 @@ def test_poses_with_names_go_along(tmp_path):
         again.apply_filter(SEQUENCE, frame_layers=1)
     again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
     again.apply_filter(SEQUENCE, frame_layers=1)
-    assert same_points(again.current_mesh().vertex_matrix(), ms.mesh(ms.mesh_number() - 1).vertex_matrix())
+    assert same_points(again.current_mesh().vertex_matrix(), list(ms)[-1].vertex_matrix())
 
 
 def refused(ms, word, **parameters):

@@ -406,7 +406,7 @@ def test_faces_have_the_colour_of_one_patch():
 
 
 def deleted(ms):
-    if ms.mesh_number():
+    if list(ms):
         ms.delete_current_mesh()
     return ms
 
@@ -439,7 +439,9 @@ def test_attributes_of_the_user_are_his_whatever_they_are_called(name):
     set_quality(ms, "0")
     mesh = ms.current_mesh()
     mesh.add_vertex_custom_scalar_attribute(np.arange(float(mesh.vertex_number())), name)
-    mesh.add_vertex_custom_point_attribute(mesh.vertex_matrix(), name + "_")
+    has_points = hasattr(ms, "mesh_number")  # 2022.2 ends when one adds such an attribute
+    if has_points:
+        mesh.add_vertex_custom_point_attribute(mesh.vertex_matrix(), name + "_")
     rest = mesh.vertex_matrix()
     tag_ends(ms)
     ms.apply_filter(POSE, **BEND)
@@ -447,7 +449,8 @@ def test_attributes_of_the_user_are_his_whatever_they_are_called(name):
     ms.apply_filter(CLEAR)
     assert same_points(mesh.vertex_matrix(), rest)
     assert np.array_equal(mesh.vertex_custom_scalar_attribute_array(name), np.arange(float(mesh.vertex_number())))
-    assert same_points(mesh.vertex_custom_point_attribute_matrix(name + "_"), rest)
+    if has_points:
+        assert same_points(mesh.vertex_custom_point_attribute_matrix(name + "_"), rest)
 
 
 def split_at(ms):

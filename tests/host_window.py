@@ -260,7 +260,7 @@ class Window:
 
 
 # Where the fields of the dialogs are, from their left and upper, or lower, edge.
-PREVIEW_X, PREVIEW_BOX = (272, 254), -84
+PREVIEW_X, PREVIEW_BOX = (272, 239), -84
 MOVE_X, AXIS_Y, AXIS_Z, ANGLE, LIKE_LAYER = (272, 210), (318, 241), (364, 241), (400, 272), (400, 365)
 
 

@@ -79,10 +79,10 @@ SurfacePose Deformer::SolveRegions(HeldMotions motions, const Pose *last, const 
                                    const Progress &progress) const {
     std::vector<RegionPose> poses(regions.size());
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
-        HeldMotions own = Region(i).OwnOf(motions);
+        const HeldMotions own = Region(i).OwnOf(motions);
         const RegionPose *before = last ? &last->region[i] : nullptr;
         const bool isSame = before && before->graph.converged && before->given == own; // and at rest
-        poses[i] = isSame ? *before : solve(Region(i), std::move(own), before, part);
+        poses[i] = isSame ? *before : solve(Region(i), own, before, part);
     });
     return SumOf(std::move(motions), std::move(poses));
 }

@@ -66,10 +66,10 @@ class DeformerMaker {
     /// The regions of a deformer of the same mesh that are regions of \p whole, too: none of their vertices has got
     /// another tag, and no point handle came or went.
     std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const RegionSource &whole) const {
-        std::vector<std::shared_ptr<const RegionDeformer>> same;
+        std::vector<std::shared_ptr<const RegionDeformer>> found;
         if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->report.together > 0 ||
             param.nodes.cols() > 0)
-            return same;
+            return found;
         std::vector<char> changed(whole.tag.size(), 0);
         for (std::size_t i = 0; i < changed.size(); ++i)
             changed[i] = whole.tag[i] != kept->slotTag[i];
@@ -83,9 +83,9 @@ class DeformerMaker {
             const auto isSame = [&](const MovingRegion::Bent &vertex) { return !changed[vertex.slot]; };
             if (std::all_of(region->bent.begin(), region->bent.end(), isSame) &&
                 std::all_of(region->beside.begin(), region->beside.end(), isSame))
-                same.push_back(std::static_pointer_cast<const RegionDeformer>(region));
+                found.push_back(std::static_pointer_cast<const RegionDeformer>(region));
         }
-        return same;
+        return found;
     }
 
     /// Gives the free vertices of what is kept another tag.

@@ -89,20 +89,19 @@ struct FitReport {
     double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
     double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
     double pull = 0;         ///< how far nodes had to give way so that all landmarks are there, world units
-    bool bothWays = false;   ///< places of the target drew what is nearest, too: as asked, or as it fits better
-    bool insideOut = false;  ///< the target's normals point to the other side than the source's; they were turned over
     std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
     bool leftOut = false;                  ///< these were not followed, as there is a tolerance
-    std::size_t unmet = 0;      ///< landmarks farther than their tolerance, as the graph is too coarse for them
-    int patchesForAll = 0;      ///< with so many, or more, it would be fine enough
-    std::size_t notFinite = 0;  ///< vertices of the target that were left out: a coordinate is not a finite number
-    double apart = 0;           ///< between the boxes of surface and target, world units; 0 where they overlap
-    bool fromAfar = false;      ///< they lay far apart, and the fit began where it moved the surface to by itself
+    bool bothWays = false;  ///< places of the target drew what is nearest, too: as asked, or as it fits better
+    bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
+    bool fromAfar = false;  ///< they lay far apart, and the fit began where it moved the surface to by itself
     bool isSureFromAfar = true; ///< false: another way round fits nearly as well
-    double larger = 1;          ///< the target's size over that of the surface
     bool otherSize = false;     ///< so much larger, or smaller, that the fit is not to be trusted
     bool mirrored = false;      ///< the target is the surface's mirror image, or its faces look inwards as of one
     bool flat = false;          ///< the target is a plane, and the surface is none
+    std::size_t unmet = 0;      ///< landmarks farther than their tolerance, as the graph is too coarse for them
+    std::size_t notFinite = 0;  ///< vertices of the target that were left out: a coordinate is not a finite number
+    double apart = 0;           ///< between the boxes of surface and target, world units; 0 where they overlap
+    double larger = 1;          ///< the target's size over that of the surface
     /// What is wrong with the target or the landmarks and what to do, a sentence or two each; for log and warnings.
     std::vector<std::string> Remarks() const;
     std::vector<std::string> LandmarkRemarks() const; ///< of these, what is about landmarks
@@ -111,6 +110,7 @@ struct FitReport {
     bool IsMisplaced() const { return otherSize || mirrored || flat || isApart; }
     std::vector<char> carriedNode; ///< flags of the graph's nodes: of parts that others carried
     bool isApart = false;          ///< they lie so far apart that nothing of them overlaps, and could not be moved
+    int patchesForAll = 0;         ///< with so many, or more, it would be fine enough
     int steps = 0;
     bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,
                             ///< or further ones would, all together

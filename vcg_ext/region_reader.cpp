@@ -96,12 +96,12 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, con
     found.together = regions.together;
     found.gaps = regions.count > 1 ? surface.report.gaps : 0;
     found.heldBeside = HeldBeside(surface, source.tag, held, progress.Slice(0.55, 0.55));
-    Divide(source, std::move(surface), held, regions, progress.Slice(0.55, 1), found);
+    Divide(source, surface, held, regions, progress.Slice(0.55, 1), found);
     return found;
 }
 
 /// Reads each region of a surface by itself.
-void RegionReader::Divide(const RegionSource &source, SurfaceGraph surface, const HeldNodes &held,
+void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
                           const SurfaceRegions &regions, const Progress &progress, ReadRegions &found) {
     std::vector<RegionSource> parts = TakeRegions(source, surface, held.tag, regions, progress.Slice(0, 0.1));
     if (regions.together > 0)

@@ -38,8 +38,8 @@ class RegionReader {
 
   private:
     ReadRegions ReadPart(const RegionSource &source, bool isWhole, const Progress &progress);
-    void Divide(const RegionSource &source, SurfaceGraph surface, const HeldNodes &held, const SurfaceRegions &regions,
-                const Progress &progress, ReadRegions &found);
+    void Divide(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
+                const SurfaceRegions &regions, const Progress &progress, ReadRegions &found);
     ReadRegion RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const;
     void FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held, ReadRegions &found);
 

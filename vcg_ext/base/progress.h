@@ -50,11 +50,10 @@ class Progress {
 
     /// Reports that \p fraction (0 ... 1) of this slice is done. \throw Cancelled when the callback returns false.
     void operator()(double fraction, const char *stage) const {
-        if (isCancelled && std::this_thread::get_id() != reporter) {
-            if (*isCancelled)
-                throw Cancelled();
+        if (isCancelled && *isCancelled)
+            throw Cancelled();
+        if (isCancelled && std::this_thread::get_id() != reporter)
             return;
-        }
         const double percent = lo + std::min(1.0, std::max(0.0, fraction)) * (hi - lo);
         if (callback && !callback(int(percent), stage)) {
             if (isCancelled)

@@ -59,7 +59,7 @@ class FieldSampler {
         const std::size_t regions = std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end()));
         if (!regionOf.empty())
             NumberOthers(rests, progress);
-        pieces.resize(std::size_t(1 + *std::max_element(pieceOf.begin(), pieceOf.end())));
+        pieces.resize(std::size_t(1) + std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
         PutSeeds(rests, regions);
     }
@@ -138,7 +138,8 @@ class FieldSampler {
             found[piece].all.push_back(Index(i));
             const Index center = patches.center[patch];
             const Eigen::Vector3f way = surface.graph.position.col(node) - surface.graph.position.col(center);
-            const std::size_t octant = octants * patch + (way[0] > 0) + 2 * (way[1] > 0) + 4 * (way[2] > 0);
+            const std::size_t octant =
+                octants * patch + std::size_t(way[0] > 0) + (way[1] > 0 ? 2 : 0) + (way[2] > 0 ? 4 : 0);
             Index &worst = PieceOf(center) == piece ? farthest[octant]
                                                     : across.emplace(std::make_pair(piece, octant), -1).first->second;
             if (worst < 0 || error[i] > error[std::size_t(worst)])

@@ -24,6 +24,7 @@ class Structure {
         const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
         if (node.size() > mostNodes) {
             std::vector<Index> some;
+            some.reserve(mostNodes);
             for (std::size_t i = 0; i < mostNodes; ++i)
                 some.push_back(node[i * node.size() / mostNodes]);
             node.swap(some);
