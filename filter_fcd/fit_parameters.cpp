@@ -19,6 +19,8 @@ const MeshModel *likelyTarget(const MeshDocument &document) {
 
 /// Pairs that a fit is judged by.
 void addChecks(RichParameterList &list, const FitMeshParam &param) {
+    if (host::firstMayBeLacking()) // meshlabserver 2020.09 ends where a script lacks a parameter
+        return;
     addParameter<host::RichFileParam>(
         list, Shown::Advanced, "check_file", param.checkFile,
         QStringList() << "*.csv"
@@ -38,6 +40,8 @@ void addChecks(RichParameterList &list, const FitMeshParam &param) {
 
 /// How much of the two layers counts.
 void addWeights(RichParameterList &list, const FitMeshParam &param) {
+    if (host::firstMayBeLacking())
+        return;
     const QStringList sources = QStringList() << "All counts"
                                               << "Vertex quality"
                                               << "Selected vertices"
@@ -89,8 +93,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
         "<b>Raise it</b> to the error of the points where they were measured or picked by hand. Pairs that the others "
         "contradict, such as two that are mixed up, are left out then; the log names them in any case.");
-    if (!host::firstMayBeLacking())
-        addChecks(list, param);
+    addChecks(list, param);
     addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
                            "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
                            "counts: to see where they alone take it, or to morph it by them.");
@@ -125,8 +128,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                            "of the target are reached. <b>Off</b> (the default): where parts of the target are left, "
                            "that is tried, and taken if nothing of it is left then and more of the layer has a "
                            "counterpart. Leave it off where the target has parts that the layer lacks.");
-    if (!host::firstMayBeLacking())
-        addWeights(list, param);
+    addWeights(list, param);
     addInitialPatches(list, fit.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, fit.smoothness);
     addRandomSeed(list, fit.graph.randomSeed);

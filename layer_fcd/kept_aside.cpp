@@ -116,9 +116,9 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     if (!scan)
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
-    CMeshO &mesh = layer.cm;
     std::atomic<int> others{0}, placed{0}, otherColors{0}, otherQualities{0};
     {
+        CMeshO &mesh = layer.cm;
         const KeptVertices kept(layer, *scan);
         forVertices(mesh, [&](std::size_t i) {
             CVertexO &vertex = mesh.vert[i];
