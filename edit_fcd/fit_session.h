@@ -133,9 +133,9 @@ class FitSession {
     MeshModel &layer;
     BendRest rest;
     std::uint64_t shapeAtRest = 0; ///< as shapeOf tells it
-    bool isLeft = false;                             ///< the layer has what leave() gave it
-    bool isFree = true;                              ///< nothing is fixed, and there is no handle
-    bool hasDirections = false;                      ///< as FitParam::linear
+    bool isLeft = false;           ///< the layer has what leave() gave it
+    bool isFree = true;            ///< nothing is fixed, and there is no handle
+    bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
     std::vector<FitState> before, after;
