@@ -3,10 +3,7 @@
 
 #include "fit_session.h"
 
-#include <layer_fcd/layer_contents.h>
-#include <layer_fcd/layer_normals.h>
 #include <layer_fcd/marks.h>
-#include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tag_sources.h>
 
 // What stays of a fit.
@@ -58,18 +55,12 @@ bool FitSession::leave() {
     const BendRest::Shown shown = rest.shown();
     const std::shared_ptr<const FittedSurface> pull = shownPull;
     restore();
-    if (pull) {
+    if (pull)
         poseFitted(document, layer, *pull);
-    } else {
-        if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeAtRest)
-            RestShape::keep(document, layer);
-        RestShape kept(layer);
-        forVertices(layer.cm, [&](std::size_t i) { kept.place(i, shown[i].first); });
-        computeBoxAndNormals(layer.cm);
-        if (kept.hasOwnNormals())
-            forVertices(layer.cm, [&](std::size_t i) { layer.cm.vert[i].N() = shown[i].second; });
-        kept.knowNormals();
-    }
+    else
+        poseAs(
+            document, layer, [&](std::size_t i) { return shown[i].first; },
+            [&](std::size_t i, const Point3m &) { return shown[i].second; });
     rest.leave();
     know();
     shownPull = pull;

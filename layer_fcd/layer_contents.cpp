@@ -149,20 +149,8 @@ bool hasQuality(const MeshModel &layer) {
                        [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
 }
 
-/// The sum of term(slot) over the live vertices.
-template <class Term>
-static std::uint64_t verticesSum(const CMeshO &mesh, const Term &term) {
-    return sumOf(mesh.vert.size(), [&](std::size_t first, std::size_t last) {
-        std::uint64_t sum = 0;
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD())
-                sum += term(i);
-        return sum;
-    });
-}
-
 std::uint64_t qualityOf(const CMeshO &mesh) {
-    const std::uint64_t sum = verticesSum(mesh, [&mesh](std::size_t i) {
+    const std::uint64_t sum = sumOfVertices(mesh, [&mesh](std::size_t i) {
         const auto quality = mesh.vert[i].cQ();
         return XXH3_64bits_withSeed(&quality, sizeof quality, i);
     });
@@ -170,7 +158,7 @@ std::uint64_t qualityOf(const CMeshO &mesh) {
 }
 
 std::uint64_t normalsOf(const CMeshO &mesh) {
-    return verticesSum(
+    return sumOfVertices(
         mesh, [&mesh](std::size_t i) { return XXH3_64bits_withSeed(&mesh.vert[i].cN()[0], 3 * sizeof(Scalarm), i); });
 }
 

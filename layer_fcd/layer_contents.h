@@ -40,6 +40,18 @@ std::uint64_t sumOf(std::size_t n, const Range &range) {
     return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
 }
 
+/// The sum of term(slot) over the live vertices.
+template <class Term>
+std::uint64_t sumOfVertices(const CMeshO &mesh, const Term &term) {
+    return sumOf(mesh.vert.size(), [&](std::size_t first, std::size_t last) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                sum += term(i);
+        return sum;
+    });
+}
+
 /// How far a coordinate that a host moved may be off, of the numbers that it is the sum of: a host multiplies and adds
 /// four, each rounded, those of the matrix, too; and a person may turn a layer some times.
 constexpr double layerRounding = 32. * std::numeric_limits<Scalarm>::epsilon();

@@ -180,18 +180,12 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
 }
 
 void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted) {
-    CMeshO &mesh = layer.cm;
-    if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
-        RestShape::keep(document, layer);
-    RestShape rest(layer);
-    forVertices(mesh, [&](std::size_t i) { rest.place(i, toPoint(fitted.result.position.col(Eigen::Index(i)))); });
-    computeBoxAndNormals(mesh);
-    if (rest.hasOwnNormals())
-        forVertices(mesh, [&](std::size_t i) {
+    poseAs(
+        document, layer, [&](std::size_t i) { return toPoint(fitted.result.position.col(Eigen::Index(i))); },
+        [&](std::size_t i, const Point3m &atRest) {
             const Eigen::Matrix3d map = fitted.result.linear[i].cast<double>();
-            mesh.vert[i].N() = toPoint((vcg::fcd::Cofactors(map) * toVector(rest.normals()[i])).stableNormalized());
+            return toPoint((vcg::fcd::Cofactors(map) * toVector(atRest)).stableNormalized());
         });
-    rest.knowNormals();
 }
 
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,

@@ -2,7 +2,10 @@
 #ifndef FCD_LAYER_FITTER_H
 #define FCD_LAYER_FITTER_H
 
+#include "layer_contents.h"
+#include "layer_normals.h"
 #include "parameters.h"
+#include "rest_shape.h"
 
 #include <cstddef>
 #include <memory>
@@ -72,6 +75,21 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
 /// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
                                    const FitMeshParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// Gives \p layer a shape; the one that it has becomes its rest shape. \param positionAt of each vertex slot
+/// \param normalAt of each vertex slot, from that at rest, where the layer has normals of its own
+template <class PositionAt, class NormalAt>
+void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &positionAt, const NormalAt &normalAt) {
+    CMeshO &mesh = layer.cm;
+    if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
+        RestShape::keep(document, layer);
+    RestShape rest(layer);
+    forVertices(mesh, [&](std::size_t i) { rest.place(i, positionAt(i)); });
+    computeBoxAndNormals(mesh);
+    if (rest.hasOwnNormals())
+        forVertices(mesh, [&](std::size_t i) { mesh.vert[i].N() = normalAt(i, rest.normals()[i]); });
+    rest.knowNormals();
+}
 
 /// Gives \p layer the shape of a fit, to the bit that of the layer that addFitted adds; the one that it has becomes its
 /// rest shape. \pre it has the shape that was fitted

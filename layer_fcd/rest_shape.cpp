@@ -25,13 +25,7 @@ namespace {
 /// The sum of shapeTerm over the live vertices.
 template <class PositionOf>
 std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
-    return sumOf(mesh.vert.size(), [&](std::size_t first, std::size_t last) {
-        std::uint64_t sum = 0;
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD())
-                sum += shapeTerm(i, positionOf(i));
-        return sum;
-    });
+    return sumOfVertices(mesh, [&](std::size_t i) { return shapeTerm(i, positionOf(i)); });
 }
 
 /// Turns the normals of a shape over that look to the other side than the faces there.
@@ -154,12 +148,7 @@ bool RestShape::isAtHome(std::size_t slot) {
 }
 
 std::uint64_t RestShape::countStrangers() {
-    return sumOf(mesh.vert.size(), [this](std::size_t first, std::size_t last) {
-        std::uint64_t count = 0;
-        for (std::size_t i = first; i < last; ++i)
-            count += !mesh.vert[i].IsD() && !isAtHome(i);
-        return count;
-    });
+    return sumOfVertices(mesh, [this](std::size_t i) { return isAtHome(i) ? 0 : 1; });
 }
 
 bool RestShape::isSameMesh() const {

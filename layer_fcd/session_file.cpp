@@ -61,8 +61,8 @@ QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
     return map;
 }
 
-/// The same, read; for the vertices of a layer, which were at \p place.
-KeptScan scanOf(const Reader &from, const LiveVertices &live, const std::vector<double> &place) {
+/// The same, read; for the vertices of a layer, which had a shape when it was saved.
+KeptScan scanOf(const Reader &from, const LiveVertices &live, const Shape &shown) {
     const CMeshO &mesh = live.mesh;
     KeptScan scan;
     scan.color = from.flag("color");
@@ -85,8 +85,7 @@ KeptScan scanOf(const Reader &from, const LiveVertices &live, const std::vector<
     live.read(ofColor, 1, [&](std::size_t i, const std::uint8_t *value) {
         const auto j = std::size_t(value - ofColor.data());
         scan.number[i] = std::uint32_t(j + 1);
-        scan.vertices[j] = {Point3m(Scalarm(place[3 * j]), Scalarm(place[3 * j + 1]), Scalarm(place[3 * j + 2])),
-                            tagColor[j], ofColor[j] != 0, ofQuality[j] != 0};
+        scan.vertices[j] = {shown.position[i], tagColor[j], ofColor[j] != 0, ofQuality[j] != 0};
     });
     if (scan.color) {
         const auto values = from.array<std::uint8_t>("colors", 4);
@@ -228,7 +227,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         read.vertexSlots = mesh.vert.size();
     }
     if (from.has("scan"))
-        next.scan = scanOf(from.in("scan"), live, from.array<double>("position", 3));
+        next.scan = scanOf(from.in("scan"), live, shown);
     if (from.has("poses"))
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
 
