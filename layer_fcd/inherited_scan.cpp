@@ -8,7 +8,6 @@
 #include "rest_shape.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace {
 
@@ -30,7 +29,7 @@ class TaggedPlaces {
     /// after that which was found last. 0: none.
     std::uint32_t find(const CVertexO &vertex) {
         const std::uint32_t color = numberOf(vertex.cC());
-        if (scan.color ? !std::binary_search(colors.begin(), colors.end(), color) : !isWhole(vertex))
+        if (scan.color && !std::binary_search(colors.begin(), colors.end(), color))
             return 0;
         if (places.empty())
             sort();
@@ -39,17 +38,16 @@ class TaggedPlaces {
         for (auto at = std::lower_bound(places.begin(), places.end(), std::make_pair(place, std::uint32_t(0)));
              at != places.end() && at->first == place && found <= last; ++at)
             if (const TaggedVertex &tag = tagOf(at->second);
-                scan.color ? tag.hasColor && tag.tagColor == color : tag.hasQuality)
+                scan.color ? tag.hasColor && tag.tagColor == color : isTag(vertex, at->second))
                 found = found && at->second <= last ? found : at->second;
         return last = found ? found : last, found;
     }
 
     bool isTag(const CVertexO &vertex, std::uint32_t number) const {
-        return scan.quality && isWhole(vertex) && tagOf(number).hasQuality;
+        return scan.quality && tagOf(number).hasQuality() && vertex.cQ() == tagOf(number).tag;
     }
 
   private:
-    static bool isWhole(const CVertexO &vertex) { return vertex.cQ() == std::round(vertex.cQ()); }
     const TaggedVertex &tagOf(std::uint32_t number) const { return scan.vertices[number - 1]; }
 
     void sort() {
@@ -101,23 +99,23 @@ std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<
         scan.colors[number] = vertex.cC();
         scan.qualities[number] = vertex.cQ();
         scan.number[i] = number + 1;
-        TaggedVertex &its = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), false, false};
+        TaggedVertex &its = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), -1, false};
         for (TaggedPlaces &source : tagged) {
             const KeptScan &kept = source.kept();
-            const std::uint32_t found = its.hasColor || its.hasQuality ? 0 : source.find(vertex);
+            const std::uint32_t found = its.hasColor || its.hasQuality() ? 0 : source.find(vertex);
             if (found == 0)
                 continue;
             its.hasColor = kept.color;
-            its.hasQuality = source.isTag(vertex, found);
+            its.tag = source.isTag(vertex, found) ? int(vertex.cQ()) : -1;
             if (its.hasColor)
                 scan.colors[number] = kept.colors[found - 1];
-            if (its.hasQuality)
+            if (its.hasQuality())
                 scan.qualities[number] = kept.qualities[found - 1];
             scan.color |= its.hasColor;
-            scan.quality |= its.hasQuality;
+            scan.quality |= its.hasQuality();
             scan.hadColor |= its.hasColor && kept.hadColor;
-            scan.hadQuality |= its.hasQuality && kept.hadQuality;
-            scan.countedQuality |= its.hasQuality && kept.countedQuality;
+            scan.hadQuality |= its.hasQuality() && kept.hadQuality;
+            scan.countedQuality |= its.hasQuality() && kept.countedQuality;
             for (int k = 0; k < 3; ++k) {
                 scan.lowColor[k] = isFirst ? kept.lowColor[k] : std::min(scan.lowColor[k], kept.lowColor[k]);
                 scan.highColor[k] = isFirst ? kept.highColor[k] : std::max(scan.highColor[k], kept.highColor[k]);

@@ -47,8 +47,11 @@ void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool 
     Packing(mesh.vert, mesh.vn).forEach([&](std::size_t i, std::size_t j) {
         const CVertexO &vertex = mesh.vert[i];
         next.number[i] = std::uint32_t(j + 1);
-        next.vertices[j] = {vertex.cP(), kept.tagColor(i), color || kept.isColorOfTag(i),
-                            quality || kept.isQualityTag(i)};
+        next.vertices[j] = {vertex.cP(), kept.tagColor(i),
+                            quality                ? 0
+                            : kept.isQualityTag(i) ? int(vertex.cQ())
+                                                   : -1,
+                            color || kept.isColorOfTag(i)};
         if (!next.colors.empty()) {
             const auto own = kept.color(i);
             if (own || had)
@@ -86,6 +89,7 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
         if (mesh.vert[i].IsD())
             continue;
         if (quality) {
+            scan.vertices[scan.number[i] - 1].tag = tag[i];
             scan.lowTag = std::min(isFirst ? 0 : scan.lowTag, double(tag[i]));
             scan.highTag = std::max(isFirst ? 0 : scan.highTag, double(tag[i]));
         }

@@ -66,14 +66,15 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
             points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
-    // Tags may be changed by whoever computes a quality; what is no whole number is no tag, and then none is one.
-    std::atomic<bool> whole{true};
-    forVertices(mesh, [&](std::size_t i) {
-        const auto q = mesh.vert[i].cQ();
-        if (isOld(i) && vertexOf(i).hasQuality && q != std::round(q))
-            whole = false;
-    });
-    areTags = whole;
+    // Whoever computes a quality may give other tags: whole numbers, none larger than there was, or half of those that
+    // were not 0 as they were. Another quality, as a number of things, is to stay.
+    const auto number = [&](const auto &is) {
+        return sumOfVertices(mesh, [&](std::size_t i) { return isOld(i) && is(vertexOf(i).tag, mesh.vert[i].cQ()); });
+    };
+    areTags = number([](int tag, double now) { return tag >= 0 && now != std::round(now); }) == 0 &&
+              (number([&](int tag, double now) { return tag >= 0 && (now < 0 || now > scan.highTag); }) == 0 ||
+               2 * number([](int tag, double now) { return tag > 0 && now == tag; }) >=
+                   number([](int tag, double) { return tag > 0; }));
 }
 
 /// The affine map by which something has moved all of those that were tagged, where it is one.

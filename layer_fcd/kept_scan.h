@@ -28,7 +28,7 @@ class KeptVertices {
     std::uint32_t tagColor(std::size_t i) const { return isOld(i) ? vertexOf(i).tagColor : 0; }
 
     bool isColorOfTag(std::size_t i) const { return isOld(i) && vertexOf(i).hasColor && wasColor(i); }
-    bool isQualityTag(std::size_t i) const { return areTags && isOld(i) && vertexOf(i).hasQuality; }
+    bool isQualityTag(std::size_t i) const { return areTags && isOld(i) && vertexOf(i).hasQuality(); }
     /// The colour of before, of a vertex that has the colour of a tag. A new one that has a mixture of these has what
     /// was at its place, where the layer has the shape still that it was tagged in.
     std::optional<vcg::Color4b> color(std::size_t i) const;

@@ -3,6 +3,7 @@
 
 #include "angle_normals.h"
 #include "graph_layer.h"
+#include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_normals.h"
@@ -199,6 +200,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     try { // to have all the memory that it takes, before the first vertex is moved
         if (isFirst)
             RestShape::keep(document, layer);
+        else
+            handDownRest(document, *LayerState::of(layer));
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
         FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);

@@ -2,6 +2,7 @@
 #ifndef FCD_LAYER_FITTER_H
 #define FCD_LAYER_FITTER_H
 
+#include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
@@ -83,6 +84,8 @@ void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &po
     CMeshO &mesh = layer.cm;
     if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
         RestShape::keep(document, layer);
+    else
+        handDownRest(document, *LayerState::of(layer));
     RestShape rest(layer);
     forVertices(mesh, [&](std::size_t i) { rest.place(i, positionAt(i)); });
     computeBoxAndNormals(mesh);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "inherited_rest.h"
 #include "inherited_scan.h"
 #include "kept_deformation.h"
 #include "layer_state.h"
@@ -79,7 +80,8 @@ States &madeStatesOf(const MeshDocument &document) {
         states->erase(its);
         try {
             handDown(document, *state);
-        } catch (const std::bad_alloc &) { // its colours are lost, the program is not
+            handDownRest(document, *state);
+        } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not
         }
     });
     const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
@@ -174,9 +176,15 @@ std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &documen
 }
 
 void LayerState::resize(std::size_t n) {
-    if (n == 0) // the mesh goes
+    if (n == 0) { // the mesh goes, or gets other vertices: until then, copies may ask for what it had
         for (std::size_t i = 0; scan && i < scan->number.size(); ++i)
             leave(i);
+        isCleared = true;
+        return;
+    }
+    if (isCleared)
+        forColumns(*this, [](auto &values) { values.clear(); });
+    isCleared = false;
     forColumns(*this, [n](auto &values) { values.resize(n); });
 }
 

@@ -46,9 +46,12 @@ struct RestState : Shape {
 
 /// A vertex that was live when its layer was tagged.
 struct TaggedVertex {
-    Point3m place;             ///< then
-    std::uint32_t tagColor;    ///< that it got by its tag, as numberOf tells it
-    bool hasColor, hasQuality; ///< by its tag
+    bool hasQuality() const { return tag >= 0; } ///< by its tag
+
+    Point3m place;          ///< then
+    std::uint32_t tagColor; ///< that it got by its tag, as numberOf tells it
+    int tag;                ///< that its quality is since then; -1: its quality is its own
+    bool hasColor;          ///< by its tag
 };
 
 /// Colours and quality of a layer as they were before tags took their place, with the places that the vertices had
@@ -111,6 +114,8 @@ struct LayerState {
   private:
     bool isEmpty() const;
     void leave(std::size_t slot);
+
+    bool isCleared = false; ///< the mesh has no vertices any more, and the values per slot are of those that it had
 };
 
 /// A filter that fails, or has nothing to keep, leaves nothing with the current layer.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
 
+#include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
@@ -9,6 +10,8 @@
 #include <functional>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <utility>
 
 using vcg::fcd::Error;
 using vcg::fcd::ParallelFor;
@@ -118,6 +121,11 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
 }
 
 void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
+    if (const LayerState *state = LayerState::of(layer))
+        handDownRest(document, *state);
+    if (!RestShape::exists(layer))
+        if (std::optional<RestState> found = inheritedRest(layer, LayerState::ofOthers(document, layer)))
+            LayerState::made(document, layer).rest = std::move(found);
     if (!RestShape::exists(layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");

@@ -3,6 +3,7 @@
 #include <vcg_ext/surface/read_surface.h>
 
 #include "affine_map.h"
+#include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"
@@ -88,6 +89,8 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     kept.ownNormals = ::hasOwnNormals(layer);
     kept.normalsNow = kept.normalsBefore = kept.ownNormals ? normalsOf(mesh) : 0;
     LayerState &all = LayerState::made(document, layer);
+    if (!exists(layer))
+        all.rest = inheritedRest(layer, LayerState::ofOthers(document, layer));
     if (exists(layer)) {
         RestShape last(layer);
         if (last.countStrangers() == 0 || last.followMove()) {

@@ -27,7 +27,7 @@ const int version = 1;
 QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
     const CMeshO &mesh = live.mesh;
     const auto vertexOf = [&](std::size_t i) {
-        return scan.number[i] ? scan.vertices[scan.number[i] - 1] : TaggedVertex{Point3m(), 0, false, false};
+        return scan.number[i] ? scan.vertices[scan.number[i] - 1] : TaggedVertex{Point3m(), 0, -1, false};
     };
     const auto copy = [](const vcg::Color4b &color, std::uint8_t *to) { std::copy_n(&color[0], 4, to); };
     QCborMap map{{QString("color"), scan.color},
@@ -39,8 +39,7 @@ QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
                  {QString("high_tag"), scan.highTag},
                  {QString("has_color"),
                   live.array<std::uint8_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).hasColor; })},
-                 {QString("has_quality"),
-                  live.array<std::uint8_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).hasQuality; })},
+                 {QString("tag"), live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).tag; })},
                  {QString("tag_color"),
                   live.array<std::uint32_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).tagColor; })},
                  {QString("shown_color"),
@@ -77,15 +76,15 @@ KeptScan scanOf(const Reader &from, const LiveVertices &live, const Shape &shown
         const auto values = from.array<std::uint8_t>(name, 4, 1);
         *color = vcg::Color4b(values[0], values[1], values[2], values[3]);
     }
-    const auto ofColor = from.array<std::uint8_t>("has_color", 1),
-               ofQuality = from.array<std::uint8_t>("has_quality", 1);
+    const auto ofColor = from.array<std::uint8_t>("has_color", 1);
+    const auto tag = from.array<std::int32_t>("tag", 1);
     const auto tagColor = from.array<std::uint32_t>("tag_color", 1);
     scan.number.assign(mesh.vert.size(), 0);
     scan.vertices.resize(std::size_t(mesh.vn));
     live.read(ofColor, 1, [&](std::size_t i, const std::uint8_t *value) {
         const auto j = std::size_t(value - ofColor.data());
         scan.number[i] = std::uint32_t(j + 1);
-        scan.vertices[j] = {shown.position[i], tagColor[j], ofColor[j] != 0, ofQuality[j] != 0};
+        scan.vertices[j] = {shown.position[i], tagColor[j], tag[j], ofColor[j] != 0};
     });
     if (scan.color) {
         const auto values = from.array<std::uint8_t>("colors", 4);

@@ -669,6 +669,40 @@ def table():
     return {row[0]: row[1:] for row in ([cell.strip() for cell in line.strip("|").split("|")] for line in rows)}
 
 
+@pytest.mark.parametrize("then", ["", "the posed one is posed again", "it is reset", "it is deleted", "the copy is posed"])
+def test_a_copy_of_a_posed_layer_goes_back_as_that_does(then):
+    """... and a part of it that another filter copies, whatever becomes of the layer that it comes from."""
+    ms, _ = tagged_and_posed()
+    ms.apply_filter(RESET, keep_shape=True)
+    shapes = [None, ms.current_mesh().vertex_matrix()]
+    ms.apply_filter(POSE, **LIFT)
+    last = ms.current_mesh().vertex_matrix()
+    duplicate(ms)
+    copy = ms.current_mesh_id()
+    assert copy != 0 and same_points(ms.current_mesh().vertex_matrix(), last)
+    ms.set_current_mesh(0)
+    if "again" in then:
+        ms.apply_filter(POSE, translation=np.array([0, 0.1, 0]))
+    elif "reset" in then:
+        ms.apply_filter(RESET, to=1)
+    elif "deleted" in then:
+        ms.delete_current_mesh()
+    ms.set_current_mesh(copy)
+    if "copy" in then:
+        ms.apply_filter(POSE, **LIFT)
+        assert not same_points(ms.current_mesh().vertex_matrix(), last)
+        ms.apply_filter(RESET)
+        assert same_points(ms.current_mesh().vertex_matrix(), last)
+    ms.apply_filter(RESET)
+    assert same_points(ms.current_mesh().vertex_matrix(), shapes[1])
+    ms.apply_filter(RESET)
+    rest = ms.current_mesh().vertex_matrix()
+    assert not same_points(rest, shapes[1])
+    fresh, _ = tagged_and_posed()
+    fresh.apply_filter(RESET)
+    assert same_points(rest, fresh.current_mesh().vertex_matrix())
+
+
 @pytest.mark.parametrize("change", CHANGES)
 def test_what_becomes_of_a_layer_that_was_changed(change):
     assert list(table()) == list(CHANGES)

@@ -201,6 +201,18 @@ def test_what_is_painted_after_tagging_stays_and_all_else_comes_back():
     assert same_points(look(ms)[0], expected) and not look(ms)[1].any()
 
 
+@pytest.mark.parametrize("computed, stays", [("vi", True), ("rint(200 * x)", True), ("x < 0.5 ? 0 : (x > 0.7 ? 2 : 1)", False), ("x < 0.25 ? 0 : (x > 0.75 ? (y > 0 ? 3 : 2) : 1)", False)])
+def test_a_quality_of_whole_numbers_that_is_no_tags_stays(computed, stays):
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    color, quality = look(ms)
+    tag_ends(ms)
+    set_quality(ms, computed)
+    now = look(ms)[1]
+    assert ms.apply_filter(CLEAR)["other_vertices"] == (len(now) if stays else 0)
+    assert same_points(look(ms)[0], color) and same_points(look(ms)[1], now if stays else quality)
+
+
 def test_where_there_is_no_colour_none_is_left(tmp_path):
     def properties():
         ms.save_current_mesh(str(tmp_path / "mesh.ply"), binary=False)
