@@ -8,11 +8,13 @@
 #include "layer_sequence.h"
 #include "motion_sources.h"
 #include "new_layers.h"
+#include "rest_shape.h"
 #include "save_files.h"
 #include "tag_sources.h"
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include <QFile>
 
@@ -35,27 +37,41 @@ void keepPoses(const MeshDocument &document, MeshModel &layer, const PoseSequenc
     kept = poses.pose.empty() ? std::nullopt : std::make_optional(poses);
 }
 
-PoseSequence readPoses(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
+namespace {
+
+struct Poses {
+    PoseSequence sequence;
+    std::string name; ///< of the file, or of the layer
+
+    /// \throw Error where they are of another surface
+    PoseSequence of(const SurfaceMark &surface) && {
+        try {
+            sequence.ExpectSurface(surface);
+        } catch (const Error &e) {
+            throw Error("'" + name + "': " + e.what());
+        }
+        sequence.surface = surface;
+        return std::move(sequence);
+    }
+};
+
+Poses findPoses(const MeshModel &layer, const QString &file) {
     const std::size_t most = 100000000; // bytes, of a million key frames
-    std::optional<PoseSequence> sequence;
-    std::string name = file.toStdString();
+    const std::string name = file.toStdString();
     if (file.isEmpty()) {
-        sequence = posesOf(layer);
-        if (!sequence)
-            throw Error("The layer '" + layer.label().toStdString() +
-                        "' keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file "
-                        "with the poses as 'poses_file'.");
-        name = layer.label().toStdString();
-    } else {
-        sequence = vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most), name);
+        if (std::optional<PoseSequence> sequence = posesOf(layer))
+            return {std::move(*sequence), layer.label().toStdString()};
+        throw Error("The layer '" + layer.label().toStdString() +
+                    "' keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file "
+                    "with the poses as 'poses_file'.");
     }
-    try {
-        sequence->ExpectSurface(surface);
-    } catch (const Error &e) {
-        throw Error("'" + name + "': " + e.what());
-    }
-    sequence->surface = surface;
-    return *sequence;
+    return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most), name), name};
+}
+
+} // namespace
+
+PoseSequence readPoses(const MeshModel &layer, const QString &file, const SurfaceMark &surface) {
+    return findPoses(layer, file).of(surface);
 }
 
 std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const MeshDocument &document,
@@ -83,10 +99,21 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
                             const SequenceParam &param, const Remark &remark, const Progress &progress) {
     const vcg::fcd::Stopwatch watch;
     SequenceLayers made;
-    const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.02));
+    vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.01));
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    Poses poses = findPoses(layer, param.posesFile);
+    std::optional<AtRest> atRest;
+    if (poses.sequence.surface && !poses.sequence.surface->IsSame(SurfaceMark::Of(surface.View(), world)) &&
+        RestShape::exists(layer)) {
+        RestShape(layer).checkVertices("The poses are of another shape. Run 'FCD: Reset Pose' (apply_coord_fcd_reset) "
+                                       "with to=2 first, which undoes that.",
+                                       remark);
+        atRest.emplace(layer);
+        surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0.01, 0.02));
+    }
     const vcg::fcd::SurfaceView view = surface.View();
+    const PoseSequence sequence = std::move(poses).of(SurfaceMark::Of(view, world));
     const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
-    const PoseSequence sequence = readPoses(layer, param.posesFile, SurfaceMark::Of(view, handles.world));
     LayerDeformer layerDeformer(document, layer, preparedLayers, remark);
     layerDeformer.readHandles(param.handles);
     layerDeformer.prepare(param.deformation, progress.Slice(0.02, 0.3));
@@ -126,6 +153,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     if (output.gltf || output.pointCache || output.frame || output.keyFrame)
         made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
                                             progress.Slice(0.3, 1));
+    atRest.reset();
     layers.keep(made.layers.empty() ? layer : *made.layers.back(), progress, [&] {
         files.save();
         keepPoses(document, layer, sequence);

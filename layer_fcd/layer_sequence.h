@@ -20,8 +20,8 @@ struct SequenceLayers {
     double seconds = 0;
 };
 
-/// FCD: Pose Sequence: poses a layer again and again; the frames are in new layers, and files. \param remark may be
-/// empty
+/// FCD: Pose Sequence: poses a layer again and again; the frames are in new layers, and files. Poses that are of the
+/// rest shape of a posed layer pose that. \param remark may be empty
 /// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document and all files are then
 /// as they were
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,

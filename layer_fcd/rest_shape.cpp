@@ -47,17 +47,19 @@ void turnToFaces(const CMeshO &mesh, Shape &shape) {
     });
 }
 
+/// Swaps the positions and normals of a mesh and of a shape.
+void exchangeShapes(CMeshO &mesh, Shape &shape) {
+    forVertices(mesh, [&](std::size_t i) {
+        std::swap(mesh.vert[i].P(), shape.position[i]);
+        std::swap(mesh.vert[i].N(), shape.normal[i]);
+    });
+}
+
 /// Gives a shape of the mesh the normals of its faces. Those of the mesh's own faces are to be computed anew then.
 void takeNormals(CMeshO &mesh, Shape &shape) {
-    const auto change = [&] {
-        forVertices(mesh, [&](std::size_t i) {
-            std::swap(mesh.vert[i].P(), shape.position[i]);
-            std::swap(mesh.vert[i].N(), shape.normal[i]);
-        });
-    };
-    change();
+    exchangeShapes(mesh, shape);
     computeNormals(mesh);
-    change();
+    exchangeShapes(mesh, shape);
 }
 
 } // namespace
@@ -247,6 +249,10 @@ void RestShape::knowNormals() {
     if (state.ownNormals)
         state.normalsNow = normalsOf(mesh);
 }
+
+AtRest::AtRest(MeshModel &layer) : mesh(layer.cm), other(*restOf(layer)) { exchange(); }
+
+void AtRest::exchange() { exchangeShapes(mesh, other); }
 
 std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
     return XXH3_64bits_withSeed(&position[0], 3 * sizeof(Scalarm), slot);

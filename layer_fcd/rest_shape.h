@@ -89,6 +89,21 @@ class RestShape {
     RestState &state;
 };
 
+/// A posed layer has the positions and normals of its rest shape for as long as this lives. \pre checkVertices
+class AtRest {
+  public:
+    explicit AtRest(MeshModel &layer);
+    AtRest(const AtRest &) = delete;
+    AtRest &operator=(const AtRest &) = delete;
+    ~AtRest() { exchange(); }
+
+  private:
+    void exchange();
+
+    CMeshO &mesh;
+    Shape other;
+};
+
 /// A number for the positions of all vertices: the sum of the terms of each of them.
 std::uint64_t shapeOf(const CMeshO &mesh);
 /// What a vertex at a slot adds to it.

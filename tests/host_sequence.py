@@ -4,7 +4,7 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from host_pymeshlab import DEFORM, assert_unchanged, check_returned, new_set, same_points, sheet, snapshot
+from host_pymeshlab import DEFORM, POSE, assert_unchanged, check_returned, new_set, same_points, sheet, snapshot
 from host_straighten import DIAGONAL, LENGTH, tube
 
 SEQUENCE = "generate_fcd_pose_sequence"
@@ -239,6 +239,34 @@ def test_a_layer_keeps_its_poses(tmp_path):
             other.apply_filter(leaves)
         with pytest.raises(pymeshlab.PyMeshLabException, match="keeps no poses"):
             other.apply_filter(SEQUENCE)
+
+
+@pytest.mark.parametrize("cloud", [False, True])
+def test_poses_of_the_rest_shape_pose_that_while_the_layer_is_posed(tmp_path, cloud):
+    ms = layers()
+    if cloud:
+        mesh = ms.current_mesh()
+        ms.add_mesh(pymeshlab.Mesh(vertex_matrix=mesh.vertex_matrix(), v_normals_matrix=mesh.vertex_normal_matrix(), v_scalar_array=mesh.vertex_scalar_array()), "cloud")
+    layer, others = ms.current_mesh_id(), len(list(ms))
+    first = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), save_poses_file=str(tmp_path / "kept.csv"))
+    expected = [(m.vertex_matrix(), m.vertex_normal_matrix()) for m in list(ms)[others:]]
+    ms.set_current_mesh(layer)
+    ms.apply_filter(POSE, transforms="2: rotate 0 1 0 30 translate 0 0.2 0")
+    before = snapshot(ms.current_mesh())
+    for file in "", str(tmp_path / "kept.csv"):
+        ms.set_current_mesh(layer)
+        result = ms.apply_filter(SEQUENCE, poses_file=file)
+        assert result["nodes"] == first["nodes"]
+        for (points, normals), mesh in zip(expected, list(ms)[-len(expected):]):
+            assert same_points(mesh.vertex_matrix(), points) and same_points(mesh.vertex_normal_matrix(), normals)
+        assert_unchanged(before, ms.mesh(layer))
+    ms.set_current_mesh(layer)
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD))  # of whatever shape the layer has
+    assert not same_points(list(ms)[-2].vertex_matrix(), expected[1][0])
+    ms.set_current_mesh(layer)
+    ms.compute_coord_by_function(x="x + (vi == 7 ? 0.5 : 0)")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="was changed since its last pose: .* were moved .* The poses are of another shape. Run 'FCD: Reset Pose'"):
+        ms.apply_filter(SEQUENCE, poses_file=str(tmp_path / "kept.csv"))
 
 
 ERRORS = {
