@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <utility>
 
+#include <QAction>
+#include <QStringList>
 #include <QVariant>
 
 static_assert(std::is_trivial<PosedVertex>::value, "zero for new vertices");
@@ -66,6 +68,37 @@ States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
 }
 
+/// What a state has that no file of a mesh or of a project has room for; a list.
+QString lostWithProjects(const LayerState &state) {
+    QStringList all;
+    if (state.rest)
+        all << "rest shape";
+    if (state.scan)
+        all << "colours and quality of before the tags";
+    if (!state.marks.empty())
+        all << "marks";
+    if (state.poses)
+        all << "poses";
+    return all.join(", ");
+}
+
+/// Once a person has saved a project, the log says what is not in it.
+void tellWhenProjectsAreSaved(MeshDocument &document, const std::shared_ptr<States> &states) {
+    const auto tell = [&document, states] {
+        for (const MeshModel *layer : host::layers(document)) {
+            const auto its = states->find(layer->id());
+            const QString lost = its == states->end() ? QString() : lostWithProjects(*its->second);
+            if (!lost.isEmpty())
+                host::log(document, "FCD: a project has no room for what is kept of '" + layer->label().toStdString() +
+                                        "': " + lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
+        }
+    };
+    for (const QWidget *window : QApplication::topLevelWidgets())
+        for (const QAction *action : window->findChildren<QAction *>())
+            if (action->text().remove('&').startsWith("Save Project"))
+                QObject::connect(action, &QAction::triggered, &document, tell); // after the host's own answer
+}
+
 States &madeStatesOf(const MeshDocument &document) {
     States *known = statesOf(document);
     if (known)
@@ -84,6 +117,8 @@ States &madeStatesOf(const MeshDocument &document) {
         } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not
         }
     });
+    if (host::inWindow())
+        tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document), states);
     const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
                                                      QVariant::fromValue(static_cast<void *>(known)));
     return *known; // which the connection keeps

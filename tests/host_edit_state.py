@@ -454,3 +454,16 @@ def test_each_layer_is_what_it_was_left_as(window, tmp_path):
         assert monkey.reset(rest[layer]), f"seed {seed}: layer {layer} does not lead back"
     print(turns, "turns,", w.text().count("keeps the pose"), "poses left,", w.text().count("Bend: ms.apply"), "applies")
     assert "exception was thrown" not in w.text()
+
+
+def test_who_saves_a_project_is_told_what_is_not_in_it(window, tmp_path):
+    w, _, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag((X + 40, Y), (X + 60, Y - 120))
+    w.toggle_tool()
+    w.wait("keeps the pose")
+    w.key("ctrl+s")
+    w.do("type", "--delay", "5", str(tmp_path / "all.mlp"))
+    w.key("Return")
+    w.wait("FCD: a project has no room for what is kept of 'tube.ply': rest shape. 'FCD: Save Session' writes that to a file.")
+    assert (tmp_path / "all.mlp").exists()
