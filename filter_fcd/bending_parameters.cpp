@@ -17,34 +17,29 @@ Scalarm diagonal(const MeshDocument &document) {
 
 } // namespace
 
-void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document) {
+void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document, Shown shown) {
     addParameter<host::RichPercentageParam>(
-        list, Shown::Always, "target_radius", Scalarm(targetRadius), Scalarm(0), diagonal(document), "Patch radius",
-        "How far a patch reaches from its centre, in units of the layer, measured along the surface. Patches that grow "
-        "beyond it are split. <b>0</b> (the default) chooses it from the number of patches and the area to cover. "
-        "<b>Raising it</b> gives "
-        "fewer "
-        "and larger patches: faster, and the deformation bends more stiffly. <b>Lowering it</b> gives more patches, "
-        "which "
-        "can follow tighter bends.");
+        list, shown, "target_radius", Scalarm(targetRadius), Scalarm(0), diagonal(document), "Patch radius",
+        "How far a patch reaches from its centre along the surface, in units of the layer. Larger patches are split. "
+        "<b>0</b> (the default): chosen from the number of patches and the area. <b>Raise it</b> for fewer patches: "
+        "faster and stiffer. <b>Lower it</b> for more: they follow tighter bends.");
 }
 
-void addInitialPatches(RichParameterList &list, int initialPatches) {
+void addInitialPatches(RichParameterList &list, int initialPatches, Shown shown) {
     addParameter<RichInt>(
-        list, Shown::Always, "initial_patches", initialPatches, "Initial patches",
-        QString("Number of patches to start from, all of them where the surface is free; splitting adds to it. ") +
+        list, shown, "initial_patches", initialPatches, "Initial patches",
+        QString("Number of patches to start from, where the surface is free. Splitting adds to it. ") +
             (initialPatches == 0
                  ? "<b>0</b> (the default): as many as the surface is worth, whatever its number of vertices: some 300 "
-                   "for most scans, 100 where little bends, and up to 1500 where it is thin, folded or torn. "
+                   "for most scans, 100 where little bends, up to 1500 where it is thin, folded or torn. "
                  : "A few hundred are enough for most scans, whatever their number of vertices. ") +
-            "<b>Raising it</b> lets the deformation bend in finer detail, and takes longer.");
+            "<b>Raise it</b> for finer bends; it takes longer.");
 }
 
 void addRandomSeed(RichParameterList &list, unsigned randomSeed) {
-    addParameter<RichInt>(
-        list, Shown::Advanced, "random_seed", int(randomSeed), "Random seed",
-        "Chooses where the first patches are placed. The same seed on the same mesh gives exactly the same result; "
-        "another seed gives another, equally good, set of patches.");
+    addParameter<RichInt>(list, Shown::Advanced, "random_seed", int(randomSeed), "Random seed",
+                          "Chooses where the first patches lie. The same seed gives exactly the same result; another "
+                          "one gives another, equally good.");
 }
 
 vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
@@ -56,23 +51,20 @@ vcg::fcd::GraphParam graphParam(const RichParameterList &list) {
 }
 
 void addSmoothness(RichParameterList &list, Shown shown, double smoothness) {
-    addParameter<RichFloat>(list, shown, "smoothness", Scalarm(smoothness), "Smoothness (0.001 loose, 0.1 stiff)",
-                            "How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff. <b>Raising "
-                            "it</b> spreads bends over more of the surface and stiffens it; <b>lowering it</b> keeps "
-                            "lengths better but lets bends become sharp near the handles.");
+    addParameter<RichFloat>(
+        list, shown, "smoothness", Scalarm(smoothness), "Smoothness (0.001 loose, 0.1 stiff)",
+        "How strongly neighbouring parts turn alike: 0.001 is loose, 0.1 is stiff. <b>Raise it</b> to spread bends and "
+        "stiffen the surface. <b>Lower it</b> to keep lengths better; bends may then be sharp near handles.");
 }
 
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
     addSmoothness(list, Shown::Always, deformation.smoothness);
-    addParameter<RichInt>(
-        list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
-        "The shape is improved until it comes to rest, at most this often. <b>Raise it</b> when the log "
-        "says that it did not converge; a converged result does not change.");
+    addParameter<RichInt>(list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
+                          "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log "
+                          "says that it did not converge. A converged result does not change.");
     addParameter<RichFloat>(list, Shown::Advanced, "tolerance", Scalarm(deformation.tolerance), "Tolerance",
-                            "At rest means that no node is farther from where it comes to rest than ten times this "
-                            "fraction of the bounding box diagonal (estimated from how fast the steps get shorter; "
-                            "where these tell too little, as of springs, by a step of Newton's method). "
-                            "<b>Raising it</b> ends sooner and less exactly.");
+                            "Converged means: no node is farther from its final place than ten times this fraction of "
+                            "the bounding box diagonal, by estimate. <b>Raise it</b> to end sooner and less exactly.");
     addParameter<RichEnum>(
         list, Shown::Advanced, "graph_weights", int(deformation.graphWeights),
         QStringList() << "Common border"
@@ -80,44 +72,38 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
                       << "As in the paper"
                       << "The paper to the letter",
         "Graph weights",
-        "How strongly neighbouring patches hold together. <i>Common border</i>: the more, the longer "
-        "their border and the closer their centres, so that the shape hardly depends on where the "
-        "patches lie. <i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and the patches are balanced by "
-        "their number of vertices instead of their area, so that denser parts get more of them. <i>The paper to the "
-        "letter</i>: all else, too, is as it is printed, to compare with it: vertices follow the nodes whose patch "
-        "would reach them (Eqs. 7 and 8), whatever is held gives no way and nothing runs over into it, and the shape "
-        "is improved by plain steps until one moves no node by more than the tolerance. 'Distances' and 'Influence' "
-        "are not read.");
+        "For comparisons; leave it. How strongly neighbouring patches hold together. <i>Common border</i>: by the "
+        "length of the border and the distance of the centres. The shape then hardly depends on where the patches lie. "
+        "<i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and patches are balanced by number of vertices, "
+        "not by area. <i>The paper to the letter</i>: all else is as printed, too: vertices follow the nodes whose "
+        "patch would reach them (Eqs. 7 and 8), held parts do not give way and do not blend, and plain steps end when "
+        "none moves a node by more than the tolerance. 'Distances' and 'Influence' are not read then.");
     const ParameterText weights = weightsText();
     addParameter<RichEnum>(list, Shown::Advanced, "weights", int(deformation.weights), weights.values, weights.label,
                            weights.help);
     addParameter<RichFloat>(list, Shown::Advanced, "influence", Scalarm(deformation.influence), "Influence",
-                            "A node moves vertices up to this many times the radius of its patch. <b>Raising it</b> "
-                            "blends over more nodes: "
-                            "smoother and a little slower. Below about 2 the patches begin to show.");
+                            "How far a node reaches, in radii of its patch. <b>Raise it</b> to blend over more nodes: "
+                            "smoother and a little slower. Below 2 the patches begin to show.");
     addParameter<RichEnum>(list, Shown::Advanced, "loose_parts", int(deformation.looseParts),
                            QStringList() << "Follow"
                                          << "Stay",
                            "Loose parts",
-                           "What becomes of parts that are not connected to any handle or fixed vertex: <i>Follow</i> "
-                           "the nearest part that is "
-                           "(a button follows the sleeve), or <i>Stay</i> where they are.");
+                           "What becomes of parts that are connected to no handle and nothing fixed. They "
+                           "<i>follow</i> the nearest part that is (a button follows the sleeve), or <i>stay</i>.");
     if (all)
         addParameter<RichFloat>(
             list, Shown::Advanced, "weld_distance", Scalarm(deformation.weldDistance), "Weld distance",
-            "Vertices on open borders that are at most this far apart count as one, so that a seam does not tear; a "
-            "fraction of the bounding box diagonal of what bends. <b>Raise it</b> when the log says that borders lie "
-            "close to each other and are not joined; with <b>0</b>, only vertices at the same place count as one.");
+            "Vertices on open borders that are at most this far apart count as one, so a seam does not tear. A "
+            "fraction of the bounding box diagonal of what bends. <b>Raise it</b> when the log says that close borders "
+            "are not joined. <b>0</b>: only vertices at the same place count as one.");
     addParameter<RichFloat>(
         list, Shown::Always, "pose", Scalarm(deformation.pose), "Pose (percent)",
-        "How much of the motion of the handles is carried out: 0 is the mesh as it is, 100 the full motion; "
-        "it may exceed 100.");
+        "How much of the motion is carried out: 0 is the mesh as it is, 100 the full motion. It may exceed 100.");
     if (all)
         addParameter<RichInt>(
             list, Shown::Advanced, "pose_steps", deformation.steps, "Pose in steps",
-            "The pose is reached over at least so many steps, each bent from the one before; over more where a handle "
-            "turns by more than 60 degrees a step against what else is held, so that a turn of 190 degrees or of twice "
-            "round is what it says. <b>Raise it</b> (to 10, say) where the log says that the shape jumps on its way.");
+            "The least number of steps to the pose, each bent from the one before. A handle that turns takes at least "
+            "one for each 60 degrees. <b>Raise it</b> (to 10, say) when the log says that the shape jumps on its way.");
 }
 
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all) {
@@ -146,10 +132,10 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
 }
 
 void addGraphLayers(RichParameterList &list, bool graphLayers) {
-    addParameter<RichBool>(list, Shown::Always, "graph_layers", graphLayers, "Layers with the graph",
-                           "Also adds the deformation graph at rest and deformed, as two layers, which keep the "
-                           "deformation for 'FCD: Apply Deformation to Layer' and 'FCD: Save Deformation'; their "
-                           "attribute <i>energy</i> says where the deformation costs most.");
+    addParameter<RichBool>(
+        list, Shown::Advanced, "graph_layers", graphLayers, "Add graph layers",
+        "Also adds the deformation graph, at rest and deformed, as two layers. 'FCD: Apply Deformation to Layer' and "
+        "'FCD: Save Deformation' need them. Their attribute <i>energy</i> says where the deformation costs most.");
 }
 
 RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others) {

@@ -15,8 +15,9 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
 HandleParam handleParam(const RichParameterList &list, const MeshDocument &document);
 
 // With which graph.
-void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document);
-void addInitialPatches(RichParameterList &list, int initialPatches);
+void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document,
+                     host::Shown shown = host::Shown::Advanced);
+void addInitialPatches(RichParameterList &list, int initialPatches, host::Shown shown = host::Shown::Advanced);
 void addRandomSeed(RichParameterList &list, unsigned randomSeed);
 vcg::fcd::GraphParam graphParam(const RichParameterList &list);
 

@@ -312,7 +312,7 @@ void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double disc
     for (const std::string &remark : describe(way))
         logLine(remark, GLLogStream::WARNING);
     if (!converged)
-        logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
+        logLine("The deformation did not converge: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
     if (const std::string remark = describeDiscretisation(discretisationError); !remark.empty())

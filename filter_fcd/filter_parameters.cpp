@@ -38,20 +38,17 @@ const MeshModel *likelyDeformedGraph(const MeshDocument &document) {
 
 RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocument &document) {
     RichParameterList list;
-    addTargetRadius(list, param.graph.targetRadius, document);
-    addInitialPatches(list, param.graph.initialPatches);
+    addTargetRadius(list, param.graph.targetRadius, document, Shown::Always);
+    addInitialPatches(list, param.graph.initialPatches, Shown::Always);
     addParameter<RichInt>(list, Shown::Advanced, "max_iterations", param.graph.maxIterations, "Maximum iterations",
-                          "The patches are improved until they hardly change, at most this often. <b>Raising it</b> "
-                          "matters only when the log "
-                          "says that they did not converge.");
+                          "Patches are improved until they hardly change, at most this often. <b>Raise it</b> when the "
+                          "log says that they did not converge.");
     addRandomSeed(list, param.graph.randomSeed);
-    addParameter<RichBool>(
-        list, Shown::Always, "patches_layer", param.patchesLayer, "Layer with the patches",
-        "Also adds a copy of the mesh that is coloured by patch; its quality is the number of the patch.");
+    addParameter<RichBool>(list, Shown::Always, "patches_layer", param.patchesLayer, "Add patch layer",
+                           "Also adds a copy of the mesh, coloured by patch. Its quality is the number of the patch.");
     if (host::scriptsMayLackParameters)
-        addParameter<RichBool>(
-            list, Shown::Always, "surface_layer", param.surfaceLayer, "Layer with the graph as a surface",
-            "Also adds the graph as balls and tubes, which any viewer shows and every format keeps.");
+        addParameter<RichBool>(list, Shown::Always, "surface_layer", param.surfaceLayer, "Add graph as a surface",
+                               "Also adds the graph as balls and tubes, for any viewer and every format.");
     return list;
 }
 
@@ -73,31 +70,27 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
     addHandles(list, handles, document);
 
     // With which graph.
-    addParameter<RichBool>(
-        list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
-        "Deforms with the vertices of the layer below as nodes instead of building a graph: one graph can "
-        "drive several meshes, and nodes can be placed by hand.");
-    host::addLayerParameter(
-        list, Shown::Advanced, "graph_layer", param.graphLayer ? param.graphLayer : likelyGraph(document), document,
-        "Graph layer",
-        "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes "
-        "that are not on the surface are left out; when most of them are not, it is an error.");
+    addParameter<RichBool>(list, Shown::Advanced, "use_graph_layer", param.useGraphLayer, "Use a graph layer",
+                           "Takes the vertices of the layer below as nodes instead of building a graph. One graph can "
+                           "drive several meshes, and you can place nodes by hand.");
+    host::addLayerParameter(list, Shown::Advanced, "graph_layer",
+                            param.graphLayer ? param.graphLayer : likelyGraph(document), document, "Graph layer",
+                            "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. "
+                            "Nodes that are not on the surface are left out. It is an error when most are not.");
     addTargetRadius(list, deformation.graph.targetRadius, document);
     addInitialPatches(list, deformation.graph.initialPatches);
     addRandomSeed(list, deformation.graph.randomSeed);
 
     addBending(list, deformation, host::scriptsMayLackParameters);
     addGraphLayers(list, param.graphLayers);
-    addParameter<RichEnum>(
-        list, Shown::Advanced, "deformed_quality", int(param.quality),
-        QStringList() << "As the input"
-                      << "Stretch"
-                      << "Rotation angle",
-        "Quality of the result",
-        "What the vertex quality of the deformed layer is, to be coloured ('Colorize by vertex "
-        "Quality'), selected by or saved: that of the input, the <b>stretch</b> (length of the edges "
-        "over that at rest: 1 is not stretched, 1.1 is 10 percent longer), or the <b>angle</b> by "
-        "which the surface turned, in degrees.");
+    addParameter<RichEnum>(list, Shown::Advanced, "deformed_quality", int(param.quality),
+                           QStringList() << "As the input"
+                                         << "Stretch"
+                                         << "Rotation angle",
+                           "Result quality",
+                           "The vertex quality of the result, to colour, select or save: that of the input, the "
+                           "<b>stretch</b> (length of edges over that at rest: 1.1 is 10 percent longer), or the "
+                           "<b>angle</b> by which the surface turned, in degrees.");
     if (host::dialogsFold)
         return list;
     // Where nothing is folded, what one needs comes first.
@@ -116,11 +109,10 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
     addInitialPatches(list, param.deformation.graph.initialPatches);
     addRandomSeed(list, param.deformation.graph.randomSeed);
     addBending(list, param.deformation, true);
-    addParameter<RichBool>(
-        list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
-        "Computes the normals of what moves from the faces, as MeshLab does. Without it they are turned as the "
-        "surface turns, which is about a tenth faster and some degrees off where it bends. Normals that are not those "
-        "of the faces, and those of clouds, are turned in any case.");
+    addParameter<RichBool>(list, Shown::Advanced, "exact_normals", param.exactNormals, "Exact normals",
+                           "Computes normals of what moves from the faces, as MeshLab does. Without it they turn with "
+                           "the surface: a tenth faster, and some degrees off where it bends. A layer's own normals, "
+                           "and those of clouds, turn in any case.");
     return list;
 }
 
@@ -159,21 +151,20 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
         return given ? given : kept ? kept : likely;
     };
     // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
-    addParameter<host::RichFileParam>(
-        list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"), "Saved deformation (.ply)",
-        "A file of 'FCD: Save Deformation'. With it, the three layers below are not read, and need not be there. Such "
-        "a file stands in world coordinates. <b>Empty</b> (the default): the layers tell.");
-    host::addLayerParameter(list, Shown::Always, "source_layer", firstOf(param.source, last.source, document.mm()),
-                            document, "Source layer",
-                            "The layer that 'FCD: Deform Mesh' has deformed, in the shape that it had then. At first "
-                            "that which was deformed last.");
+    addParameter<host::RichFileParam>(list, Shown::Always, "deformation_file", param.file, QStringList("*.ply"),
+                                      "Saved deformation (.ply)",
+                                      "A file of 'FCD: Save Deformation', in world coordinates. The three layers below "
+                                      "are not read then. <b>Empty</b> (the default): the layers tell.");
+    host::addLayerParameter(
+        list, Shown::Always, "source_layer", firstOf(param.source, last.source, document.mm()), document,
+        "Source layer",
+        "The layer that was deformed, in the shape that it had then. By default that of the last deformation.");
     host::addLayerParameter(list, Shown::Always, "rest_graph",
                             firstOf(param.restGraph, last.restGraph, likelyGraph(document)), document, "Graph at rest",
                             "The layer with the deformation graph of the source.");
     host::addLayerParameter(list, Shown::Always, "deformed_graph",
                             firstOf(param.deformedGraph, last.deformedGraph, likelyDeformedGraph(document)), document,
-                            "Deformed graph",
-                            "The layer with the same graph, deformed: it holds what was done to the source.");
+                            "Deformed graph", "The layer with the same graph, deformed.");
     addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
                            "Deforms every visible layer but those above, instead of the current one.");
     return list;
@@ -234,21 +225,18 @@ RichParameterList toRichParameters(const SaveDeformationParam &param, const Mesh
     for (const char *name : {"source_layer", "rest_graph", "deformed_graph"})
         list.addParam(all.getParameterByName(name));
     host::addParameter<host::RichSaveFileParam>(list, host::Shown::Always, "deformation_file", param.file, "*.ply",
-                                                "Deformation goes to (.ply)",
+                                                "Write deformation to (.ply)",
                                                 "The file to write. An existing file is replaced.");
     if (host::scriptsMayLackParameters) {
         host::addParameter<RichFloat>(
             list, host::Shown::Always, "accuracy", Scalarm(param.accuracy), "Accuracy",
-            "How far a vertex of the source may be off at most, in world units. A tenth of it takes about five times "
-            "as many samples, of some 115 bytes each, up to a million; the log tells the size of the file and the time "
-            "that it took. <b>0</b> (the default): a fiftieth of the largest motion, at most 0.01 percent of the "
-            "diagonal of what moves.");
-        host::addParameter<RichBool>(
-            list, host::Shown::Always, "inverse", param.inverse, "The way back",
-            "Writes the deformation that leads back: from where the source's vertices went to where they were, to "
-            "carry "
-            "what was measured or marked on the deformed mesh onto the original. Where the deformation folds the mesh "
-            "there is no way back; the log says at how many vertices.");
+            "How far a vertex of the source may be off, in world units. A tenth of it takes about five times as many "
+            "samples, of some 115 bytes each, up to a million. The log tells size and time. <b>0</b> (the default): a "
+            "fiftieth of the largest motion, at most 0.01 percent of the diagonal of what moves.");
+        host::addParameter<RichBool>(list, host::Shown::Always, "inverse", param.inverse, "Inverse",
+                                     "Writes the deformation that leads back, from the deformed shape to the original. "
+                                     "It carries marks and measurements onto the original. Where the deformation folds "
+                                     "the mesh there is no way back; the log counts these vertices.");
     }
     return list;
 }

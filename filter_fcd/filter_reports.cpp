@@ -82,15 +82,12 @@ std::string describeOthers(const MeshModel &layer, const BroughtBack &made) {
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way) {
     std::vector<std::string> remarks;
     if (way.jumps)
-        remarks.push_back(
-            "On its way the shape jumps to another one instead of growing into it: it is twisted or pressed "
-            "by more than it carries. Move the handles less" +
-            std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."));
+        remarks.push_back("The shape jumps to another one on its way: it is twisted or pressed by more than it "
+                          "carries. Move the handles less" +
+                          std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."));
     if (way.unstable)
-        remarks.emplace_back(
-            "The shape is pressed or twisted by more than it carries: left to itself it would give way "
-            "sideways, to a side that nothing tells. It is kept as it grows out of the mesh as it is. "
-            "To let it bow, mark a handle in its middle, too, and pull that aside.");
+        remarks.emplace_back("The shape would buckle: it is pressed or twisted by more than it carries. To let it bow, "
+                             "mark a handle in its middle and pull that to the side that you want.");
     return remarks;
 }
 
@@ -137,8 +134,8 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
         return std::to_string(n) + " " + (n == 1 ? one : many);
     };
     if (check.rigid)
-        warnings.emplace_back("All that the free surface touches makes the same motion, so it moves rigidly with that. "
-                              "Mark what stays as fixed (tag 0), beside what is free.");
+        warnings.emplace_back("Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark "
+                              "what stays as fixed (tag 0), beside what is free.");
     if (IsInLines(surface))
         warnings.push_back(std::to_string(surface.oneSided) +
                            " points see others along their own line alone, so that lines hang together only here and "
@@ -164,8 +161,8 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
         warnings.push_back(line.str());
     }
     if (check.flipped > 0)
-        warnings.push_back(count(check.flipped, "triangle has", "triangles have") +
-                           " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
+        warnings.push_back(count(check.flipped, "triangle is", "triangles are") +
+                           " flipped: the surface is squeezed or twisted too much there. Move the handles less, or "
                            "leave more free surface between them.");
     return warnings;
 }
@@ -224,8 +221,8 @@ std::vector<std::string> warningsOf(const SequenceLayers &made) {
     std::vector<std::string> warnings;
     if (made.report.folded > 0)
         warnings.push_back("In a frame, " + std::to_string(made.report.folded) +
-                           (made.report.folded == 1 ? " triangle has" : " triangles have") +
-                           " turned over: the surface is squeezed or twisted too much there. Move the handles less, or "
+                           (made.report.folded == 1 ? " triangle is" : " triangles are") +
+                           " flipped: the surface is squeezed or twisted too much there. Move the handles less, or "
                            "leave more free surface between them.");
     return warnings;
 }

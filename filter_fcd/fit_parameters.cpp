@@ -25,17 +25,16 @@ void addChecks(RichParameterList &list, const FitMeshParam &param) {
         list, Shown::Advanced, "check_file", param.checkFile,
         QStringList() << "*.csv"
                       << "*.pp",
-        "File with pairs to check by (.csv, .pp)",
-        "Pairs as of the file with landmarks, of any vertices, which are kept back from the fit: how far they are "
-        "from where they belong, which is logged, judges it. <b>Empty</b> (the default): none.");
+        "Check pairs (.csv, .pp)",
+        "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where they belong: "
+        "that judges the fit. <b>Empty</b> (the default): none.");
     addParameter<host::RichFileParam>(
         list, Shown::Advanced, "target_check_file", param.checkTargetFile, QStringList() << "*.pp",
-        "Picked points of the target to check by (.pp)",
-        "With picked points of the current layer as the file with pairs to check by: those of the target, whose names "
-        "are the same.");
-    addParameter<RichBool>(list, Shown::Advanced, "leave_one_out", param.leaveOneOut, "Leave landmarks out in turn",
-                           "Also fits without each of the landmarks, which takes as many fits, and logs how far it is "
-                           "from where it belongs then: what the target and the others say of it.");
+        "Target's check points (.pp)",
+        "If the check pairs are picked points of the current layer: those of the target, with the same names.");
+    addParameter<RichBool>(list, Shown::Advanced, "leave_one_out", param.leaveOneOut, "Leave one landmark out",
+                           "Also fits without each landmark in turn, and logs how far it is from where it belongs "
+                           "then. Takes as many fits as there are landmarks.");
 }
 
 /// How much of the two layers counts.
@@ -47,19 +46,16 @@ void addWeights(RichParameterList &list, const FitMeshParam &param) {
                                               << "Selected vertices"
                                               << "Attribute";
     addParameter<RichEnum>(
-        list, Shown::Always, "weights", int(param.weights), sources, "What counts",
-        "How much the match of each vertex of the current layer counts: from 0, which is <b>carried along</b> and not "
-        "matched, as the gum of a dental scan, to 1. <b>All counts</b> (the default), the <b>vertex quality</b>, what "
-        "is "
-        "<b>selected</b>, or an <b>attribute</b>. Quality or selection that tell this tell no handles. A separate "
-        "part that nothing of the target leads is carried in any case, by what it belongs to or lies in: an eyeball "
-        "by its head.");
+        list, Shown::Always, "weights", int(param.weights), sources, "Weights from",
+        "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is <b>carried "
+        "along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
+        "<b>selection</b>, or an <b>attribute</b>. Quality or selection are then not read as handles. A separate part "
+        "that nothing of the target leads is carried in any case, by what it belongs to: an eyeball by its head.");
     addParameter<RichEnum>(list, Shown::Always, "target_weights", int(param.targetWeights), sources,
-                           "What of the target counts",
-                           "The same of the vertices of the target: what has 0 is as if it were not there.");
+                           "Target weights from",
+                           "The same for the target's vertices: what has 0 is as if it were not there.");
     addParameter<RichString>(list, Shown::Advanced, "weight_attribute", param.weightAttribute, "Attribute with weights",
-                             "Name of the scalar attribute per vertex that tells how much it counts, 0 to 1, of either "
-                             "layer.");
+                             "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
 }
 
 } // namespace
@@ -69,34 +65,31 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     RichParameterList list;
     host::addLayerParameter(
         list, Shown::Always, "target_layer", param.target ? param.target : likelyTarget(document), document, "Target",
-        "The layer that the current one is laid onto: triangles, or a point cloud. The normals of a "
-        "cloud, where it has some, tell its sides apart. It is not changed.");
+        "The layer to lie on: triangles, or a point cloud. A cloud's normals tell its sides apart. It is not changed.");
     addParameter<host::RichFileParam>(
         list, Shown::Always, "landmarks_file", param.landmarkFile,
         QStringList() << "*.csv"
                       << "*.pp",
-        "File with landmarks (.csv, .pp)",
-        "Pairs of points that belong together, in world coordinates. Either a list with a line for each pair: "
-        "<i>vertex, x, y, z</i> (the number of a vertex of the current layer, from 0, and the place on the target) or "
-        "<i>x, y, z, x, y, z</i> (place on the current layer, place on the target), with commas, semicolons or blanks "
-        "between; lines that begin with # are comments. Or MeshLab's picked points (.pp): source, target, source, "
-        "target, and so on. A place that is no vertex stands for the vertex nearest to it. <b>Empty</b> (the default): "
-        "no landmarks; give some where limbs lie far from where they belong.");
+        "Landmark file (.csv, .pp)",
+        "Pairs of points that belong together, in world coordinates. A list has a line for each pair: <i>vertex, x, y, "
+        "z</i> (number of the vertex of the current layer, from 0, and place on the target) or <i>x, y, z, x, y, z</i> "
+        "(place on the current layer, place on the target), with commas, semicolons or blanks; lines that begin with # "
+        "are comments. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
+        "<b>Empty</b> (the default): none. Give some where limbs lie far from where they belong.");
     addParameter<host::RichFileParam>(
         list, Shown::Always, "target_landmarks_file", param.targetFile, QStringList() << "*.pp",
-        "Picked points of the target (.pp)",
-        "With MeshLab's picked points of the current layer as the file with landmarks: those of the target, whose "
-        "names "
-        "are the same. <b>Empty</b> (the default): that file holds both ends of each pair.");
+        "Target's picked points (.pp)",
+        "If the landmark file is picked points of the current layer: those of the target, with the same names. "
+        "<b>Empty</b> (the default): the landmark file holds both ends.");
     addParameter<RichFloat>(
-        list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Tolerance of the landmarks",
-        "So far from where it belongs, in world units, a landmark may stay. <b>0</b> (the default): none, it is exact. "
-        "<b>Raise it</b> to the error of the points where they were measured or picked by hand. Pairs that the others "
-        "contradict, such as two that are mixed up, are left out then; the log names them in any case.");
+        list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Landmark tolerance",
+        "How far a landmark may stay from where it belongs, in world units. <b>0</b> (the default): it is exact. "
+        "<b>Raise it</b> to the error of measured or picked points. Pairs that the others contradict, such as two that "
+        "are mixed up, are then left out. The log names them in any case.");
     addChecks(list, param);
-    addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
-                           "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
-                           "counts: to see where they alone take it, or to morph it by them.");
+    addParameter<RichBool>(
+        list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
+        "The surface follows the landmarks, as rigidly as possible. Nothing else of the target counts.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -104,52 +97,46 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                       << "Rigid and scaled, from landmarks"
                       << "Axes tried out",
         "Start",
-        "Where the layers do not lie on each other yet: moves all of the current one first, by the <b>landmarks</b> "
-        "(three that are not on a line at least), or so that middle and <b>principal axes</b> fall together, of the 24 "
-        "ways the one that fits best. Needs a layer without fixed vertices and handles. Where nothing of the two "
-        "overlaps, "
-        "and there are no landmarks, <b>As they lie</b> moves the layer onto the target's middle, too, and says so.");
-    addParameter<RichFloat>(
-        list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
-        "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "
-        "<b>lowering it</b> follows finer detail.");
-    addParameter<RichFloat>(
-        list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
-        "What is farther than this from the target, in world units, has no counterpart there and is carried along. "
-        "<b>0</b> (the default): no limit, the distances themselves tell what is too far. <b>Lower it</b> where the "
-        "target lacks parts that something else lies near to.");
-    addParameter<RichFloat>(
-        list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle), "Largest angle (degrees)",
-        "A place of the target whose normal is turned by more than this from that of the surface is no counterpart: "
-        "what keeps the two sides of something thin apart. <b>180</b>: normals do not count.");
-    addParameter<RichBool>(list, Shown::Always, "both_ways", fit.bothWays, "Matches both ways",
-                           "Places of the target that nothing of the layer lies near draw what is nearest, too, so "
-                           "that thin and long parts "
-                           "of the target are reached. <b>Off</b> (the default): where parts of the target are left, "
-                           "that is tried, and taken if nothing of it is left then and more of the layer has a "
-                           "counterpart. Leave it off where the target has parts that the layer lacks.");
+        "First moves all of the current layer where the layers do not lie on each other: by <b>landmarks</b> (at least "
+        "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
+        "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
+        "lie</b> moves the layer onto the target's middle, too, and says so.");
+    addParameter<RichFloat>(list, Shown::Always, "stiffness", Scalarm(fit.stiffness),
+                            "Stiffness (1 is the default, 10 stiff)",
+                            "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of "
+                            "the target. <b>Lower it</b> to follow finer detail.");
+    addParameter<RichFloat>(list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
+                            "What is farther from the target, in world units, has no counterpart and is carried along. "
+                            "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> "
+                            "where the target lacks parts that something else lies near to.");
+    addParameter<RichFloat>(list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle),
+                            "Largest angle (degrees)",
+                            "A place of the target whose normal differs by more is no counterpart. That keeps the two "
+                            "sides of something thin apart. <b>180</b>: normals do not count.");
+    addParameter<RichBool>(
+        list, Shown::Advanced, "both_ways", fit.bothWays, "Match both ways",
+        "Places of the target that nothing lies near draw what is nearest. So thin and long parts of the target are "
+        "reached. <b>Off</b> (the default): where parts of the target are left, it is tried, and kept if none are left "
+        "then and more of the layer has a counterpart. Leave it off where the target has parts that the layer lacks.");
     addWeights(list, param);
     addInitialPatches(list, fit.graph.initialPatches);
     addSmoothness(list, Shown::Advanced, fit.smoothness);
     addRandomSeed(list, fit.graph.randomSeed);
     addParameter<RichInt>(list, Shown::Advanced, "samples", fit.samples, "Samples",
-                          "How many places of the surface are matched, evenly spread. <b>Raising it</b> takes longer, "
-                          "and helps where there are many patches.");
+                          "How many places of the surface are matched, evenly spread. <b>Raise it</b> where there are "
+                          "many patches; it takes longer.");
     addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
-                          "The surface gets softer from step to step, over so many at most, and the sooner the less it "
-                          "moves. <b>Raise it</b> where it has far to go, or when the log says that it did not come to "
-                          "rest.");
+                          "The most steps from stiff to soft; the less the surface moves, the fewer it takes. <b>Raise "
+                          "it</b> where it has far to go, or when the log says that it did not converge.");
     addGraphLayers(list, param.graphLayers);
-    addParameter<RichEnum>(
-        list, Shown::Always, "fit_quality", int(param.quality),
-        QStringList() << "As the input"
-                      << "Distance to the target"
-                      << "Matched",
-        "Quality of the result",
-        "What the vertex quality of the fitted layer is, to be coloured ('Colorize by vertex Quality'), selected by or "
-        "saved: that of the input, the <b>distance</b> to the target in world units, or whether the vertex is "
-        "<b>matched</b>: 1 where it lies on the target, but for a distance that the fit leaves there, 0 where it has "
-        "no counterpart and was carried along.");
+    addParameter<RichEnum>(list, Shown::Always, "fit_quality", int(param.quality),
+                           QStringList() << "As the input"
+                                         << "Distance to the target"
+                                         << "Matched",
+                           "Result quality",
+                           "The vertex quality of the result, to colour, select or save: that of the input, the "
+                           "<b>distance</b> to the target in world units, or <b>matched</b>: 1 where it lies on the "
+                           "target, 0 where it has no counterpart and was carried along.");
     addHandles(list, param.handles, document, Shown::Advanced);
     return list;
 }

@@ -54,11 +54,11 @@ std::string describe(const FittedLayers &made) {
     if (report.notFinite > 0)
         line << " " << report.notFinite << " vertices of the target are not finite and were left out.";
     if (report.insideOut)
-        line << " Its normals point to the other side than those of the target, which were taken turned over.";
+        line << " Its normals point to the other side than those of the target, which count as flipped.";
     if (made.landmarks > 0)
         line << " None of the " << made.landmarks - (report.leftOut ? report.contradicted.size() : 0)
-             << " landmarks is off by more than " << report.landmarks << "; at last the surface gave way by "
-             << report.pull << " for them.";
+             << " landmarks is off by more than " << report.landmarks << "; the remaining stretch at landmarks is "
+             << report.pull << ".";
     line << " " << made.seconds << " s.";
     return line.str();
 }
@@ -115,8 +115,8 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
     }
     if (made.result.check.flipped > 0)
         warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
-                           " turned over: the fit folds the surface there. Give landmarks, or raise stiffness.");
+                           (made.result.check.flipped == 1 ? " triangle is" : " triangles are") +
+                           " flipped: the fit folds the surface there. Give landmarks, or raise stiffness.");
     if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: no hand misses so much
         std::ostringstream line;
         line << "The landmarks contradict each other or the target, by " << report.pull
@@ -124,6 +124,6 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.push_back(line.str());
     }
     if (!report.converged && !report.IsMisplaced())
-        warnings.emplace_back("The fit did not come to rest: raise fit_steps.");
+        warnings.emplace_back("The fit did not converge: raise fit_steps.");
     return warnings;
 }

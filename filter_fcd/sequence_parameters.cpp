@@ -14,48 +14,42 @@ QStringList tagParameters() { return {"handles", "tag_attribute", "tag_file"}; }
 RichParameterList toRichParameters(const SequenceParam &param, const MeshDocument &document) {
     RichParameterList list;
     addParameter<host::RichFileParam>(
-        list, Shown::Always, "poses_file", param.posesFile, QStringList("*.csv"), "File with the poses (.csv)",
-        "A table with commas, semicolons or tabs between its cells. The first row is <i>time, easing</i> and the names "
-        "of the poses, a column for each; a row that begins with <i>motions</i> has their motions, as 'Motions as "
-        "text' of 'FCD: Deform Mesh' has them (quoted where they hold commas or semicolons); each further row is a key "
-        "frame: the time in seconds, the easing up to the next one (<i>linear</i>, <i>smooth</i> or <i>hold</i>), and "
-        "of each pose how many percent of it there are. Without key frames, the poses follow each other, a second "
-        "each. <b>Empty</b> (the default): the poses that the layer keeps, those of the last time in this session; no "
-        "file of MeshLab has room for them.");
+        list, Shown::Always, "poses_file", param.posesFile, QStringList("*.csv"), "Pose table (.csv)",
+        "A table with commas, semicolons or tabs. The first row is <i>time, easing</i> and the names of the poses. A "
+        "row that begins with <i>motions</i> has their motions, as in 'Motions as text' (quoted where they hold the "
+        "separator). Each further row is a key frame: time in seconds, easing up to the next one (<i>linear</i>, "
+        "<i>smooth</i> or <i>hold</i>), and the percentage of each pose. Without key frames, poses follow each other, "
+        "a second each. <b>Empty</b> (the default): the poses that the layer keeps in this session.");
     addParameter<RichFloat>(list, Shown::Always, "frames_per_second", Scalarm(param.rate), "Frames per second",
-                            "How many frames files have, and layers where each frame is one.");
-    addParameter<RichEnum>(
-        list, Shown::Always, "frame_layers", int(param.layers),
-        QStringList() << "None"
-                      << "Each key frame"
-                      << "Each frame",
-        "New layers",
-        "What becomes a new layer, with all that the layer carries: each of a million vertices takes "
-        "some hundred MB.");
+                            "The rate of frames in files, and in layers where each frame is one.");
+    addParameter<RichEnum>(list, Shown::Always, "frame_layers", int(param.layers),
+                           QStringList() << "None"
+                                         << "Each key frame"
+                                         << "Each frame",
+                           "New layers",
+                           "What becomes a new layer, with all that the layer carries. A layer of a million vertices "
+                           "takes some hundred MB.");
     addParameter<host::RichSaveFileParam>(
-        list, Shown::Always, "gltf_file", param.gltfFile, "*.glb", "Animation goes to (.glb)",
-        "A file to write: glTF 2.0, with morph targets (shape keys) and their animation, for Blender, web pages and "
-        "the like. World coordinates; positions and normals in single precision, neither colours nor textures. An "
-        "existing file is replaced. <b>Empty</b> (the default): none is written.");
-    addParameter<RichEnum>(
-        list, Shown::Always, "gltf_shapes", int(param.shapes),
-        QStringList() << "Each frame"
-                      << "Each pose",
-        "Shapes in it",
-        "What is a morph target. <i>Each frame</i>: the animation is what it is here, in a large file. <i>Each "
-        "pose</i>: one for each pose, by its name, to be mixed by hand, too; mixed they move in straight lines, so "
-        "that "
-        "turns shrink what turns. The log says by how much.");
+        list, Shown::Always, "gltf_file", param.gltfFile, "*.glb", "Write animation to (.glb)",
+        "glTF 2.0 with morph targets (shape keys) and their animation, for Blender and web pages. World coordinates; "
+        "single precision; neither colours nor textures. An existing file is replaced. <b>Empty</b> (the default): "
+        "none is written.");
+    addParameter<RichEnum>(list, Shown::Always, "gltf_shapes", int(param.shapes),
+                           QStringList() << "Each frame"
+                                         << "Each pose",
+                           "Morph targets",
+                           "<i>Each frame</i>: the animation is what it is here, in a large file. <i>Each pose</i>: "
+                           "one for each pose, by its name, to mix by hand. Mixed poses move in straight lines, so "
+                           "what turns shrinks. The log says by how much.");
     addParameter<host::RichSaveFileParam>(
-        list, Shown::Always, "pc2_file", param.cacheFile, "*.pc2", "Point cache goes to (.pc2)",
-        "A file to write: the positions of all vertices in each frame, in the layer's own coordinates and in single "
-        "precision, for the mesh as the layer is saved (Blender's modifier 'Mesh Cache'). An existing file is "
-        "replaced. <b>Empty</b> (the default): none is written.");
-    addParameter<host::RichSaveFileParam>(
-        list, Shown::Always, "save_poses_file", param.saveFile, "*.csv", "Poses go to (.csv)",
-        "A file to write: the table again, with all of its key frames, and with a row that tells of which surface the "
-        "poses are: with another one, they are an error then. An existing file is replaced. <b>Empty</b> (the "
+        list, Shown::Always, "pc2_file", param.cacheFile, "*.pc2", "Write point cache to (.pc2)",
+        "Positions of all vertices in each frame, in the layer's own coordinates and in single precision, for the mesh "
+        "as the layer is saved (Blender's modifier 'Mesh Cache'). An existing file is replaced. <b>Empty</b> (the "
         "default): none is written.");
+    addParameter<host::RichSaveFileParam>(
+        list, Shown::Always, "save_poses_file", param.saveFile, "*.csv", "Write poses to (.csv)",
+        "The table again, with all key frames, and with a row that tells the surface: with another surface the table "
+        "is an error. An existing file is replaced. <b>Empty</b> (the default): none is written.");
     addInitialPatches(list, param.deformation.graph.initialPatches);
     addSmoothness(list, Shown::Always, param.deformation.smoothness);
     addRandomSeed(list, param.deformation.graph.randomSeed);

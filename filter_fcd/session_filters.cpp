@@ -14,7 +14,7 @@ RichParameterList sessionParameters(bool saves) {
     RichParameterList list;
     if (saves)
         addParameter<host::RichSaveFileParam>(list, Shown::Always, "session_file", QString(), "*.fcd",
-                                              "Session goes to (.fcd)",
+                                              "Write session to (.fcd)",
                                               "The file to write. An existing file is replaced.");
     else
         addParameter<host::RichFileParam>(list, Shown::Always, "session_file", QString(), QStringList("*.fcd"),

@@ -16,26 +16,23 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
             ++lines;
         }
     RichParameterList list;
-    host::addLayerParameter(
-        list, Shown::Always, "line_layer", lines == 1 ? line : current, document, "Line",
-        "A layer with edges that form one open path: the line that the current layer is straightened along. <b>The "
-        "current layer itself</b>: the line comes from the file below.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Always, "line_file", param.lineFile,
-        QStringList() << "*.pp"
-                      << "*.csv"
-                      << "*.txt",
-        "File with the line (.pp, .csv, .txt)",
-        "MeshLab's picked points (.pp), in their order, or a list with <i>x, y, z</i> in each line, with commas, "
-        "semicolons or blanks between; lines that begin with # are comments. World coordinates. <b>Empty</b> (the "
-        "default): the line is that of the layer above.");
+    host::addLayerParameter(list, Shown::Always, "line_layer", lines == 1 ? line : current, document, "Line",
+                            "A layer with edges that form one open path. <b>The current layer itself</b>: the line "
+                            "comes from the file below.");
+    addParameter<host::RichFileParam>(list, Shown::Always, "line_file", param.lineFile,
+                                      QStringList() << "*.pp"
+                                                    << "*.csv"
+                                                    << "*.txt",
+                                      "Line file (.pp, .csv, .txt)",
+                                      "Picked points (.pp) in their order, or a list with <i>x, y, z</i> in each line, "
+                                      "with commas, semicolons or blanks; lines that begin with # are comments. World "
+                                      "coordinates. <b>Empty</b> (the default): the layer above is the line.");
     addParameter<RichFloat>(
-        list, Shown::Always, "line_smoothing", Scalarm(100 * param.smoothing),
-        "Smooth the line (percent of its length)",
-        "Smooths wiggles of the line away that are shorter than some six times this part of its length, such as the "
-        "steps of a skeleton of voxels; 1 is much. <b>0</b> (the default): the line goes through its points; "
-        "where they lie closer than the mesh is thick and jitter, so that it would be stretched by more than a "
-        "hundredth, that is taken out, and the log says by how much they did.");
+        list, Shown::Advanced, "line_smoothing", Scalarm(100 * param.smoothing),
+        "Line smoothing (percent of its length)",
+        "Takes out wiggles shorter than some six times this part of the length, such as the steps of a skeleton of "
+        "voxels. 1 is much. <b>0</b> (the default): the line goes through its points. Only jitter of close points is "
+        "taken out where it would stretch the surface by more than a hundredth; the log says how much there was.");
     const StraightenTexts texts = straightenTexts();
     addParameter<RichBool>(list, Shown::Always, "middle", param.middle, texts.middle.label, texts.middle.help);
     addParameter<RichEnum>(list, Shown::Always, "to", int(param.shape), texts.shape.values, texts.shape.label,
@@ -47,7 +44,7 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
                                            texts.towards.help);
     host::addLayerParameter(list, Shown::Always, "target_layer", current, document, texts.target.label,
                             texts.target.help);
-    addParameter<RichBool>(list, Shown::Always, "reverse", param.reverse, texts.reverse.label, texts.reverse.help);
+    addParameter<RichBool>(list, Shown::Advanced, "reverse", param.reverse, texts.reverse.label, texts.reverse.help);
     addParameter<RichFloat>(list, Shown::Always, "length", Scalarm(param.length), texts.length.label,
                             texts.length.help);
     addParameter<RichBool>(list, Shown::Always, "untwist", param.untwist, texts.untwist.label, texts.untwist.help);
@@ -55,12 +52,12 @@ RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshD
     addSmoothness(list, Shown::Advanced, param.bend.smoothness);
     addRandomSeed(list, param.bend.graph.randomSeed);
     addGraphLayers(list, param.graphLayers);
-    addParameter<RichEnum>(list, Shown::Always, "straightened_quality", int(param.quality),
+    addParameter<RichEnum>(list, Shown::Advanced, "straightened_quality", int(param.quality),
                            QStringList() << "As the input"
                                          << "Place along the line",
-                           "Quality of the result",
-                           "What the vertex quality of the straightened layer is: that of the input, or how far along "
-                           "the line the vertex is, in world units from its beginning, for profiles and cuts.");
+                           "Result quality",
+                           "The vertex quality of the result: that of the input, or how far along the line the vertex "
+                           "is, in world units from its beginning, for profiles and cuts.");
     return list;
 }
 

@@ -15,15 +15,13 @@ QStringList motionParameters() {
 QStringList sourceParameters() { return {"handles", "tag_attribute"}; }
 
 void addTarget(RichParameterList &list, const TagTarget &target) {
-    addParameter<RichString>(
-        list, Shown::Advanced, "tag_attribute", target.attribute, "Attribute for the tags",
-        "Name of the per-vertex scalar attribute that holds the tags; it is added where the layer does not have it. "
-        "<b>Empty</b> (the default): the tags are the vertex quality.");
-    addParameter<RichBool>(list, Shown::Always, "colorize", target.colorize, "Colour by tag",
-                           "Colours the vertices by their tags: fixed blue, free yellow, handles red (each number "
-                           "another shade), outside grey. The layer keeps its own colours aside: deformed layers have "
-                           "them, and 'FCD: Clear "
-                           "Tags' brings them back.");
+    addParameter<RichString>(list, Shown::Advanced, "tag_attribute", target.attribute, "Attribute for tags",
+                             "Name of the scalar attribute per vertex that gets the tags. It is added where it is "
+                             "lacking. <b>Empty</b> (the default): the vertex quality gets them.");
+    addParameter<RichBool>(
+        list, Shown::Always, "colorize", target.colorize, "Colour by tag",
+        "Colours vertices by tag: fixed blue, free yellow, handles red in shades, outside grey. The layer's own "
+        "colours are kept aside. Deformed layers have them, and 'FCD: Clear Tags' brings them back.");
 }
 
 TagTarget target(const RichParameterList &list) {
@@ -37,20 +35,19 @@ TagTarget target(const RichParameterList &list) {
 
 RichParameterList toRichParameters(const TagSelectionParam &param) {
     RichParameterList list;
-    addParameter<RichEnum>(list, Shown::Always, "role", int(param.role),
-                           QStringList() << "Fixed"
-                                         << "Free"
-                                         << "Handle"
-                                         << "Outside",
-                           "The selection is",
-                           "What the selected vertices, and the vertices of selected faces, become."
-                           "<ul><li><i>Fixed</i>: stays where it is (tag 0).</li>"
-                           "<li><i>Free</i>: follows (tag 1).</li>"
-                           "<li><i>Handle</i>: moves as told (the tag is the number below).</li>"
-                           "<li><i>Outside</i>: outside the region of influence, never moved (tag -1).</li></ul>");
+    addParameter<RichEnum>(
+        list, Shown::Always, "role", int(param.role),
+        QStringList() << "Fixed"
+                      << "Free"
+                      << "Handle"
+                      << "Outside",
+        "The selection is",
+        "What selected vertices, and the vertices of selected faces, become.<ul><li><i>Fixed</i>: stays where it is "
+        "(tag 0).</li><li><i>Free</i>: follows (tag 1).</li><li><i>Handle</i>: moves as you say (the tag is the number "
+        "below).</li><li><i>Outside</i>: is ignored, and never moves (tag -1).</li></ul>");
     addParameter<RichInt>(list, Shown::Always, "handle_number", param.handleNumber, "Handle number",
                           "Which handle the selection becomes: 2 is the first, 3 the second, and so on. Handles with "
-                          "different numbers can move differently. Only read when the selection is a handle.");
+                          "different numbers can move differently. Only read for handles.");
     addTarget(list, param.target);
     return list;
 }
@@ -67,8 +64,8 @@ TagSelectionParam tagSelectionParam(const RichParameterList &list) {
 RichParameterList toRichParameters(const TagsFromFilesParam &param) {
     RichParameterList list;
     addParameter<host::RichFileParam>(
-        list, Shown::Always, "tag_file", param.tagFile, QStringList("*.sel"), "File with the tags (.sel)",
-        "One tag per line for each vertex, in the order of the vertices; lines that begin with # are comments.");
+        list, Shown::Always, "tag_file", param.tagFile, QStringList("*.sel"), "Tag file (.sel)",
+        "One tag a line, in the order of the vertices. Lines that begin with # are comments.");
     addTarget(list, param.target);
     return list;
 }
@@ -91,21 +88,19 @@ RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocumen
                                          << "Selection"
                                          << "Custom vertex attribute",
                            "Tags from",
-                           "Where the tags are that are to be saved, as in 'FCD: Deform Mesh'."
-                           "<ul><li><i>Vertex quality</i>: the quality is the tag.</li>"
-                           "<li><i>Selection</i>: the selected vertices are the handle, the vertices of selected faces "
-                           "stay fixed (where both are selected the handle wins), all else is free.</li>"
-                           "<li><i>Custom vertex attribute</i>: the attribute named below holds the tags.</li></ul>");
+                           "Where the tags are, as in 'FCD: Deform Mesh'.<ul><li><i>Vertex quality</i>: the quality is "
+                           "the tag.</li><li><i>Selection</i>: selected vertices are the handle, vertices of selected "
+                           "faces are fixed, the rest is free. The handle wins where both are "
+                           "selected.</li><li><i>Custom vertex attribute</i>: the attribute below.</li></ul>");
     list.addParam(all.getParameterByName("tag_attribute"));
     addParameter<host::RichSaveFileParam>(
-        list, Shown::Always, "tag_file", param.tagFile, "*.sel", "Tags go to (.sel)",
-        "The file to write: one tag per line for each vertex, in the order of the vertices. An existing file is "
-        "replaced.");
+        list, Shown::Always, "tag_file", param.tagFile, "*.sel", "Write tags to (.sel)",
+        "The file to write: one tag a line, in the order of the vertices. An existing file is replaced.");
     addParameter<host::RichSaveFileParam>(
-        list, Shown::Always, "transform_file", param.transformFile, "*.def", "Motions go to (.def)",
-        "The file to write the motions below to: one 4x4 matrix per handle, in world coordinates, for handle 2, 3, and "
-        "so on (the identity for a number that no vertex has). An existing file is replaced. <b>Empty</b> (the "
-        "default): only the tags are saved, and the motions below are not used.");
+        list, Shown::Always, "transform_file", param.transformFile, "*.def", "Write motions to (.def)",
+        "The file to write the motions below to: a 4x4 matrix for each handle, in world coordinates, for handle 2, 3, "
+        "and so on (the identity for a number without vertices). An existing file is replaced. <b>Empty</b> (the "
+        "default): only tags are saved.");
     for (const QString &name : motionParameters())
         list.addParam(all.getParameterByName(name));
     return inOrder(list, {}, true);

@@ -39,7 +39,7 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
     if (!found)
         throw Error("The layer " + inQuotes(*deformedGraph) +
                     " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
-                    "(generate_fcd_deformed_mesh) made in this session, with 'Layers with the graph': layers that "
+                    "(generate_fcd_deformed_mesh) made in this session, with 'Add graph layers': layers that "
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
     const Deformation &deformation = *found; // which the document keeps

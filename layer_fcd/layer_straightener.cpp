@@ -139,10 +139,10 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     }
     if (made.result.check.flipped > 0)
         warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
-                           " turned over: the surface is folded there. Lay the line through the middle, or raise "
+                           (made.result.check.flipped == 1 ? " triangle is" : " triangles are") +
+                           " flipped: the surface is folded there. Lay the line through the middle, or raise "
                            "line_smoothing.");
     if (!made.result.converged)
-        warnings.emplace_back("What does not go with the line did not come to rest there.");
+        warnings.emplace_back("The surface did not converge away from the line.");
     return warnings;
 }

@@ -91,7 +91,7 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
 ParameterText weightsText() {
     return {"Distances",
             {"Along the surface", "Euclidean"},
-            "How a vertex finds the nodes that move it. <i>Along the surface</i>: parts that are close in space but "
-            "not connected (fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: as in the paper, by "
-            "straight distance."};
+            "How a vertex finds the nodes that move it. <i>Along the surface</i>: close parts that are not connected "
+            "(fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: by straight distance, as in the "
+            "paper."};
 }

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Prints what the filters tell their users as a page of the manual, docs/filters.md:
-//   filter_texts libfilter_fcd.so
+// Writes what the filters tell their users as pages of the manual, FOLDER/filters.md and one for each filter in
+// FOLDER/filters:
+//   filter_texts libfilter_fcd.so FOLDER
 #include <layer_fcd/filter_host.h>
 #include "load_plugin.h"
 
 #include <QCoreApplication>
+#include <QDir>
+#include <QRegularExpression>
 
-#include <iostream>
+#include <fstream>
+#include <sstream>
 
 /// In a cell of a table, which is one line.
 static QString cell(QString text) { return text.simplified().replace("|", "\\|"); }
@@ -24,30 +28,53 @@ static QString defaultOf(const RichParameter &parameter) {
     return ""; // empty, a place, or of the layers at hand: the text says it
 }
 
+static const char *const head = "\n| in the window | in scripts | default | what it does |\n|---|---|---|---|\n";
+
+/// The rows of the parameters that a dialog folds, or of the others.
+static std::string rows(const RichParameterList &parameters, bool folded) {
+    std::ostringstream out;
+    for (const RichParameter &parameter : parameters)
+        if (parameter.isAdvanced() == folded)
+            out << "| " << cell(parameter.fieldDescription()).toStdString() << " | `"
+                << parameter.pythonName().toStdString() << "` | " << defaultOf(parameter).toStdString() << " | "
+                << cell(parameter.toolTip()).toStdString() << " |\n";
+    return out.str();
+}
+
 int main(int argc, char **argv) {
     QCoreApplication application(argc, argv);
     FilterPlugin *plugin = loadPlugin<FilterPlugin>(argc > 1 ? argv[1] : "");
-    if (!plugin)
+    const QString folder = argc > 2 ? argv[2] : "";
+    if (!plugin || folder.isEmpty() || !QDir().mkpath(folder + "/filters"))
         return 2;
     MeshDocument document;
     document.addNewMesh("", "layer");
-    std::cout
-        << "# The filters\n\n"
-           "What MeshLab's window and pymeshlab 2025.7 say of each filter and parameter. MeshLab 2020.09 lacks the "
-           "parameters `pose_steps`, `weld_distance`, `surface_layer`, `accuracy` and `inverse`.\n";
+    std::ofstream list((folder + "/filters.md").toStdString());
+    list << "# The filters\n\n"
+            "What MeshLab's window and pymeshlab 2025.7 say of each filter. Its page has the parameters. MeshLab "
+            "2020.09 "
+            "lacks the parameters `pose_steps`, `weld_distance`, `surface_layer`, `accuracy` and `inverse`.\n\n"
+            "| filter | in scripts | |\n|---|---|---|\n";
     for (QAction *action : plugin->actions()) {
         const auto id = plugin->ID(action);
+        const QString name = plugin->pythonFilterName(id);
         QString text = plugin->filterInfo(id);
-        text.replace("<br>", "\n\n");
-        std::cout << "\n## " << action->text().toStdString() << "\n\nIn scripts `"
-                  << plugin->pythonFilterName(id).toStdString() << "`.\n\n"
-                  << text.toStdString() << "\n";
+        const QString plain = QString(text).replace("<br>", " ").remove(QRegularExpression("<[^>]*>"));
+        const QString first = plain.section(QRegularExpression("[.] "), 0, 0);
+        list << "| [" << action->text().toStdString() << "](filters/" << name.toStdString() << ".md) | `"
+             << name.toStdString() << "` | " << cell(first).toStdString() << " |\n";
+        std::ofstream page((folder + "/filters/" + name + ".md").toStdString());
+        page << "# " << action->text().toStdString() << "\n\nIn scripts `" << name.toStdString() << "`.\n\n"
+             << text.replace("<br>", "\n\n").toStdString() << "\n";
         const RichParameterList parameters = plugin->initParameterList(action, document);
-        if (parameters.size() > 0)
-            std::cout << "\n| in the window | in scripts | default | what it does |\n|---|---|---|---|\n";
-        for (const RichParameter &parameter : parameters)
-            std::cout << "| " << cell(parameter.fieldDescription()).toStdString() << " | `"
-                      << parameter.pythonName().toStdString() << "` | " << defaultOf(parameter).toStdString() << " | "
-                      << cell(parameter.toolTip()).toStdString() << " |\n";
+        if (const std::string first = rows(parameters, false); !first.empty())
+            page << "\n## What you need"
+                 << "\n"
+                 << head << first;
+        if (const std::string folded = rows(parameters, true); !folded.empty())
+            page << "\n## The rest\n\nNewer MeshLabs fold these.\n" << head << folded;
+        if (!page.good())
+            return 2;
     }
+    return list.good() ? 0 : 2;
 }

@@ -94,11 +94,11 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     file = point_file(tmp_path / "mixed.csv", "index", chosen, None, truth[[600, 6600]])
     result, log = fit_logged(ms, capfd, landmarks_file=file)
     assert result["landmark_pull"] > 0.01 * DIAGONAL and "contradict each other or the target" in log
-    assert result["folded_triangles"] > 0 and "turned over: the fit folds the surface there" in log
+    assert result["folded_triangles"] > 0 and "flipped: the fit folds the surface there" in log
     assert result["landmarks"] == 2 and "None of the 2 landmarks is off" in log
     ms, _ = pair()
     result, log = fit_logged(ms, capfd, fit_steps=2)
-    assert not result["converged"] and "did not come to rest: raise fit_steps" in log
+    assert not result["converged"] and "did not converge: raise fit_steps" in log
 
 
 @pytest.mark.parametrize("quality", [1, 2], ids=["distance", "matched"])

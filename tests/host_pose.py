@@ -533,7 +533,7 @@ def test_a_document_that_is_closed_leaves_nothing_in_memory():
     assert min(takes) > 1 and allocated() - before < min(takes) / 2, (takes, allocated() - before)
 
 
-# --- the table of docs/layers.md: what becomes of a layer that was tagged, posed and then changed ----------------------------
+# --- the table of docs/layers-changed.md: what becomes of a layer that was tagged, posed and then changed ----------------------------
 
 
 def duplicate(ms):
@@ -568,7 +568,7 @@ CHANGES = {
     "reordered": lambda ms: without(ms, "vi < 5"),
     "added": lambda ms: ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1),
     "remeshed": lambda ms: ms.apply_filter("meshing_isotropic_explicit_remeshing", targetlen=percent(3), iterations=3),
-    "turned faces": lambda ms: ms.apply_filter("meshing_invert_face_orientation"),
+    "flipped faces": lambda ms: ms.apply_filter("meshing_invert_face_orientation"),
     "new colours": lambda ms: ms.compute_color_by_function_per_vertex(x="10", y="255 * x", z="51"),
     "new tags": lambda ms: set_quality(ms, "vi < 300 ? 0 : (vi > 1200 ? 2 : 1)"),
     "frozen matrix": freeze,
@@ -664,7 +664,7 @@ REFUSALS = {"was changed since its last pose", "has not been posed in place", "n
 
 
 def table():
-    page = (Path(__file__).resolve().parents[1] / "docs" / "layers.md").read_text(encoding="utf-8")
+    page = (Path(__file__).resolve().parents[1] / "docs" / "layers-changed.md").read_text(encoding="utf-8")
     rows = page[page.index("| changed | *Reset Pose*"):].split("\n\n")[0].splitlines()[2:]
     return {row[0]: row[1:] for row in ([cell.strip() for cell in line.strip("|").split("|")] for line in rows)}
 

@@ -445,7 +445,7 @@ def test_the_log_says_what_becomes_of_a_handle_that_is_not_in_the_text(capfd, tr
 
 
 @pytest.mark.parametrize("motion, sentence", [
-    ("translate 0 0 -4", "pressed or twisted by more than it carries"), ("translate 0 0 -25", "the shape jumps to another one")])
+    ("translate 0 0 -4", "pressed or twisted by more than it carries"), ("translate 0 0 -25", "The shape jumps to another one")])
 def test_the_log_says_what_becomes_of_what_is_pressed(capfd, motion, sentence):
     result, log = deform_logged(slender(), capfd, transforms="2: " + motion, pose_steps=4 if "-25" in motion else 1)
     assert sentence in log and (result["jumps"] if "jumps" in sentence else not result["stable"])
@@ -571,7 +571,7 @@ def test_lines_that_points_do_not_see_beyond_are_told(capfd):
 
 WARNINGS = {
     "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "straight from one held region to another",
-    "folded": "turned over", "still": "No handle moves"}
+    "folded": " flipped:", "still": "No handle moves"}
 
 
 @pytest.mark.parametrize("case", ["none", *WARNINGS])
@@ -592,7 +592,7 @@ def test_what_is_probably_not_meant_is_logged(capfd, case):
     assert met - ({"folded", "rigid"} if case == "strained" else set()) == {case} - {"none"}, log
     assert (result["folded_triangles"] > 0) == ("folded" in met) and (result["strained_edges"] > 0) == (case == "strained")
     if case == "folded":
-        assert f"{result['folded_triangles']} triangles have turned over" in log
+        assert f"{result['folded_triangles']} triangles are flipped" in log
 
 
 def test_a_rotation_point_that_single_precision_moves_is_logged(capfd):

@@ -88,7 +88,7 @@ def test_what_is_done_is_logged(capfd, tmp_path):
     ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), gltf_file=str(tmp_path / "a.glb"), gltf_shapes=1, frames_per_second=4)
     log = capfd.readouterr().err
     assert "2 poses, 3 key frames, 5 frames; 3 new layers." in log and "mixed in straight lines, are off from the frames by up to" in log
-    assert "turned over" not in log
+    assert " flipped:" not in log
     points, faces = sheet(60, 1 / 59)  # flat, and pushed together
     tags = np.where(points[:, 0] < 0.1, 0.0, np.where(points[:, 0] > 0.9, 2.0, 1.0))
     ms = new_set()
@@ -96,7 +96,7 @@ def test_what_is_done_is_logged(capfd, tmp_path):
     ms.set_verbosity(True)
     folding = table(tmp_path, "time,easing,folded\nmotions,,2: translate -0.72 0 0\n0,,0\n1,,100\n")
     result, log = ms.apply_filter(SEQUENCE, poses_file=folding), capfd.readouterr().err
-    assert f"In a frame, {result['folded_triangles']} triangles have turned over" in log and "1 pose, 2 key frames, 2 frames" in log
+    assert f"In a frame, {result['folded_triangles']} triangles are flipped" in log and "1 pose, 2 key frames, 2 frames" in log
 
 
 def test_parameters_names_order_and_defaults():

@@ -116,7 +116,7 @@ def deform(
     Warns
     -----
     DeformationWarning
-        What is probably not meant: nothing moves, triangles turned over, the shape did not come to rest.
+        What is probably not meant: nothing moves, flipped triangles, the shape did not converge.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
         smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,

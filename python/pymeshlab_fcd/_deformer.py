@@ -474,7 +474,7 @@ class Deformer(Unchanging):
         out_normals : ndarray, optional
             The same for `Pose.normals`, which are then computed at once.
         check : bool, default True
-            Also look for what is probably not meant (triangles that turned over), and warn of it.
+            Also look for what is probably not meant (flipped triangles), and warn of it.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -490,7 +490,7 @@ class Deformer(Unchanging):
         Warns
         -----
         DeformationWarning
-            Nothing moves, the shape did not come to rest, or the check found something.
+            Nothing moves, the shape did not converge, or the check found something.
         """
         return self._pose(transforms, landmarks, percent, steps, start, out, out_normals, check, progress, 4)
 

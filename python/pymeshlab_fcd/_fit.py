@@ -61,11 +61,11 @@ class FitInfo(PoseInfo):
     landmark_residual: float
     """The largest distance of a landmark from where it belongs."""
     landmark_pull: float
-    """How far the surface had to give way at last so that all landmarks are there: much where they contradict each other."""
+    """The remaining stretch at landmarks: large where they contradict each other."""
     both_ways: bool
     """Places of the target drew what is nearest, too: as asked, or as it fits better."""
     inside_out: bool
-    """Its normals point to the other side than those of the target, which were taken turned over."""
+    """Its normals point to the other side than those of the target, which count as flipped."""
     contradicted: tuple[int, ...]
     """Numbers of the landmarks that the others contradict, from 0; with a `landmark_tolerance`, they were left out."""
     target_not_finite: int
@@ -124,7 +124,7 @@ class Fitted(Pose):
             found.append((LandmarkWarning, f"The landmarks contradict each other or the target, by {told['landmark_pull']:g}. Look for pairs "
                                            "that are mixed up."))
         if not self._told["converged"] and not told["is_misplaced"]:
-            found.append((NotAtRestWarning, "The fit did not come to rest: raise steps."))
+            found.append((NotAtRestWarning, "The fit did not converge: raise steps."))
         return found
 
 
@@ -301,8 +301,8 @@ class Fitter(Unchanging):
         Warns
         -----
         DeformationWarning
-            What is not to be trusted: little is matched, triangles turned over, landmarks contradict each other or are too
-            dense for the graph, much is guessed, the target lies far away, is of another size, mirrored or flat, the fit did not come to rest.
+            What is not to be trusted: little is matched, flipped triangles, landmarks contradict each other or are too
+            dense for the graph, much is guessed, the target lies far away, is of another size, mirrored or flat, the fit did not converge.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, check, leave_one_out,
                          shared(progress), 3)

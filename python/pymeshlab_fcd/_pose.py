@@ -39,7 +39,7 @@ class PoseInfo:
     energy: float
     """Of Eq. 2, in squares of the units of the vertices."""
     folded: int
-    """Triangles that turned over."""
+    """Triangles that are flipped."""
     strained: int
     """Edges that join two held regions and got half or twice as long, or worse."""
     largest_stretch: float
@@ -158,7 +158,7 @@ class Pose(Unchanging):
         if not self._told["moves"]:
             found.append((NothingMovesWarning, "No handle moves: nothing that was given leads them away from where they are."))
         if not self._told["converged"]:
-            found.append((NotAtRestWarning, "The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles "
+            found.append((NotAtRestWarning, "The deformation did not converge: raise max_iterations, or tolerance, or move the handles "
                                             "less at a time (steps)."))
         if check:
             found += _describe(self._check(told))
@@ -333,7 +333,7 @@ def _describe(found: dict[str, Any]) -> list[Told]:
 
     told: list[Told] = []
     if found["rigid"]:
-        told.append((RigidWarning, "All that the free surface touches makes the same motion, so it moves rigidly with that. Mark what stays "
+        told.append((RigidWarning, "Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark what stays "
                                    "as fixed (tag 0), beside what is free."))
     if found["overruled"]:
         told.append((OverruledWarning,

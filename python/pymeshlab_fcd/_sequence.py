@@ -46,7 +46,7 @@ class AnimationInfo:
     jumps: bool
     """Whether a shape jumps on its way to another one."""
     folded: int
-    """Triangles that turned over, in the frame that has most."""
+    """Flipped triangles, in the frame that has most."""
     discretisation_error: float
     """As of [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error], for the frame that is bent most."""
 
@@ -188,7 +188,7 @@ class PoseSequence:
         weights : Mapping[str, float]
             Of each pose, by its name, how many percent; those that are not in it have 0.
         check : bool, default True
-            Also look for triangles that turned over, and warn of them.
+            Also look for flipped triangles, and warn of them.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -200,7 +200,7 @@ class PoseSequence:
         Warns
         -----
         DeformationWarning
-            Triangles turned over, or the shape did not come to rest.
+            Flipped triangles, or the shape did not converge.
         """
         checked, share = _inputs.flag("check", check), _weights(weights, list(self.poses))
         sequencer = _core.Sequencer(_expected(deformer)._prepared, self._core)
@@ -218,7 +218,7 @@ class PoseSequence:
         rate : float, default 24.0
             How many frames a second; the last one is at the last key frame, or after it.
         check : bool, default True
-            Also look for triangles that turned over, and warn of them.
+            Also look for flipped triangles, and warn of them.
 
         Raises
         ------
@@ -228,7 +228,7 @@ class PoseSequence:
         Warns
         -----
         DeformationWarning
-            Triangles turned over, or a frame did not come to rest: once for each, at the first such frame.
+            Flipped triangles, or a frame did not converge: once for each, at the first such frame.
         """
         checked, times = _inputs.flag("check", check), self._core.times(_inputs.number("rate", rate))
         return self._frames(deformer, _core.Sequencer(_expected(deformer)._prepared, self._core), times, checked)
@@ -281,7 +281,7 @@ class PoseSequence:
         Warns
         -----
         DeformationWarning
-            Triangles turned over, or a frame did not come to rest.
+            Flipped triangles, or a frame did not converge.
         """
         kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
         if gltf is not None and pc2 is not None and _files.same_file(gltf, pc2):
@@ -322,7 +322,7 @@ def _words(folded: int, converged: bool, what: str) -> list[Told]:
         found.append((FoldWarning, f"{what} has folds: {triangles_turned(folded)}, where the surface is squeezed or twisted too much. Move the "
                                    "handles less, or leave more free surface between them."))
     if not converged:
-        found.append((NotAtRestWarning, f"{what} did not come to rest: raise max_iterations, or tolerance."))
+        found.append((NotAtRestWarning, f"{what} did not converge: raise max_iterations, or tolerance."))
     return found
 
 

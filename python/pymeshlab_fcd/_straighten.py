@@ -156,7 +156,7 @@ def straighten(
     Warns
     -----
     DeformationWarning
-        Parts of the surface do not go with the line, cross-sections tell no middle, or triangles turned over.
+        Parts of the surface do not go with the line, cross-sections tell no middle, or flipped triangles.
     """
     if _meshes.is_beside_mesh(vertices, faces):
         if line is None:  # the target, if there is one, by its name

@@ -16,11 +16,11 @@ class NothingMovesWarning(DeformationWarning):
 
 
 class NotAtRestWarning(DeformationWarning):
-    """The shape did not come to rest."""
+    """The shape did not converge."""
 
 
 class FoldWarning(DeformationWarning):
-    """Triangles turned over, or the way back from a fold is not known."""
+    """Triangles are flipped, or the inverse at a fold is not known."""
 
 
 class StretchWarning(DeformationWarning):
@@ -28,7 +28,7 @@ class StretchWarning(DeformationWarning):
 
 
 class RigidWarning(DeformationWarning):
-    """All that the free surface touches makes the same motion."""
+    """Nothing is fixed beside the free surface, so it moves rigidly."""
 
 
 class OverruledWarning(DeformationWarning):
@@ -73,4 +73,4 @@ def warn(found: Iterable[Told], level: int) -> None:
 
 
 def triangles_turned(folded: int) -> str:
-    return f"{folded} {'triangle has' if folded == 1 else 'triangles have'} turned over"
+    return f"{folded} {'triangle is' if folded == 1 else 'triangles are'} flipped"

@@ -103,7 +103,7 @@ def test_landmarks_that_contradict_each_other_are_warned_of(fitter):
     assert {each.category for each in caught} >= {pymeshlab_fcd.LandmarkWarning, pymeshlab_fcd.FoldWarning}
     texts = [str(each.message) for each in caught]
     assert any("contradict each other or the target" in text for text in texts)
-    assert any("turned over: the fit folds the surface there" in text for text in texts) and all(each.filename == __file__ for each in caught)
+    assert any("flipped: the fit folds the surface there" in text for text in texts) and all(each.filename == __file__ for each in caught)
 
 
 def test_pairs_that_the_others_contradict_are_named_and_left_out():
@@ -273,7 +273,7 @@ def test_little_that_is_matched_is_warned_of(fitter):
     with pytest.warns(pymeshlab_fcd.MatchWarning, match="do not trust the rest"):
         laid = fit(VERTICES, FACES, bent(part), faces, largest_distance=0.01 * DIAGONAL, **QUICK)
     assert laid.info.matched < 0.3
-    with pytest.warns(pymeshlab_fcd.NotAtRestWarning, match="did not come to rest: raise steps"):
+    with pytest.warns(pymeshlab_fcd.NotAtRestWarning, match="did not converge: raise steps"):
         fit(VERTICES, FACES, TARGET, TARGET_FACES, **{**QUICK, "steps": 2})
 
 

@@ -36,6 +36,23 @@ def test_it_is_the_installed_package_and_knows_this_pymeshlab():
     assert pymeshlab_fcd.__version__ == importlib.metadata.version("pymeshlab-fcd")
 
 
+def test_a_program_in_cpp_finds_the_library(tmp_path):
+    def run(*command):
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+
+    prefix = run(sys.executable, "-m", "pymeshlab_fcd.cmake").strip()
+    run("cmake", "-S", str(ROOT / "examples" / "bend_arrays"), "-B", "build", f"-DCMAKE_PREFIX_PATH={prefix}")
+    run("cmake", "--build", "build")
+    assert re.fullmatch(r"\d+ nodes, \d+ iterations, moved by up to 3.162\n", run("build/bend_arrays"))
+
+
+def test_a_checkout_has_no_library_for_cpp(tmp_path, monkeypatch):
+    import pymeshlab_fcd.cmake
+    monkeypatch.setattr(pymeshlab_fcd.cmake, "__file__", str(tmp_path / "cmake.py"))
+    with pytest.raises(FileNotFoundError, match="this is no installed package. Install one with pip"):
+        pymeshlab_fcd.cmake.prefix()
+
+
 @pytest.mark.parametrize("enable, does", [("import pymeshlab_fcd", False), ("import pymeshlab_fcd_plugin", True),
                                           ("import pymeshlab_fcd; pymeshlab_fcd.enable_pymeshlab()", True)])
 def test_import_leaves_pymeshlab_alone(enable, does):

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# find_package(fcd) gives fcd::vcg_ext, as the Python package has it: `python -m pymeshlab_fcd.cmake` prints its folder for CMAKE_PREFIX_PATH.
+# What includes centroidal_deformation.h, which reads VCG meshes, needs a vcglib: FCD_VCGLIB names it.
+include(CMakeFindDependencyMacro)
+find_dependency(Threads)
+find_dependency(Eigen3)
+if(NOT TARGET fcd::vcg_ext)
+    get_filename_component(fcd_root "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
+    file(GLOB fcd_library "${fcd_root}/lib/*fcd_vcg_ext.*")
+    add_library(fcd::vcg_ext STATIC IMPORTED)
+    set_target_properties(fcd::vcg_ext PROPERTIES IMPORTED_LOCATION "${fcd_library}" INTERFACE_INCLUDE_DIRECTORIES "${fcd_root}/include/fcd")
+    target_compile_features(fcd::vcg_ext INTERFACE cxx_std_17)
+    target_link_libraries(fcd::vcg_ext INTERFACE Eigen3::Eigen Threads::Threads)
+    # As the library is compiled: products and sums are rounded each for itself.
+    if(NOT MSVC)
+        target_compile_options(fcd::vcg_ext INTERFACE -ffp-contract=off)
+        if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$" OR CMAKE_OSX_ARCHITECTURES MATCHES "arm64")
+            target_compile_options(fcd::vcg_ext INTERFACE "SHELL:-include ${fcd_root}/include/fcd/vcg_ext/base/unfused_arm.h")
+        endif()
+    else()
+        target_compile_options(fcd::vcg_ext INTERFACE /bigobj)
+    endif()
+    if(WIN32)
+        target_compile_definitions(fcd::vcg_ext INTERFACE NOMINMAX)
+    endif()
+endif()
+find_path(FCD_VCGLIB vcg/complex/complex.h DOC "vcglib, for what reads VCG meshes")
+if(FCD_VCGLIB)
+    set_property(TARGET fcd::vcg_ext APPEND PROPERTY INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${FCD_VCGLIB}")
+    set_property(TARGET fcd::vcg_ext APPEND PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${FCD_VCGLIB}")
+endif()
