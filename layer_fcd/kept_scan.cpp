@@ -66,7 +66,7 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
             points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
-    // Tags may be changed by whoever computes a quality; what is no whole number is no tag, and then none is one.
+    // Other filters may overwrite the quality. If one value is no whole number, none of them is a tag.
     std::atomic<bool> whole{true};
     forVertices(mesh, [&](std::size_t i) {
         const auto q = mesh.vert[i].cQ();
@@ -89,7 +89,7 @@ std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
 
 std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
     const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
-    std::vector<vcg::fcd::PointTree<double>::Found> found;
+    std::vector<vcg::fcd::PointTree<double>::Neighbour> found;
     tree->Nearest(p, 4, found); // as many as the corners of the two triangles at an edge
     double span = 0, least = std::numeric_limits<double>::infinity(), sum = 0;
     for (const auto &a : found) {
