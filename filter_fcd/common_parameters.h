@@ -32,7 +32,7 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
 void addGraphLayers(RichParameterList &list, bool graphLayers);
 
 /// \p list with the parameters \p first before the others, which come last or, without \p others, not at all; with
-/// handleLayer where a script of before may lack it.
+/// handleLayer first where an older script may lack it.
 RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others);
 
 /// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them

@@ -60,8 +60,8 @@ int likelySource(const MeshModel &layer, int last) {
 
 namespace {
 
-/// What the host's loop calls for a dialog goes through this: what is thrown would end the program, and is told in the
-/// log of the dialog's document instead.
+/// Calls from the host's event loop go through this. An exception would end the program; it goes to the log of the
+/// dialog's document instead.
 class Guard {
   public:
     explicit Guard(MeshDocument &document) : document(&document) {}

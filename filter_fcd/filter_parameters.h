@@ -39,7 +39,7 @@ TagSelectionParam tagSelectionParam(const RichParameterList &list);
 TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
 SaveTagsParam saveTagsParam(const RichParameterList &list, const MeshDocument &document);
 
-/// The parameter that names HandleParam::likeLayer. Scripts of before may lack it.
+/// The parameter that names HandleParam::likeLayer. Older scripts may lack it.
 inline constexpr const char *handleLayer = "handle_layer";
 
 #endif

@@ -11,8 +11,8 @@
 /// vertex: what something else has coloured since is not that of tags; what it has made lies on the surface that is
 /// kept, or is not known.
 
-/// Keeps what tags are going to replace: colours if \p color, quality if \p quality. What is there by tagging, or by
-/// changing tags, is not kept: that which it replaced stays.
+/// Keeps what tags are going to replace: colours if \p color, quality if \p quality. Colours and quality of earlier
+/// tags are not kept; what those replaced stays kept.
 void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool quality);
 
 /// Remembers the tags that \p layer has got: their colours if \p color, themselves if they are its quality; after each

@@ -66,8 +66,8 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
             points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
-    // Whoever computes a quality may give other tags: whole numbers, none larger than there was, or half of those that
-    // were not 0 as they were. Another quality, as a number of things, is to stay.
+    // Another filter may compute other tags: whole numbers, none larger than before, or half of those above 0 unchanged.
+    // Any other quality, as a number of things, stays.
     const auto number = [&](const auto &is) {
         return sumOfVertices(mesh, [&](std::size_t i) { return isOld(i) && is(vertexOf(i).tag, mesh.vert[i].cQ()); });
     };
@@ -90,7 +90,7 @@ std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
 
 std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
     const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
-    std::vector<vcg::fcd::PointTree<double>::Found> found;
+    std::vector<vcg::fcd::PointTree<double>::Neighbour> found;
     tree->Nearest(p, 4, found); // as many as the corners of the two triangles at an edge
     double span = 0, least = std::numeric_limits<double>::infinity(), sum = 0;
     for (const auto &a : found) {

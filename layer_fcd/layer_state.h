@@ -24,8 +24,8 @@ struct PosedVertex {
     bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
 
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
-    std::uint64_t
-        before; ///< that which it had then, as RestShape::placeOf tells it: a preview begins there; 0: unknown
+    std::uint64_t before; ///< the position before the last pose, as RestShape::placeOf encodes it, where a preview
+                          ///< begins; 0: unknown
 };
 
 /// A shape of a layer: positions and normals per vertex slot.
@@ -41,7 +41,7 @@ struct RestState : Shape {
     bool ownNormals = false;         ///< as hasOwnNormals tells it
     std::uint64_t normalsNow = 0;    ///< normalsOf the mesh after the last pose, where it has own ones
     std::uint64_t normalsBefore = 0; ///< and before that: a preview begins there
-    std::vector<Shape> earlier;      ///< rest shapes of before, that of the file first
+    std::vector<Shape> earlier;      ///< earlier rest shapes, oldest first: that of the file
 };
 
 /// A vertex that was live when its layer was tagged.

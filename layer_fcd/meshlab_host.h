@@ -31,7 +31,7 @@
 
 namespace host {
 
-/// Whether a person sits at MeshLab's window. Otherwise a script runs, which wants the same whatever was done before.
+/// Whether MeshLab's window is open. Otherwise a script runs, and results must not depend on earlier runs.
 inline bool inWindow() {
     const QWidgetList windows = QApplication::topLevelWidgets();
     return std::any_of(windows.begin(), windows.end(),

@@ -156,8 +156,8 @@ struct ResetPoseParam {
     enum To { LastShape, Loaded, InAnyCase };
 
     bool keepShape = false; ///< make the present shape the rest shape
-    /// Otherwise: the shape before the last pose; that which the layer was loaded with; or the first of these also
-    /// where something else has moved vertices since, which is undone with it.
+    /// Otherwise: the shape before the last pose; the shape as loaded; or the first one even if something else has
+    /// moved vertices since, which is undone, too.
     To to = LastShape;
 };
 

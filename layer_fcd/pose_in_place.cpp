@@ -35,7 +35,7 @@ void carry(const CMeshO &mesh, const Point3m *position, const Point3m *normal, c
                              [&](std::size_t slot) { prefetch(position[slot], normal[slot], mesh.vert[slot]); });
 }
 
-/// Makes sure that there is room for what threads need while they write: a layer half of which is posed helps nobody.
+/// Checks that threads have the memory they need before they write: a layer must not be left half posed.
 /// \throw std::bad_alloc
 void checkRoom() {
     const std::size_t enough = std::size_t(1) << 22; // candidates of a patch are some hundreds, of 100 bytes each

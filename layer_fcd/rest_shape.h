@@ -28,8 +28,8 @@ class RestShape {
     static bool exists(const MeshModel &layer);
     /// Where the last pose left each vertex slot. \pre the layer has a rest shape
     static const PosedVertex *lastPlaces(const MeshModel &layer);
-    /// Makes the present shape of \p layer its rest shape. The one of before becomes an earlier one, unless something
-    /// else has moved or made vertices: none of before is one of the present mesh then, and none is kept.
+    /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one. If something else has
+    /// moved or made vertices, old shapes no longer fit the mesh, and none is kept.
     static void keep(const MeshDocument &document, MeshModel &layer);
     /// Forgets what keep began.
     static void drop(const MeshModel &layer);
@@ -57,7 +57,7 @@ class RestShape {
     void knowNormals();
     /// Whether vertices and faces are those of the last pose, wherever something else may have moved them.
     bool isSameMesh() const;
-    /// Turns the normals of vertices whose faces something else has turned over. \return facesOf the mesh
+    /// Flips the normals of vertices whose faces something else has flipped. \return facesOf the mesh
     std::uint64_t followFaces();
     /// Gives a vertex a position, and remembers it.
     void place(std::size_t slot, const Point3m &p) {

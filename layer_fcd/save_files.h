@@ -16,8 +16,8 @@ struct FileContent {
     std::string text;
 };
 
-/// Whether what is written to \p a and to \p b ends in one file: links are followed, also to where nothing is yet. On
-/// any system, names that differ in case alone are the same, as not all of them tell these apart.
+/// Whether \p a and \p b name one file. Links are followed, also to files that do not exist yet. Names that differ in
+/// case alone count as the same, since some systems do not tell them apart.
 bool isSameFile(const QString &a, const QString &b);
 
 /// Files that are written bit by bit, each beside what is there, and take its place together.

@@ -38,8 +38,8 @@ struct SessionContents {
     int moved = 0; ///< vertices that have another position since it was loaded
 };
 
-/// Writes what is known of \p layer. \throw vcg::fcd::Error when nothing is, or the file cannot be written; it is then
-/// as it was
+/// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot
+/// be written; an existing file is then unchanged
 SessionContents saveSession(const MeshModel &layer, const QString &file);
 
 /// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest

@@ -90,7 +90,7 @@ class LiveVertices {
     Packing packing;
 };
 
-/// What a file says, of which nothing is trusted.
+/// Reads a file without trusting it: each value is checked.
 class Reader {
   public:
     Reader(const QCborMap &map, const QString &file, int vertices) : map(map), file(file), vertices(vertices) {}

@@ -7,7 +7,7 @@
 #include <vector>
 
 /// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
-/// when what is kept there are no tags
+/// when the quality or attribute holds other numbers than tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
 
 /// The colour that shows a tag.

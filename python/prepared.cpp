@@ -316,7 +316,7 @@ std::uint64_t checksum(const Rows &rows, unsigned threads) {
             for (std::size_t d = 0; d < 3; ++d) {
                 std::uint64_t bits;
                 std::memcpy(&bits, number + i + d, sizeof bits);
-                // A step of FNV, of which bits go up only; those above come down again.
+                // A step of FNV, which carries bits upwards only; the shift brings the upper ones down.
                 sum[d] = (sum[d] ^ bits) * 0x100000001B3u;
                 sum[d] ^= sum[d] >> 32;
             }

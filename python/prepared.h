@@ -42,8 +42,8 @@ class Prepared {
     /// a face.
     void normalsOf(const Rows &positions, const Written &out) const;
 
-    /// To find what is nearest to points; made when it is asked for first. \throw BadInput a coordinate that is no
-    /// longer finite
+    /// A search tree for the nearest place of the surface, built at the first use. \throw BadInput a coordinate that is
+    /// no longer finite
     const vcg::fcd::NearestPlace &places(const vcg::fcd::Progress &progress) const;
 
     const Rows vertices;

@@ -20,7 +20,7 @@ class Sequence {
     Sequence(const std::vector<std::pair<std::string, std::string>> &poses, const std::vector<Key> &keys);
     Sequence(const std::string &text, const std::string &name) : sequence(vcg::fcd::ReadPoseSequence(text, name)) {}
 
-    /// The table. \param prepared whose surface it tells of; null: none
+    /// The table. \param prepared its surface is named in the table; null: no surface is
     std::string text(const Prepared *prepared) const;
     /// The table with what is known of the surface, as it was read.
     std::string state() const { return PoseSequenceText(sequence); }

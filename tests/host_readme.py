@@ -3,6 +3,7 @@
 what tests/setup.sh makes, and a display."""
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -111,6 +112,22 @@ def test_links_of_the_manual_lead_somewhere():
 def test_the_tables_are_those_of_the_data():
     """If not: python3 tests/measured.py writes them."""
     run(ROOT, sys.executable, "tests/measured.py", "check")
+
+
+def test_what_is_recorded_stands_on_its_page(tmp_path):
+    (tmp_path / "docs" / "measured").mkdir(parents=True)
+    (tmp_path / "tests").mkdir()
+    program = shutil.copy(ROOT / "tests" / "measured.py", tmp_path / "tests")
+    (tmp_path / "README.md").touch()
+    page = tmp_path / "docs" / "page.md"
+    page.write_text("<!-- measured: a where b is 2 with c -->\n<!-- end -->\n")
+    subprocess.run([sys.executable, program, "record", "a", "--command", "try"], input="| b | c |\n|---|---|\n| 1 | one |\n| 2 | two |\n",
+                   text=True, check=True)
+    assert "\n| c |\n|---|\n| two |\n\n<small>`try`; " in page.read_text()
+    subprocess.run([sys.executable, program, "check"], check=True)
+    page.write_text(page.read_text().replace("two", "three"))
+    stale = subprocess.run([sys.executable, program, "check"], stderr=subprocess.PIPE, text=True, check=False)
+    assert stale.returncode == 1 and "page.md differ from the data" in stale.stderr
 
 
 def test_the_manual_has_what_the_filters_say(tmp_path):

@@ -21,10 +21,10 @@
 
 namespace vcg::fcd {
 
-/// A surface that is prepared to be deformed: built once from the surface and its tags (and places of point handles,
-/// parameters). It is a list of regions, the connected parts of the free surface with what holds them, each of which
-/// is prepared, solved and carried to its vertices by itself. A result is the union of the results of the regions, to
-/// the bit, whatever else is free, held or moved; loose parts follow what is near.
+/// A surface that is prepared to be deformed. It is built once from the surface, its tags, the places of point handles,
+/// and parameters. It is a list of regions: connected parts of the free surface with the vertices that hold them. Each
+/// region is prepared, solved and mapped to its vertices by itself, so a result is the union of the results of the
+/// regions, to the bit. Loose parts follow the nearest surface.
 class Deformer : public MovingSurface {
   public:
     using Pose = SurfacePose;
@@ -190,8 +190,8 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
                const DeformationParam &param, const Progress &progress, DeformationResult &result);
 
 /// Deforms a surface: fixed vertices and vertices outside the region of influence keep their position to the bit,
-/// handle vertices are their motion of their rest position, the free ones follow as rigidly as possible. \throw
-/// BadInput no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
+/// handle vertices go where their motion takes them, and free ones follow as rigidly as possible.
+/// \throw BadInput no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
 ///        motion by more than 1e30 times the mesh, or a parameter out of range
 /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
 DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles,

@@ -95,7 +95,7 @@ class DeformerMaker {
                 tag[vertex.slot] = its;
     }
 
-    /// Whether points of a cloud that became free have neighbours among those of what is kept, of which these are none.
+    /// Whether a region of a cloud that is read anew reaches points that bend in a region that is kept.
     bool IsBesideSame(const std::vector<ReadRegion> &read) const {
         return mesh.isCloud && std::any_of(read.begin(), read.end(), [&](const ReadRegion &each) {
                    return std::any_of(same.begin(), same.end(), [&](const auto &region) {
@@ -152,8 +152,8 @@ class DeformerMaker {
         return true;
     }
 
-    /// How many patches a region may have at most, where it decides itself: fewer where all of them could have more
-    /// than poses of which take about a second.
+    /// The largest automatic number of patches of a region. It is smaller where all regions together could have so many
+    /// that a pose takes more than about a second.
     int MostOf(const std::vector<ReadRegion> &read) const {
         const std::int64_t mostOfAll = 30000;
         std::vector<Index> nodes; // no region has more patches

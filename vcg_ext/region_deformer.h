@@ -41,8 +41,8 @@ struct DeformerParam {
     double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
     ShapeConstants shape;
 
-    /// Whether all that is free is one region, whatever it hangs together by: where data or a line move it, and where
-    /// what is near in space influences each other, too, as in the paper.
+    /// Whether the free surface is one region, connected or not. Data and lines move all of it; and in the paper's
+    /// method, nodes influence vertices across gaps.
     bool IsOneRegion() const {
         return bendsUnheld || weights == MappingWeights::Euclidean || !BeyondPaper(graphWeights).surfaceBalls;
     }
@@ -120,7 +120,7 @@ class RegionDeformer : public MovingRegion {
     const std::vector<std::size_t> &Points() const { return point; }
 
   private:
-    /// What is factorised, for nodes of which some turn with what they hold.
+    /// The factorised systems, for one set of compliant nodes.
     struct System {
         std::vector<bool> compliant;
         PartsDeformer parts;
@@ -144,8 +144,8 @@ class RegionDeformer : public MovingRegion {
     /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, but for
     /// single ones, and moved by a tenth of the diagonal along it.
     HeldMotions Probe(int axis) const;
-    /// DiscretisationError when what holds the surface moves so, of the diagonal: the geometric mean over the three
-    /// axes, of which one may be far off where the surface gives way; NaN where it cannot be told for any.
+    /// DiscretisationError in these poses, as a fraction of the diagonal: the geometric mean over the three axes, since
+    /// one of them may be far off where the surface buckles. NaN if no axis has one.
     double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     /// \p solver, without what goes beyond the paper where that is not asked for.

@@ -25,8 +25,9 @@ struct ReadRegions {
     Index placedNodes = 0;                                 ///< how many of the given nodes lie on the surface
 };
 
-/// Reads the free surface of a mesh, divides it into regions, and reads each of these by itself, in its own frame. A
-/// region that falls apart when it is read by itself, as what is a hair in the whole is none in it, is divided again.
+/// Reads the free surface of a mesh, divides it into regions, and reads each of these by itself, in its own frame. The
+/// weld distance is relative: in the frame of a region, a seam of the whole may be a gap. A region that falls apart so
+/// is divided again.
 class RegionReader {
   public:
     /// Refers to \p param. \param metric as of Frame

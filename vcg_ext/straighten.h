@@ -33,21 +33,20 @@ struct StraightenReport {
     double rms = 0, largest = 0; ///< by how much the surface is off from the cross-sections' motions, world units
 };
 
-/// A tag for each vertex slot that lets all of them go along.
+/// Tags that make all vertices free.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// The line that a surface goes with: that of \p goal, without the jitter of its points where that matters, if no
-/// smoothing is asked for; or, where it says so, the one through the middles of the surface's cross-sections along it,
-/// unless the surface would be stretched more along that one. \param deformer of a surface, all of which is free,
-/// prepared with bendsUnheld \param world the matrix of its layer \param report if given: jitter and leftMiddle
-/// \return 3 x n, its points, in the world
-/// \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface; too few cross-sections
-/// to find their middles \throw Cancelled
+/// The line along which a surface is straightened. It is that of \p goal, without the jitter of its points where that
+/// matters and no smoothing is asked for. With goal.middle it is moved into the middles of the cross-sections, unless
+/// that would stretch the surface more. \param deformer of a surface, all of which is free, prepared with bendsUnheld
+/// \param world the matrix of its layer \param report if given: jitter and leftMiddle \return 3 x n, its points, in the
+/// world \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface; too few
+/// cross-sections to find their middles \throw Cancelled
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
                         const Progress &progress = {}, StraightenReport *report = nullptr);
 
-/// The motion from one line to another one, with what the surface tells of it. \param deformer, world as of LineOf
-/// \throw BadInput as LineOf, and as MotionTo; too round cross-sections to tell a twist \throw Cancelled
+/// The motion from one line to another one; length and twist are those of the surface. \param deformer, world as of
+/// LineOf \throw BadInput as LineOf, and as MotionTo; too round cross-sections to tell a twist \throw Cancelled
 LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress = {});
 

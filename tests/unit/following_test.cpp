@@ -116,7 +116,7 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
         x.quaternion.push_back(detail::ToQuaternion(x.rotation.back()));
     }
     const std::vector<Eigen::Affine3d> motion = rig.NodeMotion([](Index) { return RandomRigid(3); });
-    const detail::GraphEnergy::Given given(energy, motion, x, 0.1);
+    const detail::GraphEnergy::PoseTerms given(energy, motion, x, 0.1);
     detail::GraphHessian hessian(unknown, k), there(unknown, k);
     ASSERT_TRUE(hessian.Factorise(energy, x, given));
     const Eigen::Index size = hessian.Gradient().size();

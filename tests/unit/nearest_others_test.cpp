@@ -26,7 +26,7 @@ Eigen::Matrix<Scalar, 3, Eigen::Dynamic> SheetInNoise(int grid, int noise, int s
 /// All answers, and whether each is what looking at all points tells.
 template <class Scalar>
 void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::size_t count) {
-    using Found = typename NearestOthers<Scalar>::Found;
+    using Neighbour = typename NearestOthers<Scalar>::Neighbour;
     const PointTree<Scalar> blocks(points, 3);
     NearestOthers<Scalar> nearest(blocks);
     std::vector<bool> isThere(blocks.Size(), false);
@@ -48,7 +48,7 @@ void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::
                 }
             std::partial_sort(all.begin(), all.begin() + std::ptrdiff_t(nearest.Each()), all.end());
             for (std::size_t k = 0; k < nearest.Each(); ++k) {
-                const Found &found = nearest.Of(at)[k];
+                const Neighbour &found = nearest.Of(at)[k];
                 ASSERT_EQ(found.square, all[k].first) << "point " << self << ", its " << k << "-th";
                 ASSERT_EQ(found.point, all[k].second) << "of equally near ones, that of the smaller number";
                 ASSERT_EQ(blocks.Number(std::size_t(found.at)), found.point);

@@ -8,9 +8,9 @@
 namespace vcg::fcd::detail {
 
 /// \file
-/// Sine, exponential and the like with the same bits everywhere: those of C libraries differ in the last bit from one
-/// system, version or processor to another. Each is made of sums, products, quotients, square roots and what shifts
-/// binary points, all of which IEEE 754 rounds in one way; by its Taylor series where that needs few terms. Off by four
+/// Sine, exponential and the like with the same bits everywhere. Those of C libraries differ in the last bit between
+/// systems, versions and processors. Each is made of operations that IEEE 754 rounds in one way: sums, products,
+/// quotients, square roots and shifts of the binary point; by its Taylor series where few terms are enough. Off by four
 /// units in the last place at most (of 1, for sine and cosine). tests/rooms.py sees to it that the method calls no
 /// others.
 

@@ -171,9 +171,9 @@ class DisjointSets {
     std::vector<Index> parent; // of each, towards the smallest
 };
 
-/// The connected component of each node of which takesPart(node) is true, numbered in the order of their first nodes;
-/// -1 of others. Blocks of neighbouring nodes are joined in parallel, then the edges between blocks. \return the number
-/// of components
+/// The connected component of each node with takesPart(node), numbered in the order of their first nodes; -1 for other
+/// nodes. Blocks of neighbouring nodes are joined in parallel, then the edges between blocks. \return the number of
+/// components
 template <class TakesPart>
 Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vector<Index> &componentOf,
                           const Progress &progress, const char *stage) {

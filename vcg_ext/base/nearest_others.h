@@ -21,7 +21,7 @@ namespace vcg::fcd {
 template <class Scalar>
 class NearestOthers {
   public:
-    using Found = typename PointTree<Scalar>::Found;
+    using Neighbour = typename PointTree<Scalar>::Neighbour;
 
     explicit NearestOthers(const PointTree<Scalar> &points) : points(points) {}
 
@@ -52,7 +52,7 @@ class NearestOthers {
     }
     std::size_t Each() const { return each; }
     /// The Each() nearest others of a point that was asked for, the nearest first.
-    const Found *Of(std::size_t at) const { return found.data() + (at - from) * each; }
+    const Neighbour *Of(std::size_t at) const { return found.data() + (at - from) * each; }
 
   private:
     using Box = typename PointTree<Scalar>::Box;
@@ -207,9 +207,9 @@ class NearestOthers {
     std::size_t each = std::size_t(-1), from = 0, to = 0;
     std::size_t most = 0, candidates = 0; // how many may be collected, and how many are
     Scalar reach = 0, usual = 0;          // squares of how far those of the last ones, and of the last one, were found
-    std::vector<Scalar> square, x, y, z, key; // of what is collected; key: of what is chosen from
+    std::vector<Scalar> square, x, y, z, key; // of the collected points; key: of the candidates
     std::vector<Index> which, place;
-    std::vector<Found> near, found;
+    std::vector<Neighbour> near, found;
     std::size_t told = 0; // of found
 };
 

@@ -42,11 +42,11 @@ class PointTree {
         }
     };
 
-    struct Found {
+    struct Neighbour {
         Scalar square; ///< of its distance
         Index point;   ///< its number
         Index at;      ///< in the order of the blocks
-        bool operator<(const Found &o) const { return square != o.square ? square < o.square : point < o.point; }
+        bool operator<(const Neighbour &o) const { return square != o.square ? square < o.square : point < o.point; }
     };
     static constexpr std::size_t most = 16; ///< points of a block
     static constexpr std::size_t none = std::size_t(-1);
@@ -93,7 +93,7 @@ class PointTree {
     /// those of the smaller numbers.
     /// \param begin a block that may be near, which changes no bit \param but a place in the order of the blocks: the
     /// point there does not count
-    void Nearest(const Point &p, std::size_t count, std::vector<Found> &found, std::size_t begin = none,
+    void Nearest(const Point &p, std::size_t count, std::vector<Neighbour> &found, std::size_t begin = none,
                  std::size_t but = none) const {
         found.clear(); // a heap
         const auto bound = [&] {
@@ -106,7 +106,7 @@ class PointTree {
                 square[at - first] = dx * dx + dy * dy + dz * dz;
             }
             for (std::size_t at = first; at < last; ++at) {
-                const Found each{square[at - first], number[at], Index(at)};
+                const Neighbour each{square[at - first], number[at], Index(at)};
                 if (at == but || (found.size() == count && !(each < found.front())))
                     continue;
                 if (found.size() == count) {
@@ -128,7 +128,7 @@ class PointTree {
     }
     /// \return the number of the point nearest to \p p \param distance of it, if given
     Index Nearest(const Point &p, Scalar *distance = nullptr) const {
-        std::vector<Found> nearest;
+        std::vector<Neighbour> nearest;
         Nearest(p, 1, nearest);
         if (distance)
             *distance = std::sqrt(nearest.front().square);
@@ -136,7 +136,7 @@ class PointTree {
     }
     /// The distance of the farthest of the \p count nearest.
     Scalar DistanceOf(const Point &p, std::size_t count) const {
-        std::vector<Found> nearest;
+        std::vector<Neighbour> nearest;
         Nearest(p, count, nearest);
         return std::sqrt(nearest.back().square);
     }

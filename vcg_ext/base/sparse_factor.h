@@ -10,9 +10,9 @@
 
 namespace vcg::fcd::detail {
 
-/// L D L^T of a sparse symmetric matrix, of which the lower triangle is read: to the bits of Eigen's, but cancelled
-/// between rows, and not begun where it would take too long. What is joined as on a surface takes some 10^4 steps a
-/// row; where everything is joined with everything, it is the square of the number of rows.
+/// L D L^T of a sparse symmetric matrix; only the lower triangle is read. It has the bits of Eigen's, can be cancelled
+/// between rows, and is not begun where it would take too long. A graph on a surface takes some 10^4 steps a row; a
+/// complete graph takes as many as the square of the number of rows.
 class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     using Base = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 

@@ -108,12 +108,12 @@ class FieldSampler {
     /// something would move that rests, and where each octant of a patch is off most. \return whether all is done
     bool Refine(const DeformationField &field, SampledField &result, const Progress &progress) {
         Compare(field, result, progress);
-        struct Found {
+        struct PieceErrors {
             Index off = 0, patches = 0;
             std::vector<Index> worst, all; // slots that are off
             bool any = false;
         };
-        std::vector<Found> found(pieces.size());
+        std::vector<PieceErrors> found(pieces.size());
         for (Index center : patches.center)
             ++found[PieceOf(center)].patches;
         constexpr std::size_t octants = 8; // of a patch, around its centre
@@ -152,7 +152,7 @@ class FieldSampler {
         std::for_each(farthest.begin(), farthest.end(), take);
         for (const auto &each : across)
             take(each.second);
-        for (Found &each : found) {
+        for (PieceErrors &each : found) {
             std::vector<Index> &worst = each.worst;
             if (16 * std::int64_t(each.off) < each.patches) // few: all of them, in fewer rounds
                 worst = std::move(each.all);

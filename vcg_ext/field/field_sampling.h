@@ -32,12 +32,12 @@ struct SampledField {
     int rounds = 0;
 };
 
-/// Samples the deformation of a mesh at as few vertices as tell it: patches of the surface are grown around them, so
-/// that parts that are near each other but not connected stay apart, and what is found is compared with the
-/// deformation at every vertex, until none is farther off than the accuracy and all that rests does so to the bit, or
-/// there are very many. What goes different ways at one place cannot be told apart.
-/// \param mesh its faces are read (none: a cloud); its own positions only tell which vertices lie at one place
-/// \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface turns and
+/// Samples the deformation of a mesh at few vertices. Patches of the surface are grown around the samples, so close
+/// parts that are not connected stay apart. Samples are added until no vertex is off by more than the accuracy and all
+/// that rests does so to the bit, or until there are very many. Vertices at one place that move differently cannot be
+/// told apart. \param mesh its faces are read (none: a cloud); its own positions only tell which vertices lie at one
+/// place \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface
+/// turns and
 ///        stretches there \param metric the linear part of the map from the mesh's coordinates to those
 /// \param regionOf one per slot: the region that it is free in, -1 for none (MovingSurface::FreeIn); empty: all in
 /// none.

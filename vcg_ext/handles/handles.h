@@ -52,7 +52,7 @@ struct Motion {
 /// Combination of Transformations, 2002): their rotations, along the axes and as long as the angles, with full turns,
 /// add up, and so do the logarithms of what they scale by, and how far each moves \p center, as Motion::At tells. One
 /// alone is what At gives. \param motions with percent \param center of the handle at rest, mesh units \return the
-/// motion to there, of which percentages mean no more \throw BadInput what is no longer finite
+/// blended motion, at 100 percent; parts of it mean nothing \throw BadInput a number that is no longer finite
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
 /// A single vertex that is put somewhere; how the surface turns there is left to it.

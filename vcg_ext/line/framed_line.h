@@ -34,8 +34,8 @@ class FramedLine {
     double Length() const { return length; }
     /// \param s from its beginning, along it
     Frame At(double s) const;
-    /// The place nearest to \p p: s, of which only those in [from, to] are looked at first. Where that is an end of the
-    /// line, it may be beyond.
+    /// The s of the place nearest to \p p. Only [from, to] is searched at first. At an end of the line it may lie
+    /// beyond.
     double Nearest(const Eigen::Vector3d &p, double from, double to) const;
     /// The mean of its places.
     Eigen::Vector3d Middle() const;

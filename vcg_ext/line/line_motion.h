@@ -59,8 +59,8 @@ struct ArcParam {
     Eigen::Vector3d towards = Eigen::Vector3d::Zero();   ///< where it bends to; 0: where the line does
 };
 
-/// The arc of \p length, which is positive, that lies where \p line does: their middles are at one place. \throw
-/// BadInput
+/// The arc of \p length (positive) whose middle is that of \p line.
+/// \throw BadInput an angle of 360 degrees or more, or a direction that is none
 FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &param);
 
 /// Which line goes where.

@@ -96,7 +96,7 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
             continue;
         const MovingSurface::Place place = moving.At(i);
         Frame frame = place.region ? place.region->surface.frame : moving.frame;
-        if (!place.region) { // one that tells of no region
+        if (!place.region) { // the leader is in no region
             frame.origin = frame.ToWorld(moving.leaderRest[part]);
             frame.scale = 1;
         }

@@ -51,7 +51,7 @@ class ConstraintBlend {
     struct Border {
         Index tag, node;
     };
-    struct Found {
+    struct BorderDistance {
         Index node, held;
         float distance;
     };
@@ -90,7 +90,7 @@ class ConstraintBlend {
         // Each range has room for distances of its own, by node and region. Few regions are shared out, many are found
         // at once, as only the nearest ones of all are kept.
         const std::size_t ranges = 16, grain = tags <= 4 * ranges ? tags / ranges + 1 : tags;
-        std::vector<std::vector<Found>> found(tags / grain + 1);
+        std::vector<std::vector<BorderDistance>> found(tags / grain + 1);
         ParallelTasks(progress.Slice(0.1, 0.9), stage, (tags + grain - 1) / grain,
                       [&](std::size_t range, const Progress &spreading) {
                           const std::size_t from = range * grain, to = std::min(tags, from + grain);
@@ -116,7 +116,7 @@ class ConstraintBlend {
         void Begin(Index node, Index held) { Spread(node, node, held, 0); }
 
         /// \return of each node the regions in their order
-        std::vector<Found> Go(const Progress &progress) {
+        std::vector<BorderDistance> Go(const Progress &progress) {
             for (std::size_t c = 0; c < classes; ++c) {
                 for (std::size_t i = 0; i < queue[c].size(); ++i) {
                     if (i % 4096 == 0)
@@ -131,7 +131,7 @@ class ConstraintBlend {
                 }
                 queue[c].clear();
             }
-            std::vector<Found> found;
+            std::vector<BorderDistance> found;
             found.reserve(touched.size());
             for (Index v : touched) {
                 Kept *const kept = KeptOf(v), *end = kept;
@@ -217,16 +217,16 @@ class ConstraintBlend {
         std::vector<Index> touched;
     };
 
-    void ListByNode(const std::vector<std::vector<Found>> &found, const Progress &progress) {
+    void ListByNode(const std::vector<std::vector<BorderDistance>> &found, const Progress &progress) {
         std::vector<std::size_t> all(std::size_t(surface.Size()) + 1, 0);
-        for (const std::vector<Found> &some : found)
-            for (const Found &f : some)
+        for (const std::vector<BorderDistance> &some : found)
+            for (const BorderDistance &f : some)
                 ++all[std::size_t(f.node) + 1];
         std::partial_sum(all.begin(), all.end(), all.begin());
-        std::vector<Found> ofNode(all.back());
+        std::vector<BorderDistance> ofNode(all.back());
         std::vector<std::size_t> end(all.begin(), all.end() - 1);
-        for (const std::vector<Found> &some : found)
-            for (const Found &f : some)
+        for (const std::vector<BorderDistance> &some : found)
+            for (const BorderDistance &f : some)
                 ofNode[end[std::size_t(f.node)]++] = f;
         begin.assign(1, 0);
         begin.reserve(all.size());

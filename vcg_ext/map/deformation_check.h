@@ -16,7 +16,7 @@ struct DeformationCheck {
         0; ///< handle vertices at the place of one that is fixed, or of a smaller tag, and held as that one
     Index strained = 0; ///< edges that join regions held apart and get twice or half as long, or worse
     double longest = 1; ///< the largest ratio of the length of such an edge to that at rest
-    Index flipped = 0;  ///< triangles that turned over
+    Index flipped = 0;  ///< triangles whose normals point to the other side
 };
 
 namespace detail {
@@ -28,14 +28,14 @@ bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matr
 /// \param tag one per vertex slot
 Index CountOverruled(const MovingSurface &surface, const std::vector<int> &tag);
 
-/// What lies between the ends of such an edge is the edge alone, hence nothing can make up for their motions.
-/// \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
+/// Checks edges between two held regions: no free vertex lies between their ends, so the edge alone bears the
+/// difference of the motions. \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
 void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
                            const std::vector<std::array<std::uint32_t, 2>> &apart, const PositionsRef &position,
                            DeformationCheck &check);
 
-/// A triangle has turned over when its normal points away from where the patches of its corners turn it. Needles, whose
-/// normals are noise, do not count. \param r number of the region whose triangles they are \param linear of its patches
+/// Counts flipped triangles: the normal points away from where the patches of the corners turn it. Needles do not
+/// count; their normals are noise. \param r number of the region whose triangles they are \param linear of its patches
 Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::size_t r,
                    const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress);
 

@@ -60,8 +60,8 @@ class MappingCandidates {
         std::size_t share; ///< if so: the first of those from the balls near the patch
     };
 
-    /// The share of its weight that a node keeps where the way to it over the surface is \p way and the straight one
-    /// \p straight: all half-way round a cylinder, nothing across a fold.
+    /// The share of its weight that a node keeps: all half-way round a cylinder, nothing across a fold. \param way
+    /// length of the path over the surface \param straight straight distance \param radius all three in the same units
     float Share(double way, double straight, double radius) const {
         const double detour = way / std::max(straight, shape.nearby * radius);
         const double x = std::min(1.0, std::max(0.0, (detour - shape.detour) / (shape.longDetour - shape.detour)));
@@ -235,13 +235,13 @@ class MappingCandidates {
         static constexpr float unreached = std::numeric_limits<float>::infinity();
         const MappingCandidates &mapping;
         std::vector<Index> patch;
-        std::vector<float> way; ///< or, for LargestReach, the least reach
+        std::vector<float> way; ///< the length of the path; in LargestReach, the least reach that contains it
         std::vector<Step> heap;
     };
 
-    /// Where two neighbouring vertices lie inside a node's ball, their patches are both on a chain or neither is, so
-    /// the set of nodes changes only where their weight is zero. The share of the weight is known at the patches; to
-    /// the vertices it is carried by a blend with small balls, which is along the surface down to the size of a patch.
+    /// Two neighbouring vertices inside a node's ball have patches that are both on a chain, or neither is. So the set
+    /// of nodes changes only where their weight is zero. The share of the weight is computed at the patches. A blend
+    /// with small balls carries it to the vertices, along the surface down to the size of a patch.
     void FindAlongSurface(std::size_t most, double influence, const Progress &progress, std::vector<Candidate> &found,
                           std::vector<float> &share) {
         const Index k = graph.Size();
@@ -314,7 +314,8 @@ class MappingCandidates {
     void LimitReach(std::size_t most) {
         const auto tree = TreeOf(graph.graph.position);
         for (Index j = 0; j < graph.Size(); ++j)
-            for (std::size_t wanted : {std::size_t(64), most}) { // few of them tell of most nodes that all is well
+            for (std::size_t wanted :
+                 {std::size_t(64), most}) { // 64 neighbours are enough to see that most nodes need no limit
                 const float d = tree->DistanceOf(graph.graph.position.col(j), wanted + 1);
                 if (d >= reach[j])
                     break;

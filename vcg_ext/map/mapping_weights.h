@@ -8,7 +8,7 @@ namespace vcg::fcd {
 enum class MappingWeights {
     Surface,  ///< what is connected to it over free surface inside the ball of its influence, by a way not much longer
               ///< than the straight one
-    Euclidean ///< whatever is inside the ball (the paper's)
+    Euclidean ///< all nodes inside the ball, as in the paper
 };
 
 } // namespace vcg::fcd

@@ -44,7 +44,7 @@ struct MovingSurface {
     LooseFollowing following;
     std::vector<Eigen::Vector3d> leaderRest; ///< of each loose part, mesh units
     std::vector<std::uint32_t> carried;      ///< slots of handles, and of loose parts
-    /// Per vertex slot: its node, -1 for none; of a region of which several hold the vertex, the first.
+    /// Per vertex slot: its node, in the first region that has the vertex; -1 for none.
     std::vector<Index> nodeOf;
     std::vector<std::uint32_t> regionOf; ///< per vertex slot with a node: its region; empty where there is one region
 

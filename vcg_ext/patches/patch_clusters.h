@@ -137,9 +137,9 @@ inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progr
     return c;
 }
 
-/// Takes the nodes at the borders of the patches out of them, to be grown anew: those of a cluster stay where no
-/// neighbouring cluster is in another patch and clusters of which the same is true lead to the patch's centre.
-/// \param lloyd of the nodes, with the patches of the clusters and their centres \param patchOf of each cluster
+/// Takes the nodes at the borders of the patches out of them, to be grown anew. A cluster is inner if no neighbouring
+/// cluster is in another patch. The nodes of inner clusters stay where inner clusters connect them with the patch's
+/// centre. \param lloyd of the nodes, with the patches of the clusters and their centres \param patchOf of each cluster
 /// \return the nodes of clusters that stay beside one that does not
 inline std::vector<Index> ClearBorders(Lloyd &lloyd, const Clusters &clusters, const std::vector<Index> &patchOf,
                                        const Progress &progress) {

@@ -41,7 +41,7 @@ struct SequenceReport {
     /// As Deformer::DiscretisationError gives it, of the frame that is bent most (has most energy, Eq. 2): a solution
     /// of its own, once, and not in each frame.
     double discretisationError = 0;
-    Index folded = 0; ///< triangles that turned over, in the frame that has most
+    Index folded = 0; ///< flipped triangles, in the frame that has most
 };
 
 /// Solves the frames of a pose sequence, one from the other, and writes them, no more than one at a time in memory (but

@@ -42,8 +42,8 @@ class Anderson {
                 gx -= theta[c] * differenceG.col(c);
     }
 
-    /// The largest factor by which the last steps shrank what was between two of them; 1 before there are as many as
-    /// are kept: the first ones tell of what goes away fast.
+    /// The largest ratio of the lengths of two successive steps, among the last ones. It is 1 until the memory is full:
+    /// first steps only show errors that vanish fast.
     double Contraction() const {
         const int used = std::min(steps - 1, depth);
         return used < depth ? 1 : std::min(1.0, *std::max_element(contraction, contraction + depth));

@@ -74,7 +74,7 @@ class GraphDeformer {
         if (unknown.rotation.empty()) {
             pose.nodeEnergy.assign(k, 0);
         } else {
-            const Given given(energy, motion, state, param.smoothness * area);
+            const PoseTerms given(energy, motion, state, param.smoothness * area);
             if (param.follow)
                 Follow(given, param, last != nullptr, state, pose, progress);
             else
@@ -90,7 +90,7 @@ class GraphDeformer {
 
   private:
     using State = detail::GraphEnergy::State;
-    using Given = detail::GraphEnergy::Given;
+    using PoseTerms = detail::GraphEnergy::PoseTerms;
 
     /// The motions of the constrained nodes since the last pose, interpolated by the bi-Laplacian. One motion of all is
     /// met exactly.
@@ -140,7 +140,7 @@ class GraphDeformer {
     /// Brings \p state to rest near where it begins: by some steps downwards, where these soon end there, as they do
     /// where the shape is stable; otherwise to where the energy is stationary.
     /// \param goesOn from another pose; otherwise from rest
-    void Follow(const Given &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
+    void Follow(const PoseTerms &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
         const int few = std::min(param.maxIterations, 100); // where it is stable, 20 to 80 do
         const double nearby = 2;   // radian: a guess is off by less, and a shape that has let go of a full turn by more
@@ -169,13 +169,13 @@ class GraphDeformer {
         pose.unstable = pose.unstable && pose.followed;
     }
 
-    detail::GraphNewton NewtonOf(const Given &given, const SolverParam &param) const {
+    detail::GraphNewton NewtonOf(const PoseTerms &given, const SolverParam &param) const {
         return {energy, unknown, given, graph.Size(), edgeLength, Still(param)};
     }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
     /// Takes local and global steps until \p state is at rest, or there were \p most. Counts them in \p pose.
-    void Minimise(const Given &given, const SolverParam &param, int most, State &state, GraphPose &pose,
+    void Minimise(const PoseTerms &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
@@ -185,7 +185,7 @@ class GraphDeformer {
         // to rest: accelerated ones see down to the square of one over their number.
         const double slowest = 1.0 / (20 * 20);
         const bool isSlow = param.smoothness * area * spread < slowest;
-        double near = still; // what would be left where what is slow is looked for
+        double near = still; // error below which slow modes are looked for
         const double rounding = Rounding(rest, state);
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
@@ -233,7 +233,7 @@ class GraphDeformer {
     };
 
     /// One local and one global step. The energy cannot rise.
-    void Step(const State &x, const Given &given, State &y, Work &work) const {
+    void Step(const State &x, const PoseTerms &given, State &y, Work &work) const {
         energy.FitRotations(x, given, y, work.s);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
             work.solved.col(laplacian.ColumnOf(u)) = energy.RightSide(u, y, given);

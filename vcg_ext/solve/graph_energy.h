@@ -20,7 +20,7 @@ namespace vcg::fcd::detail {
 /// positions (Eq. 5), and the right side of the linear system for the best positions at given rotations (Eq. 6).
 class GraphEnergy {
   public:
-    /// What the energy is a function of.
+    /// The variables of the energy: positions and rotations of the nodes, frame units.
     struct State {
         Eigen::Matrix3Xd position;               ///< 3 x k
         std::vector<Eigen::Matrix3d> rotation;   ///< k
@@ -28,19 +28,20 @@ class GraphEnergy {
         double energy;
     };
 
-    /// What a pose gives.
-    struct Given {
-        double smooth;                       ///< alpha A
-        std::vector<Eigen::Matrix3d> anchor; ///< k, of constrained nodes that turn: their region's rotation
+    /// The constants of the energy in one pose: smoothness, given rotations, and constrained ends of edges.
+    struct PoseTerms {
+        double smooth; ///< alpha A
+        std::vector<Eigen::Matrix3d>
+            anchor; ///< k, the rotation of the region, that draws the rotation of a compliant node
         std::vector<Eigen::Vector4d> anchorQuaternion;
-        std::vector<double> stiffness;       ///< k, how strongly that draws theirs: the w of Eq. 2
+        std::vector<double> stiffness;       ///< k, weight of the anchor: the w of Eq. 2
         std::vector<Eigen::Matrix3d> linear; ///< k, of nodes whose rotation is given; may scale
         std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes give
         std::vector<Eigen::Vector3d> to;     ///< them
         Eigen::MatrixX3d right;              ///< of the global step: what the constrained ends contribute
         double energy = 0;                   ///< of the edges between nodes whose rotations are given
 
-        Given(const GraphEnergy &g, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
+        PoseTerms(const GraphEnergy &g, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
             : smooth(smooth), linear(motion.size()), from(g.edge.size()), to(g.edge.size()),
               right(Eigen::MatrixX3d::Zero(Eigen::Index(g.unknown.position.size()), 3)) {
             const double depth = std::sqrt(g.heldDepth * smooth);
@@ -116,7 +117,7 @@ class GraphEnergy {
     }
 
     /// Eq. 2.
-    double Of(const State &x, const Given &given) const {
+    double Of(const State &x, const PoseTerms &given) const {
         double energy = given.energy;
         for (std::size_t p = 0; p < openPairs; ++p)
             energy += PairEnergy(pairs[p], x, given).sum();
@@ -126,7 +127,7 @@ class GraphEnergy {
     }
 
     /// Each node's share of it.
-    std::vector<double> Shares(const State &x, const Given &given) const {
+    std::vector<double> Shares(const State &x, const PoseTerms &given) const {
         std::vector<double> shares(graph.Size(), 0);
         for (const Pair &p : pairs) {
             const Eigen::Vector2d share = PairEnergy(p, x, given);
@@ -140,7 +141,7 @@ class GraphEnergy {
 
     /// The local step (Eq. 5): each rotation of \p y from its neighbours' latest, at the positions of \p x.
     /// \param s k matrices to work with
-    void FitRotations(const State &x, const Given &given, State &y, std::vector<Eigen::Matrix3d> &s) const {
+    void FitRotations(const State &x, const PoseTerms &given, State &y, std::vector<Eigen::Matrix3d> &s) const {
         for (Eigen::Matrix3d &each : s)
             each.setZero();
         for (std::size_t n = 0; n < openPairs; ++n) {
@@ -164,7 +165,7 @@ class GraphEnergy {
     }
 
     /// The right side of the global step (Eq. 6) for unknown position number \p u, with the rotations of \p x.
-    Eigen::Vector3d RightSide(std::size_t u, const State &x, const Given &given) const {
+    Eigen::Vector3d RightSide(std::size_t u, const State &x, const PoseTerms &given) const {
         const Index i = unknown.position[u];
         Eigen::Vector3d b = x.rotation[i] * sumOfEdges[u];
         for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
@@ -175,7 +176,7 @@ class GraphEnergy {
     /// body(i, j, weight, p'_i - p'_j, {R_i e, R_j e}) for each edge that depends on the unknowns: it contributes the
     /// weight times the squares of what the former differs by from each of the latter.
     template <class Body>
-    void ForEachEdge(const State &x, const Given &given, const Body &body) const {
+    void ForEachEdge(const State &x, const PoseTerms &given, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p) {
             const Pair &pair = pairs[p];
             const Eigen::Vector3d rest = graph.edge.col(pair.e).cast<double>();
@@ -184,10 +185,10 @@ class GraphEnergy {
         }
     }
 
-    /// body(i, j, weight, R_j R_i^T) for each pair of rotations of which one is unknown, which contributes the weight
-    /// times |R_i - R_j|^2; j is -1 for the anchor of i.
+    /// Calls body(i, j, weight, R_j R_i^T) for each pair of rotations with at least one unknown. The pair contributes
+    /// the weight times |R_i - R_j|^2. j is -1 for the anchor of i.
     template <class Body>
-    void ForEachTwist(const State &x, const Given &given, const Body &body) const {
+    void ForEachTwist(const State &x, const PoseTerms &given, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p)
             body(pairs[p].i, pairs[p].j, graph.weight[pairs[p].e] * given.smooth,
                  Eigen::Matrix3d(x.rotation[pairs[p].j] * x.rotation[pairs[p].i].transpose()));
@@ -210,17 +211,17 @@ class GraphEnergy {
     Index Neighbour(std::uint32_t e) const { return graph.graph.adjacency.item[e]; }
 
     /// From the second to the first end of a pair.
-    Eigen::Vector3d Way(const Pair &p, const State &x, const Given &given) const {
+    Eigen::Vector3d Way(const Pair &p, const State &x, const PoseTerms &given) const {
         return (unknown.constrained[p.i] ? given.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
                (unknown.constrained[p.j] ? given.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
     }
     /// A node's linear part as its neighbours' edges see it.
-    const Eigen::Matrix3d &Linear(const State &x, const Given &given, Index i) const {
+    const Eigen::Matrix3d &Linear(const State &x, const PoseTerms &given, Index i) const {
         return unknown.IsRotationGiven(i) ? given.linear[i] : x.rotation[i];
     }
 
     /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
-    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const Given &given) const {
+    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const PoseTerms &given) const {
         const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), way = Way(p, x, given);
         const double cosine = x.quaternion[p.i].dot(x.quaternion[p.j]); // |R_i - R_j|^2 = 8 (1 - cosine^2)
         const double smooth = 4 * graph.weight[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
@@ -229,7 +230,7 @@ class GraphEnergy {
     }
 
     /// The term of the anchor of a constrained node that turns.
-    static double AnchorEnergy(Index i, const State &x, const Given &given) {
+    static double AnchorEnergy(Index i, const State &x, const PoseTerms &given) {
         if (!(given.stiffness[i] > 0))
             return 0;
         const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);

@@ -14,8 +14,9 @@
 
 namespace vcg::fcd::detail {
 
-/// Gradient and Hessian of the energy, factorised. The unknowns, node after node: how its position moves, and by what
-/// vector its rotation turns further (along the axis, as long as the angle); what is given is left out.
+/// Gradient and Hessian of the energy, factorised. The unknowns of each node are the step of its position and the
+/// rotation vector of its further turn (along the axis, as long as the angle). Constrained positions and given
+/// rotations are no unknowns.
 class GraphHessian {
   public:
     using State = GraphEnergy::State;
@@ -34,7 +35,7 @@ class GraphHessian {
     }
 
     /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
-    bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::Given &given,
+    bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given,
                    const Progress &progress = {}) {
         gradient = Eigen::VectorXd::Zero(size);
         std::vector<Eigen::Triplet<double>> entries;

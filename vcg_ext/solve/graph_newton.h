@@ -20,8 +20,8 @@ class GraphNewton {
     using State = GraphEnergy::State;
 
     /// \param edgeLength by which turns are measured \param still below it a node does not move
-    GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::Given &given, Index nodes,
-                double edgeLength, double still)
+    GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
+                Index nodes, double edgeLength, double still)
         : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown, nodes) {
         for (Index i : unknown.rotation)
             mass += energy.TurningMass(i);
@@ -92,7 +92,7 @@ class GraphNewton {
     }
 
     const GraphEnergy &energy;
-    const GraphEnergy::Given &given;
+    const GraphEnergy::PoseTerms &given;
     const double edgeLength, still;
     GraphHessian hessian;
     Eigen::VectorXd step;

@@ -33,7 +33,7 @@ class PartsDeformer {
     PartsDeformer(const PartsDeformer &) = delete;
     PartsDeformer &operator=(const PartsDeformer &) = delete;
 
-    /// A part of which nothing that holds it moves stays at rest.
+    /// A part stays at rest if none of its constraints moves.
     /// \param given as at construction, with the motions \param last as GraphDeformer::Solve takes it
     GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;

@@ -32,9 +32,8 @@ struct GraphPose {
 void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose,
                double openness = ShapeConstants().openness);
 
-/// Sets energy and nodeEnergy of \p pose to what Eq. 2 is there, whatever it was made by. Of a node that is held, and
-/// turns with what it holds (SolverParam), what that takes is left out.
-/// \param smooth alpha A, frame units^2
+/// Sets energy and nodeEnergy of \p pose to Eq. 2 at its positions and rotations. The anchors of compliant nodes
+/// (SolverParam) do not count. \param smooth alpha A, frame units^2
 void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose);
 
 } // namespace vcg::fcd

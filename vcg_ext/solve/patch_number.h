@@ -9,11 +9,11 @@ namespace vcg::fcd {
 constexpr int fewPatches = 100;
 
 /// An estimate is believed for so many times the patches that it was made with; for more, it is made anew with those.
-/// Of what is thin, torn or folded, it does not fall as it does elsewhere, and is low at first.
+/// On thin, torn or folded surfaces it is low at first and falls more slowly than elsewhere.
 constexpr int believedPatches = 4;
 
-/// The most that are made where no number is given. Poses of the 2000 nodes that come of it take a twentieth of a
-/// second, as long as a drag may; and where an estimate does not fall it would ask for ever more.
+/// The largest automatic number. It makes about 2000 nodes, whose poses take a twentieth of a second: a drag may take
+/// no longer. An estimate that does not fall would ask for ever more.
 constexpr int mostPatches = 1500;
 
 /// What one more patch has to lower the error by, as a fraction of the diagonal: a hundred, by 0.04 %. It makes as many

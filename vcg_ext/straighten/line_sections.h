@@ -11,8 +11,8 @@
 namespace vcg::fcd::detail {
 
 /// Points of the line through the middles of the cross-sections along \p line, as long as it. \param world the matrix
-/// of the layer \param line in the world, on the surface, in it or beside it \return 3 x n, in the world \throw
-/// BadInput where there is hardly a cross-section \throw Cancelled
+/// of the layer \param line in the world, on the surface, in it or beside it
+/// \return 3 x n, in the world \throw BadInput where there is hardly a cross-section \throw Cancelled
 Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                           const Progress &progress = {});
 

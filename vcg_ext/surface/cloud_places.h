@@ -82,8 +82,8 @@ struct PlaceRuns {
     }
     std::size_t End(std::size_t r) const { return std::min(places, (r + 1) * size); }
     std::size_t PartOf(std::size_t place) const { return 2 * (place / size) + (place >= cut[place / size]); }
-    /// How far from a part what is looked at is at most: no farther than as many places, those nearest to it among the
-    /// ones before and behind.
+    /// The largest distance at which neighbours of a part are searched: that of as many places among the ones before
+    /// and behind it in order.
     double Reach(std::size_t p) const {
         constexpr std::size_t beside = 4, perRun = size / each; // runs
         const std::size_t r = p / 2;

@@ -207,9 +207,9 @@ class RegionFinder {
   private:
     static constexpr char hasFree = 1, hasHeld = 2; // of a place
 
-    /// Reaches the places with free points, and those around. Where no held one is near, all around is free, and
-    /// reaches itself; only what is near the others is searched.
-    /// \param point of each place, in Morton order \param has flags of each place
+    /// Marks the places with free points and their surroundings. Far from held points, the surroundings are free and
+    /// mark themselves; only places near held points are searched. \param point of each place, in Morton order \param
+    /// has flags of each place
     template <class ReachPlace>
     static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
                             const Progress &progress) {

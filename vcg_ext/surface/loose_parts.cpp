@@ -56,7 +56,7 @@ class Places {
     static constexpr int several = LooseFollowing::several;
     /// The slots of the places nearest to \p p, and weights of sum 1 that change smoothly with it; -1 fills up.
     void Several(const Eigen::Vector3d &p, Index slots[several], float weights[several]) const {
-        std::vector<PointTree<double>::Found> nearest;
+        std::vector<PointTree<double>::Neighbour> nearest;
         tree->Nearest(frame.ToWorld(p), several + 1, nearest);
         std::vector<std::pair<double, Index>> found;
         found.reserve(several + 1);

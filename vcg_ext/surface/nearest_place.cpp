@@ -64,7 +64,7 @@ class NearestPlace::Search {
     /// The vertices nearest to p, by weights that fall to 0 at the next one, and are beyond all others at the vertex
     /// itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data, 1980).
     void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
-        thread_local std::vector<PointTree<double>::Found> nearest;
+        thread_local std::vector<PointTree<double>::Neighbour> nearest;
         vertices->Nearest(p, SurfacePlace::most + 1, nearest, hint.block);
         hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
         std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances

@@ -174,7 +174,7 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
             return same;
         progress(0, findingNeighbours);
         const std::unique_ptr<PointTree<float>> tree = TreeOf(position, alone);
-        std::vector<PointTree<float>::Found> nearest;
+        std::vector<PointTree<float>::Neighbour> nearest;
         isNew = false;
         std::vector<char> isClump(n, 0);
         for (Index u : alone) {

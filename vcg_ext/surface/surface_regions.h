@@ -12,8 +12,8 @@ namespace vcg::fcd {
 
 /// Regions of a surface: the connected components of its free nodes that something holds.
 struct SurfaceRegions {
-    /// So many are told apart; where there are more, the smallest are one: each costs some tens of microseconds to
-    /// prepare and to pose, whatever its size.
+    /// The largest number of regions. Beyond it, the smallest are joined to one: each costs some tens of microseconds
+    /// to prepare and to pose, even a tiny one.
     static constexpr Index most = 1000;
 
     Index count = 0;
@@ -46,7 +46,7 @@ struct RegionSource {
     std::vector<std::uint32_t> slotOf; ///< of each slot, ascending: that of the whole mesh; empty: the same
     std::vector<std::uint32_t> faceOf; ///< of each face, as slotOf
     std::vector<std::size_t> point;    ///< slots of the point handles in it
-    bool isOne = false;                ///< one region, whatever it hangs together by
+    bool isOne = false;                ///< the free surface is one region, connected or not
 
     std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
     /// The slot that one of the whole mesh has, or that of none: the number of slots.

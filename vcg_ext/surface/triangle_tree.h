@@ -154,7 +154,7 @@ class TriangleTree {
                          [&](Index a, Index b) { return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis]; });
     }
 
-    /// How many nodes are around so many triangles, of which one alone has none.
+    /// How many nodes are above so many triangles; a single triangle has none.
     static std::size_t NodesAround(std::size_t triangles) {
         if (triangles < 2)
             return 0;
