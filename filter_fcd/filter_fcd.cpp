@@ -209,8 +209,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         logLine(remark);
     for (const std::string &warning : describe(result.check, result.surface))
         logLine(warning, GLLogStream::WARNING);
+    for (const std::string &warning : warningsOf(result.contact))
+        logLine(warning, GLLogStream::WARNING);
     warnOf(result.pose.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.surface);
+    values.merge(valuesOf(result.contact));
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
@@ -239,7 +242,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const 
 template <class Made>
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
-    return tell(describe(made), warningsOf(made), valuesOf(made));
+    ReturnedValues values = valuesOf(made);
+    values.merge(valuesOf(made.result.contact));
+    for (const std::string &warning : warningsOf(made.result.contact))
+        logLine(warning, GLLogStream::WARNING);
+    return tell(describe(made), warningsOf(made), values);
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const SequenceLayers &made) const {

@@ -474,7 +474,8 @@ class Deformer(Unchanging):
         out_normals : ndarray, optional
             The same for `Pose.normals`, which are then computed at once.
         check : bool, default True
-            Also look for what is probably not meant (triangles that turned over), and warn of it.
+            Also look for what is probably not meant (triangles that turned over, and, of a surface of at most 250 thousand, that pass
+            through others), and warn of it. The latter takes longer than the pose does: without, `Pose.contact` and `Pose.info` look for it.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
