@@ -207,10 +207,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     logLine(line.str());
     for (const std::string &remark : describe(made, param))
         logLine(remark);
-    for (const std::string &warning : describe(result.check, result.surface))
-        logLine(warning, GLLogStream::WARNING);
-    for (const std::string &warning : warningsOf(result.contact))
-        logLine(warning, GLLogStream::WARNING);
+    warn(describe(result.check, result.surface));
+    warn(warningsOf(result.contact));
     warnOf(result.pose.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.surface);
     values.merge(valuesOf(result.contact));
@@ -234,8 +232,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const std::vector<std::string> &warnings,
                                                  const ReturnedValues &values) const {
     logLine(line);
-    for (const std::string &warning : warnings)
-        logLine(warning, GLLogStream::WARNING);
+    warn(warnings);
     return values;
 }
 
@@ -244,8 +241,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
     ReturnedValues values = valuesOf(made);
     values.merge(valuesOf(made.result.contact));
-    for (const std::string &warning : warningsOf(made.result.contact))
-        logLine(warning, GLLogStream::WARNING);
+    warn(warningsOf(made.result.contact));
     return tell(describe(made), warningsOf(made), values);
 }
 
@@ -301,8 +297,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
             "'.");
-    for (const std::string &warning : made.warnings)
-        logLine(warning, GLLogStream::WARNING);
+    warn(made.warnings);
     return {{"layers", layers}, {"vertices", made.vertices}};
 }
 
@@ -310,14 +305,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
                                                  vcg::CallBackPos *callback) {
     const SavedDeformation saved = saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
     logLine(describe(saved));
-    for (const std::string &warning : warningsOf(saved))
-        logLine(warning, GLLogStream::WARNING);
+    warn(warningsOf(saved));
     return valuesOf(saved);
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
-    for (const std::string &remark : describe(way))
-        logLine(remark, GLLogStream::WARNING);
+    warn(describe(way));
     if (!converged)
         logLine("The deformation did not come to rest: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
