@@ -207,10 +207,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     logLine(line.str());
     for (const std::string &remark : describe(made, param))
         logLine(remark);
-    for (const std::string &warning : describe(result.check, result.surface))
-        logLine(warning, GLLogStream::WARNING);
+    warn(describe(result.check, result.surface));
+    warn(warningsOf(result.contact));
     warnOf(result.pose.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.surface);
+    values.merge(valuesOf(result.contact));
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
@@ -231,15 +232,17 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const std::vector<std::string> &warnings,
                                                  const ReturnedValues &values) const {
     logLine(line);
-    for (const std::string &warning : warnings)
-        logLine(warning, GLLogStream::WARNING);
+    warn(warnings);
     return values;
 }
 
 template <class Made>
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
-    return tell(describe(made), warningsOf(made), valuesOf(made));
+    ReturnedValues values = valuesOf(made);
+    values.merge(valuesOf(made.result.contact));
+    warn(warningsOf(made.result.contact));
+    return tell(describe(made), warningsOf(made), values);
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const SequenceLayers &made) const {
@@ -294,8 +297,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
             "'.");
-    for (const std::string &warning : made.warnings)
-        logLine(warning, GLLogStream::WARNING);
+    warn(made.warnings);
     return {{"layers", layers}, {"vertices", made.vertices}};
 }
 
@@ -303,14 +305,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
                                                  vcg::CallBackPos *callback) {
     const SavedDeformation saved = saveDeformation(saveDeformationParam(parameters, document), Progress(callback));
     logLine(describe(saved));
-    for (const std::string &warning : warningsOf(saved))
-        logLine(warning, GLLogStream::WARNING);
+    warn(warningsOf(saved));
     return valuesOf(saved);
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
-    for (const std::string &remark : describe(way))
-        logLine(remark, GLLogStream::WARNING);
+    warn(describe(way));
     if (!converged)
         logLine("The deformation did not converge: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",

@@ -65,6 +65,10 @@ class FilterFcd : public HostFilterPlugin {
     ReturnedValues tell(const SequenceLayers &made) const;
     ReturnedValues tell(const std::string &line, const std::vector<std::string> &warnings,
                         const ReturnedValues &values) const;
+    void warn(const std::vector<std::string> &warnings) const {
+        for (const std::string &warning : warnings)
+            logLine(warning, GLLogStream::WARNING);
+    }
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
     ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;

@@ -167,6 +167,20 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
     return warnings;
 }
 
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceContact &contact) {
+    return {{"contact_triangles", int(contact.face.size())}, {"contact_depth", contact.largest}};
+}
+
+std::vector<std::string> warningsOf(const vcg::fcd::SurfaceContact &contact) {
+    if (contact.face.empty())
+        return {};
+    std::ostringstream line;
+    line << contact.face.size()
+         << " triangles pass through others, which they did not at rest: the surface has come up to " << contact.largest
+         << " far through itself. Move the handles less.";
+    return {line.str()};
+}
+
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);

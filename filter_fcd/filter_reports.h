@@ -65,6 +65,10 @@ std::string describe(const SavedDeformation &saved);
 HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved);
 std::vector<std::string> warningsOf(const SavedDeformation &saved);
 
+/// What of a layer passes through it, in numbers, and in words where something does.
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceContact &contact);
+std::vector<std::string> warningsOf(const vcg::fcd::SurfaceContact &contact);
+
 /// A sentence for each thing that is probably not meant.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface);
 

@@ -153,9 +153,13 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     made.replaced = int(earlier.size());
     NewLayers layers(document, layer, remark, earlier);
     static const std::vector<float> none;
+    std::vector<float> depth = std::move(result.contact.depth);
+    if (depth.empty()) // then nothing is in contact
+        depth.assign(std::size_t(result.position.cols()), 0);
     made.layers = layers.addResult("deformed", result,
                                    param.quality == DeformMeshParam::Stretch    ? result.stretch
                                    : param.quality == DeformMeshParam::Rotation ? result.rotation
+                                   : param.quality == DeformMeshParam::Contact  ? depth
                                                                                 : none,
                                    param.graphLayers ? found : nullptr);
     layers.keep(*made.layers.back(), adding);

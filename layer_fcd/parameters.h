@@ -72,7 +72,7 @@ struct HandleParam {
 
 /// What "FCD: Deform Mesh" is asked for.
 struct DeformMeshParam {
-    enum Quality { Input, Stretch, Rotation };
+    enum Quality { Input, Stretch, Rotation, Contact };
 
     HandleParam handles;
     vcg::fcd::DeformationParam deformation; ///< without nodes

@@ -99,6 +99,7 @@ NB_MODULE(_core, module) {
     nb::class_<Posed>(module, "Posed")
         .def("write", &Posed::write, arg("vertices"), arg("normals").none(), arg("turned").none(), arg("report").none())
         .def("check", &Posed::check, arg("vertices"), arg("report").none())
+        .def("contact", &Posed::contact, arg("vertices"), arg("report").none())
         .def("stretch", &Posed::stretch, arg("vertices"), arg("report").none())
         .def("map", &Posed::map, arg("points"), arg("normals").none(), arg("report").none())
         .def("field", &Posed::field, arg("inverse"), arg("accuracy"), arg("report").none())

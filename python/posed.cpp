@@ -174,6 +174,24 @@ nb::dict Posed::check(const Rows &vertices, const nb::object &report) const {
     return all;
 }
 
+nb::tuple Posed::contact(const Rows &vertices, const nb::object &report) const {
+    expectRows(vertices, prepared->view.vertexSlots);
+    vcg::fcd::SurfaceContact found;
+    Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        found =
+            vcg::fcd::ContactOf(prepared->view, *prepared->deformer, columnsOf(vertices), prepared->param, progress);
+    });
+    std::int64_t *face;
+    nb::object faces = newArray({found.face.size()}, face), depths = nb::none();
+    std::copy(found.face.begin(), found.face.end(), face);
+    if (!found.depth.empty()) {
+        float *depth;
+        depths = newArray({found.depth.size()}, depth);
+        std::copy(found.depth.begin(), found.depth.end(), depth);
+    }
+    return nb::make_tuple(faces, found.pairs, found.largest, depths);
+}
+
 nb::object Posed::stretch(const Rows &vertices, const nb::object &report) const {
     expectRows(vertices, prepared->view.vertexSlots);
     vcg::fcd::SurfaceMeasure measure;

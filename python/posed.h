@@ -40,6 +40,9 @@ class Posed {
 
     /// Counts what is probably not meant. \param vertices as written
     nb::dict check(const Rows &vertices, const nb::object &report) const;
+    /// Where the surface passes through itself and did not at rest. \param vertices as written \return faces, pairs,
+    /// the largest depth, and the depth at each vertex or None
+    nb::tuple contact(const Rows &vertices, const nb::object &report) const;
     /// Stretch of the surface at each vertex.
     nb::object stretch(const Rows &vertices, const nb::object &report) const;
     /// Other points of the same space, and their normals.

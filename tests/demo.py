@@ -118,7 +118,7 @@ DEFORM_PARAMETERS = [
     ("loose_parts", "RichEnum", 0, "Follow", "Stay"),
     ("pose", "RichFloat", 100.0),
     ("graph_layers", "RichBool", True),
-    ("deformed_quality", "RichEnum", 0, "As the input", "Stretch", "Rotation angle"),
+    ("deformed_quality", "RichEnum", 0, "As the input", "Stretch", "Rotation angle", "Contact"),
 ]
 TAG_PARAMETERS = [
     ("q", "RichString", ""),

@@ -18,7 +18,7 @@ FIT_DEFAULTS = {
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
     "median": float, "percentile_95": float, "matched": float, "counted": float, "moved": float, "moved_most": float, "guessed": float, "guess_error": float, "check_rms": float, "check_largest": float,
-    "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
+    "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
     "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)

@@ -77,7 +77,7 @@ def deform_filter(handles=0, tag_attribute="fcd_tag", tag_file="", transform_fil
             choice("weights", weights, 2) +
             parameter("Float", "influence", value=influence) + choice("loose_parts", loose_parts, 2) +
             parameter("Float", "pose", value=pose) + boolean("graph_layers", graph_layers) +
-            choice("deformed_quality", deformed_quality, 3) + "</filter>")
+            choice("deformed_quality", deformed_quality, 4) + "</filter>")
 
 
 def pose_filter(handles=0, tag_attribute="fcd_tag", transforms="", translation=(0, 0, 0), rotation_axis=(0, 0, 1), rotation_angle=0,
@@ -488,7 +488,7 @@ def test_tags_from_selections_saved_and_read(tmp_path):
     ([quality_filter(BONE_TAGS), save_filter("/no/such/t.sel")], "Cannot write"),
     ([quality_filter(BONE_TAGS), save_filter("t.sel", handles=3)], "from 0 to 2"),
     ([quality_filter(BONE_TAGS), deform_filter(graph_weights=4)], "graph_weights is 4"),
-    ([quality_filter(BONE_TAGS), deform_filter(deformed_quality=3)], "deformed_quality is 3"),
+    ([quality_filter(BONE_TAGS), deform_filter(deformed_quality=4)], "deformed_quality is 4"),
 ])
 def test_an_error_about_tags_is_a_message(tmp_path, script, word):
     run = Run(tmp_path, BONE, *script)

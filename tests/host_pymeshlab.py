@@ -30,7 +30,7 @@ SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices":
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
 DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
-                  "outside_vertices": int, "folded_triangles": int, "strained_edges": int, "converged": bool, "energy": float,
+                  "outside_vertices": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "strained_edges": int, "converged": bool, "energy": float,
                   "discretisation_error": float, "seconds_graph": float, "seconds_solve": float, "seconds_map": float, "steps": int, "jumps": bool, "stable": bool}
 
 
@@ -1042,6 +1042,21 @@ def test_stretch_and_rotation_as_quality():
         assert same_points(points, deform_bone(**move)[3])
         assert set(ms.mesh(0).vertex_scalar_array()) == {0, 1, 2}  # the input keeps its own
     assert set(deform_bone(**move)[0].current_mesh().vertex_scalar_array()) == {0, 1, 2}
+
+
+def test_contact_is_logged_counted_and_shown_as_quality():
+    s, a = np.meshgrid(np.linspace(0, 80, 120), np.linspace(0, 2 * np.pi, 40, endpoint=False) + 0.01, indexing="ij")
+    points = np.stack([s.ravel(), 8 * np.cos(a).ravel(), 8 * np.sin(a).ravel()], 1)
+    i, k = np.arange(119)[:, None] * 40, np.arange(40)
+    a, b = (i + k).ravel(), (i + (k + 1) % 40).ravel()
+    tags = np.where(s.ravel() < 32, 0.0, np.where(s.ravel() > 48, 2, 1))
+    for degrees, deep in ((160, True), (60, False)):
+        ms = pymeshlab.MeshSet()
+        ms.add_mesh(pymeshlab.Mesh(points, np.r_[np.c_[a, b, a + 40], np.c_[b, b + 40, a + 40]], v_scalar_array=tags))
+        found = ms.apply_filter(DEFORM, transforms=f"2: rotate 0 1 0 -{degrees} about 40 0 0", graph_layers=False, deformed_quality=3)
+        depth = ms.current_mesh().vertex_scalar_array()
+        assert (found["contact_triangles"] > 100) == deep == (found["contact_depth"] > 5)
+        assert abs(depth.max() - found["contact_depth"]) < 1e-5 and depth.min() == 0 and (depth > 0).any() == deep
 
 
 def test_graph_layers_carry_the_energy():

@@ -13,7 +13,7 @@ DEFAULTS = {
     "graph_layers": True, "straightened_quality": 0}
 RETURNS = {
     **SURFACE_RETURNS, "length": float, "new_length": float, "jitter": float, "middle_left": bool, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
-    "largest": float, "folded_triangles": int, "nodes": int, "converged": bool, "seconds": float}
+    "largest": float, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "seconds": float}
 LENGTH, RADIUS = 10.0, 0.6
 DIAGONAL = np.sqrt(LENGTH ** 2 + 8 * RADIUS ** 2)
 

@@ -5,6 +5,7 @@
 #include <vcg_ext/deformer.h>
 #include <vcg_ext/map/normals.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -171,6 +172,13 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
     return check;
 }
 
+SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
+                         const DeformerParam &param, const Progress &progress) {
+    // What is a hair apart is at one place, and no less than what the mapping rounds by.
+    return FindContact(mesh, position, deformer.frame.metric, std::max(param.weldDistance, defaultWeldDistance),
+                       progress);
+}
+
 CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
                                      const Progress &progress, const Eigen::Matrix3d &metric) {
     param.Validate();
@@ -218,7 +226,9 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
     const Deformer::Pose &pose = result.pose;
     const Carrier carrier(deformer, pose, progress.threads);
     carrier.Apply(result.position, param.linear ? &result.linear : nullptr, progress.Slice(0, 0.66));
-    result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.66, 0.83));
+    result.check = CheckPose(mesh, handles, deformer, pose, result.position, progress.Slice(0.66, 0.75));
+    if (param.contact || mesh.faces <= contactUnasked)
+        result.contact = ContactOf(mesh, deformer, result.position, param, progress.Slice(0.75, 0.83));
     if (param.measure) {
         SurfaceMeasure measure = MeasurePose(deformer, pose, carrier, result.position, progress.Slice(0.83, 0.94));
         result.stretch = std::move(measure.stretch);

@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_DEFORMER_H
 #define VCG_FCD_DEFORMER_H
 
+#include <vcg_ext/contact/surface_contact.h>
 #include <vcg_ext/handles/handles.h>
 #include <vcg_ext/map/carrier.h>
 #include <vcg_ext/map/deformation_check.h>
@@ -141,6 +142,7 @@ struct DeformationResult {
     Index looseParts = 0;  ///< connected components without a fixed or handle vertex
     Index placedNodes = 0; ///< how many of the given nodes lie on the surface, and are used
     DeformationCheck check;
+    SurfaceContact contact; ///< where it was looked for (DeformationParam::contact)
     Deformer::Pose pose;
 };
 
@@ -160,6 +162,12 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
 /// \param position 3 x vertex slots, mesh units: that of the pose \throw Cancelled
 DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
                            const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress = {});
+
+/// Where a pose passes through itself and did not at rest, as FindContact finds it. \throw Cancelled
+/// \param mesh the surface at rest that \p deformer was prepared from \param position as of CheckPose
+/// \param param that \p deformer was prepared with
+SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
+                         const DeformerParam &param, const Progress &progress = {});
 
 /// How a pose stretches and turns the surface around each vertex, one per vertex slot.
 struct SurfaceMeasure {

@@ -52,6 +52,7 @@ struct DeformerParam {
 struct DeformationParam : DeformerParam, SolverParam {
     double pose = 100;    ///< percent of the handles' motion
     int steps = 1;        ///< >= 1; the pose is reached over at least so many, each from the one before (StepsTo)
+    bool contact = false; ///< also look for contact in a surface of more faces than contactUnasked
     bool measure = false; ///< also measure stretch and rotation of the surface
     bool linear = false;  ///< also give the linear map of the surface around each vertex
 

@@ -4,9 +4,11 @@
 Nothing but numpy is imported. Where the filters for pymeshlab are installed, `enable_pymeshlab` makes them methods of its MeshSet.
 """
 from ._core import __version__
+from ._contact import Contact
 from ._deform import deform, deformation
 from ._deformation import Deformation
 from ._deformer import Deformer, Graph, SurfaceInfo, Transforms, Weights
+from ._grid import DisplacementGrid
 from ._fit import FitInfo, FitStart, Fitted, Fitter, fit
 from ._meshes import MeshLike
 from ._meshlab import VERSIONS, deform_layer, enable_pymeshlab
@@ -15,10 +17,10 @@ from ._pose import Pose, PoseInfo
 from ._progress import Progress
 from ._sequence import AnimationInfo, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
-from ._warnings import (AccuracyWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning, NodeWarning,
+from ._warnings import (AccuracyWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning, NodeWarning,
                         NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning)
 
-__all__ = ["AccuracyWarning", "AnimationInfo", "Deformation", "DeformationWarning", "Deformer", "FitInfo", "FitStart", "Fitted", "Fitter",
+__all__ = ["AccuracyWarning", "AnimationInfo", "Contact", "ContactWarning", "Deformation", "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
            "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Transforms", "VERSIONS", "Weights",

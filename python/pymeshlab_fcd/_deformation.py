@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from typing import overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _files, _inputs
 from ._core import Field
+from ._grid import Axes, DisplacementGrid, GridKind
 from ._inputs import Points
-from ._numbers import shown, text
+from ._numbers import plain, shown, text
 from ._progress import Progress, report
 
 
@@ -121,6 +124,58 @@ class Deformation:
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point", lent=True)
         positions, turned = self._field.apply(rows, beside, _inputs.whole("threads", threads, 0, 1024), report(progress))
         return positions if turned is None else (positions, turned)
+
+    def grid(self, spacing: float | Sequence[float], *, low: ArrayLike | None = None, high: ArrayLike | None = None, axes: Axes = "LPS",
+             kind: GridKind = "modeling", threads: int = 0, progress: Progress = None) -> DisplacementGrid:
+        """The same as displacements on a grid, to be saved for ITK, Slicer or VTK. Each of its points goes exactly where this carries it.
+
+        Parameters
+        ----------
+        spacing : float or Sequence[float]
+            From each point to the next, or one each along x, y and z. Between the points, whoever reads it takes a mean of them: choose it
+            no wider than the parts that move differently are apart.
+        low : array_like, optional
+            The smallest coordinates of a box that the grid covers. None: those of the samples, and a spacing beyond.
+        high : array_like, optional
+            The largest ones.
+        axes : {'LPS', 'RAS'}, default 'LPS'
+            Where the coordinates of the surface look to.
+        kind : {'modeling', 'resampling'}, default 'modeling'
+            What the file says that it is. A volume is resampled by the way back, `pose.deformation(inverse=True)`, which is `resampling`;
+            points and surfaces are carried by the way there, which is `modeling`.
+        threads : int, default 0
+            How many to use; 0 is one a core.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, or the grid has more than 500 million points.
+        """
+        steps = _inputs.finite("spacing", np.atleast_1d(plain("spacing", spacing)).astype(np.float64))
+        if steps.shape not in ((1,), (3,)) or not (steps > 0).all():
+            raise ValueError("spacing must be one number above 0, or three, for x, y and z")
+        steps = np.broadcast_to(steps, 3)
+        samples = self.samples
+        begin, end = (
+            default if given is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, given)), 1, "one"))[0]
+            for name, given, default in (("low", low, samples.min(0) - steps), ("high", high, samples.max(0) + steps)))
+        if not (begin <= end).all():
+            raise ValueError("low must not be above high")
+        counts = np.ceil((end - begin) / steps * (1 - 1e-12)) + 1  # a whole number of steps is that, whatever it was rounded by
+        if np.prod(counts) > 5e8:
+            raise ValueError(f"a grid of {np.prod(counts):.3g} points is more than 500 million: give a wider spacing, or a smaller box")
+        chosen = _inputs.choice("axes", axes, ("LPS", "RAS")), _inputs.choice("kind", kind, ("modeling", "resampling"))
+        lines = [begin[d] + steps[d] * np.arange(int(counts[d])) for d in range(3)]
+        points = np.stack(np.meshgrid(*lines, indexing="ij"), axis=3).reshape(-1, 3)
+        moved = self(points, threads=threads, progress=progress)
+        moved -= points
+        return DisplacementGrid(moved.reshape(*map(len, lines), 3), (float(begin[0]), float(begin[1]), float(begin[2])),
+                                (float(steps[0]), float(steps[1]), float(steps[2])),
+                                "RAS" if chosen[0] else "LPS", "resampling" if chosen[1] else "modeling")
 
     @property
     def samples(self) -> Points:

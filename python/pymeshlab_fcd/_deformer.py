@@ -474,7 +474,9 @@ class Deformer(Unchanging):
         out_normals : ndarray, optional
             The same for `Pose.normals`, which are then computed at once.
         check : bool, default True
-            Also look for what is probably not meant (flipped triangles), and warn of it.
+            Also look for what is probably not meant, and warn of it: flipped triangles, and, in a surface of at most 250 thousand
+            triangles, those that pass through others. Looking for these takes longer than the pose. `Pose.contact` and `Pose.info`
+            look for them, too.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 

@@ -90,12 +90,13 @@ class Fitted(Pose):
     @functools.cached_property
     def info(self) -> FitInfo:
         """What became of it; measured when it is asked for first."""
-        told, found = self._told, dict(self._report)
+        told, found, contact = self._told, dict(self._report), self._contact_of(None, 4)
         for name in ("diagonal", "beyond", "alone", "landmark_remarks", "target_remarks", "is_misplaced"):
             del found[name]
         return FitInfo(nodes=told["nodes"], iterations=told["iterations"], converged=told["converged"], energy=math.nan,
                        folded=self._check()["folded"], strained=self._check()["strained"],
-                       largest_stretch=float(self.stretch().max(initial=1)), seconds=told["seconds_solve"] + told["seconds_map"], **found)
+                       largest_stretch=float(self.stretch().max(initial=1)), seconds=told["seconds_solve"] + told["seconds_map"],
+                       contact=contact.triangles, contact_depth=contact.largest_depth, **found)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
         """Not a number: the target moves the surface, too, and not Eq. 2 alone.
@@ -326,6 +327,7 @@ class Fitter(Unchanging):
         made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))
         found["check"] = tuple(np.linalg.norm(made.vertices[judges] - judged, axis=1).tolist())
         warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
+        made._warn_of_contact(level + 1)
         return made
 
     def _goal(self, target: object, faces: object, normals: ArrayLike | None, weights: ArrayLike | None) -> dict[str, Any]:

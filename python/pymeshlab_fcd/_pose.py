@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _inputs, _meshes
+from ._contact import UNASKED, Contact
 from ._deformation import Deformation
 from ._inputs import Points
 from ._kept import Kept, Unchanging
@@ -46,6 +47,10 @@ class PoseInfo:
     """The largest of [stretch][pymeshlab_fcd.Pose.stretch]."""
     seconds: float
     """That it took, without the check."""
+    contact: int = field(kw_only=True)
+    """Triangles that pass through the surface, and did not at rest; see [Pose.contact][pymeshlab_fcd.Pose.contact]."""
+    contact_depth: float = field(kw_only=True)
+    """How far the surface has come through itself at most, in units of the vertices."""
     _error: Callable[[], float] = field(default=lambda: math.nan, repr=False, compare=False, kw_only=True)
 
     @property
@@ -93,6 +98,7 @@ class Pose(Unchanging):
         self._solved = _Solved(deformer, core)
         self._told = core.info()
         self._found: dict[str, Any] | None = None
+        self._contact: Contact | None = None
         self._normals: Kept | None = None
         self._vertices: Kept
 
@@ -124,6 +130,7 @@ class Pose(Unchanging):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._solved, self._told, self._found = state["solved"], state["told"], state["found"]
+        self._contact = None
         self._deformer, self._vertices = self._solved.deformer, Kept(_inputs.own(state["vertices"], np.float64))
         self._normals = Kept(_inputs.own(state["normals"], np.float64)) if "normals" in state else None
 
@@ -153,6 +160,23 @@ class Pose(Unchanging):
             self._found = self._core.check(self.vertices, told)
         return self._found
 
+    def _contact_of(self, told: Report | None, level: int) -> Contact:
+        """Looks for contact where nobody has yet, and warns of it."""
+        if self._contact is None:
+            faces, pairs, largest, depth = self._core.contact(self.vertices, told)
+            if depth is None:
+                depth = np.zeros(len(self.vertices), np.float32)
+            for each in (faces, depth):
+                each.flags.writeable = False
+            self._contact = Contact(faces, pairs, largest, depth)
+            warn(self._contact._words(), level)
+        return self._contact
+
+    def _warn_of_contact(self, level: int) -> None:
+        faces = self._deformer.faces
+        if faces is not None and len(faces) <= UNASKED:
+            self._contact_of(None, level + 1)
+
     def _warn(self, check: bool, told: Report | None, level: int) -> None:
         found: list[Told] = []
         if not self._told["moves"]:
@@ -165,6 +189,8 @@ class Pose(Unchanging):
         elif told:
             told(100, "Done")
         warn(found, level)
+        if check:
+            self._warn_of_contact(level + 1)
 
     @property
     def normals(self) -> Points:
@@ -190,12 +216,31 @@ class Pose(Unchanging):
             self._normals = Kept(turned)
         return self._normals.look()
 
+    @property
+    def contact(self) -> Contact:
+        """Where it passes through itself, and did not at rest; looked for when it is asked for first, about a second for a million
+        triangles. A cloud passes through nothing.
+
+        Warns
+        -----
+        ContactWarning
+            The first time, where it does.
+        """
+        return self._contact_of(None, 3)
+
     @functools.cached_property
     def info(self) -> PoseInfo:
-        """What became of it; measured when it is asked for first."""
-        told, found = self._told, self._check()
+        """What became of it; measured when it is asked for first.
+
+        Warns
+        -----
+        ContactWarning
+            It passes through itself, which was not looked for before.
+        """
+        told, found, contact = self._told, self._check(), self._contact_of(None, 4)
         return PoseInfo(told["nodes"], told["iterations"], told["converged"], told["energy"], found["folded"], found["strained"],
-                        float(self.stretch().max(initial=1)), told["seconds_solve"] + told["seconds_map"], _error=self._solved.error)
+                        float(self.stretch().max(initial=1)), told["seconds_solve"] + told["seconds_map"],
+                        contact=contact.triangles, contact_depth=contact.largest_depth, _error=self._solved.error)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
         """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of

@@ -205,4 +205,5 @@ def straighten(
         found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Lay the line through the middle, or raise "
                                    "smoothing."))
     warn(found, 2)
+    made._warn_of_contact(3)
     return made

@@ -23,6 +23,10 @@ class FoldWarning(DeformationWarning):
     """Triangles are flipped, or the inverse at a fold is not known."""
 
 
+class ContactWarning(DeformationWarning):
+    """The surface passes through itself, and did not at rest."""
+
+
 class StretchWarning(DeformationWarning):
     """Edges lead straight from one held region to another, and are stretched."""
 

@@ -27,6 +27,56 @@ def bent():
     return deformer, deformer.pose({2: lift})
 
 
+def finger(n=120, m=40):
+    """A tube along x with its phalanges as tags; what closes it by so many degrees."""
+    s, a = np.meshgrid(np.linspace(0, 80, n), np.linspace(0, 2 * np.pi, m, endpoint=False) + 0.01, indexing="ij")
+    vertices = np.stack([s.ravel(), 8 * np.cos(a).ravel(), 8 * np.sin(a).ravel()], 1)
+    i, k = np.arange(n - 1)[:, None] * m, np.arange(m)
+    a, b = (i + k).ravel(), (i + (k + 1) % m).ravel()
+    tags = np.where(vertices[:, 0] < 32, 0, np.where(vertices[:, 0] > 48, 2, 1))
+    return vertices, np.r_[np.c_[a, b, a + m], np.c_[b, b + m, a + m]], tags, lambda degrees: {2: Motion.rotate([0, 1, 0], -degrees, about=[40, 0, 0])}
+
+
+def test_a_finger_that_closes_into_its_palm_is_told(monkeypatch):
+    vertices, faces, tags, close = finger()
+    deformer = Deformer(vertices, faces, tags)
+    with pytest.warns(pymeshlab_fcd.ContactWarning, match="triangles pass through others") as told:
+        pose = deformer.pose(close(160), steps=10)
+    assert told[0].filename == __file__
+    contact = pose.contact  # which does not warn again
+    inside = (tags == 2) & (np.abs(pose.vertices[:, 0] - 16) < 16) & (np.hypot(pose.vertices[:, 1], pose.vertices[:, 2]) < 7.5)
+    assert inside.sum() > 100 and (contact.depth[inside] > 0.3).all()
+    # The deepest comes out where it went in, nowhere else: no farther than the tube is wide.
+    assert contact.triangles == len(contact.faces) > 100 and contact.pairs >= contact.triangles / 2
+    assert 5 < contact.largest_depth == contact.depth.max() < 16 and contact.depth.dtype == np.float32
+    assert (pose.info.contact, pose.info.contact_depth) == (contact.triangles, contact.largest_depth)
+    assert str(contact).startswith(f"<Contact of {contact.triangles} triangles, up to ")
+    with pytest.raises(ValueError, match="read-only"):
+        contact.depth[0] = 1
+    assert deformer.pose(close(60)).contact.triangles == 0
+    cloud = Deformer(vertices, None, tags).pose(close(160), steps=10, check=False)
+    assert cloud.contact.triangles == cloud.info.contact == 0 and (cloud.contact.depth == 0).all()
+
+    monkeypatch.setattr(pymeshlab_fcd._pose, "UNASKED", 1000)  # as of a large surface: told where it is asked for
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        large, other = (deformer.pose(close(160), steps=10) for _ in range(2))
+    with pytest.warns(pymeshlab_fcd.ContactWarning) as told:
+        assert large.contact.triangles == contact.triangles
+    assert [each.filename for each in told] == [__file__]
+    with pytest.warns(pymeshlab_fcd.ContactWarning) as told:
+        assert other.info.contact == contact.triangles
+    assert [each.filename for each in told] == [__file__]
+
+
+def test_a_fit_that_passes_through_itself_is_told():
+    vertices, faces, tags, close = finger()
+    with pytest.warns(pymeshlab_fcd.ContactWarning) as told:
+        fitted = pymeshlab_fcd.fit(vertices, faces, tags=np.where(tags == 1, 1, tags), transforms=close(160), landmarks=([50 * 40], vertices[[50 * 40]]),
+                                   landmarks_only=True)
+    assert fitted.info.contact > 20 and told[-1].filename == __file__
+
+
 def lifted(vertices, lift):
     return vertices @ lift[:3, :3].T + lift[:3, 3]
 

@@ -136,7 +136,7 @@ def test_folds_are_warned_of():
     texts = [str(each.message) for each in caught]
     assert any("would fold the surface" in text for text in texts) and any("flipped" in text for text in texts)
     assert made.line.released > 0 and 0 <= made.line.released_at[0][0] < made.line.released_at[0][1] <= LENGTH
-    assert {each.category for each in caught} == {pymeshlab_fcd.LineWarning, pymeshlab_fcd.FoldWarning}
+    assert {each.category for each in caught} == {pymeshlab_fcd.LineWarning, pymeshlab_fcd.FoldWarning, pymeshlab_fcd.ContactWarning}
     with pytest.warns(DeformationWarning, match="has no way back"):
         made.deformation(inverse=True)
     with warnings.catch_warnings():

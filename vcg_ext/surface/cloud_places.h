@@ -3,6 +3,7 @@
 #define VCG_FCD_CLOUD_PLACES_H
 
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/surface/box_tree.h>
 #include <vcg_ext/surface/cloud_neighbourhood.h>
 
 #include <Eigen/Geometry>
@@ -14,46 +15,6 @@
 #include <vector>
 
 namespace vcg::fcd::detail {
-
-/// Tells whether one of boxes is near another one: a tree of boxes around them, in an order in which those that follow
-/// each other lie together.
-template <class BoxOf>
-class BoxTree {
-  public:
-    /// \param boxOf boxOf(i): one of \p count boxes; empty ones are near to none
-    BoxTree(std::size_t count, const BoxOf &boxOf) : count(count), boxOf(boxOf) {
-        for (std::size_t size = count; levels.empty() || size > 1; size = levels.back().size()) {
-            std::vector<Eigen::AlignedBox3d> around((size + each - 1) / each);
-            for (std::size_t i = 0; i < size; ++i)
-                around[i / each].extend(levels.empty() ? boxOf(i) : levels.back()[i]);
-            levels.push_back(std::move(around));
-        }
-    }
-    /// Whether one is no farther from \p box than \p distance.
-    bool IsNear(const Eigen::AlignedBox3d &box, double distance) const {
-        return count > 0 && IsNear(box, distance * distance, levels.size(), 0);
-    }
-
-  private:
-    static constexpr std::size_t each = 8;
-
-    bool IsNear(const Eigen::AlignedBox3d &box, double square, std::size_t level, std::size_t at) const {
-        const Eigen::AlignedBox3d here = level == 0 ? boxOf(at) : levels[level - 1][at];
-        if (here.isEmpty() || box.squaredExteriorDistance(here) > square)
-            return false;
-        if (level == 0)
-            return true;
-        const std::size_t below = level == 1 ? count : levels[level - 2].size();
-        for (std::size_t i = at * each; i < std::min(below, (at + 1) * each); ++i)
-            if (IsNear(box, square, level - 1, i))
-                return true;
-        return false;
-    }
-
-    const std::size_t count;
-    const BoxOf boxOf;
-    std::vector<std::vector<Eigen::AlignedBox3d>> levels; ///< around so many boxes each, then of so many of these, ...
-};
 
 /// Places in Morton order, run by run, each of two parts, as the order jumps here and there.
 struct PlaceRuns {

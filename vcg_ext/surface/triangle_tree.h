@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -58,6 +59,7 @@ class TriangleTree {
         Eigen::Vector3d weight = Eigen::Vector3d::Zero();
         double square = std::numeric_limits<double>::max();
         const Eigen::Vector3d *facing = nullptr; ///< where the fronts of those that count look to; null: all count
+        const std::function<bool(Index)> *counts = nullptr; ///< whether a triangle counts; null: all do
     };
 
     /// \param position 3 x slots, which must outlive this; no number beyond 1e100
@@ -97,6 +99,13 @@ class TriangleTree {
         Nearest nearest;
         nearest.square = reach * reach;
         nearest.facing = &normal;
+        Search(p, -1, nearest);
+        return nearest;
+    }
+    /// The same among those of which \p counts is true, at any distance; none where there is none.
+    Nearest Among(const Eigen::Vector3d &p, const std::function<bool(Index)> &counts) const {
+        Nearest nearest;
+        nearest.counts = &counts;
         Search(p, -1, nearest);
         return nearest;
     }
@@ -313,6 +322,8 @@ class TriangleTree {
         if (!(square < nearest.square || (square == nearest.square && t < nearest.triangle)))
             return false;
         if (nearest.facing && !((b - a).cross(c - a).dot(*nearest.facing) > 0))
+            return false;
+        if (nearest.counts && !(*nearest.counts)(t))
             return false;
         nearest.triangle = t;
         nearest.weight = weight;

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformations as displacements on a grid, for volumes and for programs that read these."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _files
+
+GridKind = Literal["modeling", "resampling"]
+Axes = Literal["RAS", "LPS"]
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementGrid:
+    """Displacements at the points of a grid, as [Deformation.grid][pymeshlab_fcd.Deformation.grid] makes them. Its points are
+    `origin + spacing * (i, j, k)`."""
+
+    displacements: NDArray[np.float64]
+    """a x b x c x 3: from each point to where it goes, by the numbers of the point along x, y and z."""
+    origin: tuple[float, float, float]
+    """The first point."""
+    spacing: tuple[float, float, float]
+    """From each point to the next along x, y and z."""
+    axes: Axes
+    """Where the coordinates look to: `RAS` to the right, the front and above, `LPS` to the left, the back and above."""
+    kind: GridKind
+    """`modeling`: to where points of the surface at rest go. `resampling`: from where a volume is to be taken, for each point of the
+    result."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """To a file, in single precision. What is there is replaced at once, when all is on the disk, and otherwise stays.
+
+        Parameters
+        ----------
+        path : path
+            `.nrrd`, for ITK and Slicer: the grid and its vectors in LPS, with its `displacement field type`. `.vti`, for VTK and ParaView:
+            the point data `displacement`, in the axes that the grid has.
+
+        Raises
+        ------
+        ValueError
+            The name ends otherwise.
+        OSError
+            It cannot be written, as where the disk is full.
+        """
+        ending = os.path.splitext(os.fsdecode(path))[1].lower()
+        if ending not in (".nrrd", ".vti"):
+            raise ValueError(f"a grid is written as .nrrd or .vti, and not as {ending or 'a file without an ending'}")
+        # x runs fastest, in both formats.
+        flip = np.array([-1.0, -1.0, 1.0]) if ending == ".nrrd" and self.axes == "RAS" else np.ones(3)
+        data = np.ascontiguousarray((self.displacements * flip).transpose(2, 1, 0, 3), "<f4")
+        head = self._nrrd(flip) if ending == ".nrrd" else self._vti(data.nbytes)
+        with _files.written([path]) as files:
+            files[0].write(head)
+            files[0].write(data.tobytes())
+            if ending == ".vti":
+                files[0].write(b"</AppendedData></VTKFile>\n")
+
+    def _nrrd(self, flip: NDArray[np.float64]) -> bytes:
+        def vector(numbers: NDArray[np.float64]) -> str:
+            return "(" + ",".join(repr(float(each)) for each in numbers) + ")"
+
+        size = " ".join(map(str, self.displacements.shape[:3]))
+        steps = " ".join(map(vector, np.diag(flip * self.spacing)))
+        return ("NRRD0005\ntype: float\ndimension: 4\nspace: left-posterior-superior\n"
+                f"sizes: 3 {size}\nspace directions: none {steps}\nkinds: vector domain domain domain\nendian: little\nencoding: raw\n"
+                f"space origin: {vector(flip * self.origin)}\ndisplacement field type:={self.kind}\n\n").encode()
+
+    def _vti(self, count: int) -> bytes:
+        extent = " ".join(f"0 {each - 1}" for each in self.displacements.shape[:3])
+        text = ('<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+                f'<ImageData WholeExtent="{extent}" Origin="{" ".join(map(repr, self.origin))}" Spacing="{" ".join(map(repr, self.spacing))}">\n'
+                f'<Piece Extent="{extent}"><PointData Vectors="displacement">\n'
+                '<DataArray type="Float32" Name="displacement" NumberOfComponents="3" format="appended" offset="0"/>\n'
+                '</PointData></Piece></ImageData>\n<AppendedData encoding="raw">_')
+        return text.encode() + np.array(count, "<u8").tobytes()
+
+    def __repr__(self) -> str:
+        return f"<DisplacementGrid of {' x '.join(map(str, self.displacements.shape[:3]))} points, {self.axes}, {self.kind}>"

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
+#include <vcg_ext/base/memory.h>
+#include <vcg_ext/base/morton.h>
+#include <vcg_ext/contact/crossing_faces.h>
+#include <vcg_ext/surface/box_tree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace vcg::fcd::detail {
+
+namespace {
+
+constexpr const char *stage = "Looking for contact";
+
+/// The faces that can have come into contact: those that move, and those that stay in the box of these.
+struct Looked {
+    std::vector<std::uint32_t> face, still; ///< ascending
+    Eigen::AlignedBox3d box;                ///< of those that move, now
+};
+
+Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
+    const SurfaceView &mesh = shape.mesh;
+    enum State : char { Stays, Moves, Unusable };
+    std::vector<char> state(mesh.vertexSlots);
+    ParallelFor(progress.Slice(0, 0.3), stage, mesh.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            state[i] = char(!shape.IsUsable(i) ? Unusable : shape.Stays(i) ? Stays : Moves);
+        }
+    });
+    const std::size_t grain = 1 << 16, parts = (mesh.faces + grain - 1) / grain;
+    std::vector<Looked> part(parts);
+    const auto stateOf = [&](std::size_t f) {
+        char all = Stays;
+        for (std::size_t k = 0; k < 3; ++k)
+            all = std::max(all, state[shape.Corner(f, k)]);
+        return all;
+    };
+    ParallelFor(progress.Slice(0.3, 0.7), stage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
+        Looked &own = part[first / grain];
+        for (std::size_t f = first; f < last; ++f)
+            if (mesh.IsFace(f) && stateOf(f) == Moves) {
+                own.face.push_back(std::uint32_t(f));
+                own.box.extend(shape.BoxNow(f));
+            }
+    });
+    Looked all;
+    for (Looked &each : part) {
+        all.face.insert(all.face.end(), each.face.begin(), each.face.end());
+        all.box.extend(each.box);
+    }
+    if (all.face.empty())
+        return all;
+    ParallelFor(progress.Slice(0.7, 1), stage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f)
+            if (mesh.IsFace(f) && stateOf(f) == Stays && all.box.intersects(shape.BoxNow(f)))
+                part[first / grain].still.push_back(std::uint32_t(f));
+    });
+    for (Looked &each : part)
+        all.still.insert(all.still.end(), each.still.begin(), each.still.end());
+    return all;
+}
+
+/// Boxes of triangles in Morton order, some together. That numbers are rounded to single precision keeps their order:
+/// what meets, meets in these boxes, too.
+class Leaves {
+  public:
+    static constexpr std::size_t wide = 8; // as many as processors compare at a time
+
+    Leaves(const TwoShapes &shape, const Looked &looked, const Progress &progress)
+        : moving(looked.face.size()), count(moving + looked.still.size()), origin(looked.box.center()),
+          item(LargeArray<std::uint64_t>(count)), leaf(LargeArray<Leaf>(Size())) {
+        const double size = std::max(looked.box.sizes().maxCoeff(), 1e-300);
+        ParallelFor(progress.Slice(0, 0.3), stage, count, 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                const std::uint32_t f = i < moving ? looked.face[i] : looked.still[i - moving];
+                const Eigen::Vector3f p = ((shape.BoxNow(f).center() - origin) / size).cast<float>();
+                item[i] = std::uint64_t(MortonCode(p[0], p[1], p[2])) << 32 | std::uint32_t(i);
+            }
+        });
+        RadixSortUpper30(item, count, progress.Slice(0.3, 0.6), stage);
+        box.resize(Size());
+        ParallelFor(progress.Slice(0.6, 1), stage, Size(), 1 << 11, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                Fill(shape, looked, i);
+        });
+    }
+
+    struct Leaf {
+        float low[3][wide], high[3][wide]; ///< of places without a triangle, empty
+        std::uint32_t face[wide];
+        std::uint32_t moves; ///< a bit each
+    };
+
+    std::size_t Size() const { return (count + wide - 1) / wide; }
+    const Leaf &operator[](std::size_t i) const { return leaf[i]; }
+    const Eigen::AlignedBox3f &BoxOf(std::size_t i) const { return box[i]; }
+
+    /// Which triangles of \p b have boxes that meet that of one of \p a, a bit each.
+    static std::uint32_t Meeting(const Leaf &a, std::size_t k, const Leaf &b) {
+        std::uint32_t bits = 0;
+        for (std::size_t l = 0; l < wide; ++l) {
+            int meet = 1;
+            for (int d = 0; d < 3; ++d)
+                meet &= int(a.low[d][k] <= b.high[d][l]) & int(b.low[d][l] <= a.high[d][k]);
+            bits |= std::uint32_t(meet) << l;
+        }
+        return bits;
+    }
+
+    /// Whether the box of a triangle meets that of a leaf.
+    bool MeetsBox(const Leaf &a, std::size_t k, std::size_t j) const {
+        const Eigen::AlignedBox3f &its = box[j];
+        int meet = 1;
+        for (int d = 0; d < 3; ++d)
+            meet &= int(a.low[d][k] <= its.max()[d]) & int(its.min()[d] <= a.high[d][k]);
+        return meet != 0;
+    }
+
+  private:
+    void Fill(const TwoShapes &shape, const Looked &looked, std::size_t i) {
+        Leaf &own = leaf[i];
+        own.moves = 0;
+        for (std::size_t k = 0; k < wide; ++k) {
+            Eigen::AlignedBox3f its;
+            own.face[k] = SurfaceView::none;
+            if (i * wide + k < count) {
+                const auto at = std::size_t(std::uint32_t(item[i * wide + k]));
+                own.face[k] = at < moving ? looked.face[at] : looked.still[at - moving];
+                own.moves |= std::uint32_t(at < moving) << k;
+                const Eigen::AlignedBox3d now = shape.BoxNow(own.face[k]);
+                its = {(now.min() - origin).cast<float>(), (now.max() - origin).cast<float>()};
+                box[i].extend(its);
+            }
+            for (int d = 0; d < 3; ++d) {
+                own.low[d][k] = its.min()[d];
+                own.high[d][k] = its.max()[d];
+            }
+        }
+    }
+
+    const std::size_t moving, count;
+    const Eigen::Vector3d origin;
+    std::unique_ptr<std::uint64_t[]> item; ///< Morton code << 32 | number
+    std::unique_ptr<Leaf[]> leaf;
+    std::vector<Eigen::AlignedBox3f> box;
+};
+
+} // namespace
+
+std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const Progress &progress) {
+    const Looked looked = FacesToLookAt(shape, progress.Slice(0, 0.2));
+    if (looked.face.empty())
+        return {};
+    const Leaves leaves(shape, looked, progress.Slice(0.2, 0.4));
+    const Eigen::AlignedBox3d &box = looked.box;
+    const double distance = apart * box.diagonal().norm(),
+                 least = std::ldexp(box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff(), -46);
+    const auto boxOf = [&](std::size_t i) -> const Eigen::AlignedBox3f & { return leaves.BoxOf(i); };
+    const BoxTree<decltype(boxOf)> tree(leaves.Size(), boxOf);
+    const auto lookAt = [&](std::uint32_t f, std::uint32_t g, std::vector<Crossing> &found) {
+        if (shape.ShareCorner(f, g))
+            return;
+        const double through = Through(shape.CornersNow(f), shape.CornersNow(g), least);
+        if (through > 0 && !AreNear(shape.CornersAtRest(f), shape.CornersAtRest(g), distance))
+            found.push_back({{std::min(f, g), std::max(f, g)}, through});
+    };
+    const std::size_t grain = 1 << 8;
+    std::vector<std::vector<Crossing>> found((leaves.Size() + grain - 1) / grain);
+    ParallelFor(progress.Slice(0.4, 1), stage, leaves.Size(), grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const Leaves::Leaf &a = leaves[i];
+            if (a.moves == 0)
+                continue;
+            tree.ForMeeting(leaves.BoxOf(i), [&](std::size_t j) {
+                const Leaves::Leaf &b = leaves[j];
+                if (j < i && b.moves != 0) // then this pair is looked at from there
+                    return;
+                for (std::size_t k = 0; k < Leaves::wide; ++k) {
+                    if (!leaves.MeetsBox(a, k, j))
+                        continue;
+                    std::uint32_t bits = Leaves::Meeting(a, k, b);
+                    if (i == j)
+                        bits &= ~((2u << k) - 1);
+                    if (!(a.moves >> k & 1))
+                        bits &= b.moves;
+                    for (std::size_t l = 0; bits >> l != 0; ++l)
+                        if (bits >> l & 1)
+                            lookAt(a.face[k], b.face[l], found[first / grain]);
+                }
+            });
+        }
+    });
+    std::vector<Crossing> all = Together(found);
+    std::sort(all.begin(), all.end());
+    return all;
+}
+
+} // namespace vcg::fcd::detail

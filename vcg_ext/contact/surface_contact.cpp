@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/contact/crossing_faces.h>
+#include <vcg_ext/contact/surface_contact.h>
+#include <vcg_ext/surface/box_tree.h>
+#include <vcg_ext/surface/triangle_tree.h>
+#include <vcg_ext/surface/vertex_welding.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+using detail::TwoShapes;
+constexpr const char *stage = "Measuring contact";
+
+/// The pieces that a surface falls into without the faces that pass through others.
+class Pieces {
+  public:
+    /// \param crosses a flag a face
+    Pieces(const TwoShapes &shape, const std::vector<char> &crosses, const Progress &progress)
+        : nodeOf(shape.mesh.vertexSlots, -1) {
+        const Index nodes = Weld(shape, progress);
+        DisjointSets joined(nodes), all(nodes);
+        ForFaces(shape, [&](std::size_t f) {
+            for (std::size_t k = 0; k < 2; ++k) {
+                const Index a = nodeOf[shape.Corner(f, k)], b = nodeOf[shape.Corner(f, k + 1)];
+                all.Join(a, b);
+                if (!crosses[f])
+                    joined.Join(a, b);
+            }
+        });
+        const std::vector<Index> part = all.TakeRoots();
+        pieceOf = joined.TakeRoots();
+        std::vector<double> area(std::size_t(nodes), 0);
+        ForFaces(shape, [&](std::size_t f) {
+            if (!crosses[f]) {
+                const detail::Corners3 c = shape.CornersAtRest(f);
+                area[std::size_t(Of(shape.Corner(f, 0)))] += (c[1] - c[0]).cross(c[2] - c[0]).norm();
+            }
+        });
+        main.assign(std::size_t(nodes), -1);
+        for (Index u = 0; u < nodes; ++u)
+            if (Index &largest = main[std::size_t(part[std::size_t(u)])];
+                pieceOf[std::size_t(u)] == u && (largest < 0 || area[std::size_t(u)] > area[std::size_t(largest)]))
+                largest = u;
+        for (Index u = 0; u < nodes; ++u) // ascending: a part is known by its first node
+            main[std::size_t(u)] = main[std::size_t(part[std::size_t(u)])];
+    }
+
+    /// That of a vertex slot, -1 for none.
+    Index Of(std::size_t slot) const { return nodeOf[slot] < 0 ? -1 : pieceOf[std::size_t(nodeOf[slot])]; }
+    /// Whether a vertex is in another piece than the largest one of its connected part.
+    bool IsCutOff(std::size_t slot) const { return nodeOf[slot] >= 0 && Of(slot) != main[std::size_t(nodeOf[slot])]; }
+
+    /// body(f) for each face with three nodes, ascending.
+    template <class Body>
+    void ForFaces(const TwoShapes &shape, const Body &body) const {
+        for (std::size_t f = 0; f < shape.mesh.faces; ++f)
+            if (shape.mesh.IsFace(f) && nodeOf[shape.Corner(f, 0)] >= 0 && nodeOf[shape.Corner(f, 1)] >= 0 &&
+                nodeOf[shape.Corner(f, 2)] >= 0)
+                body(f);
+    }
+
+  private:
+    /// Sets the node of each vertex; those at one place at rest have one. \return how many nodes there are
+    Index Weld(const TwoShapes &shape, const Progress &progress) {
+        Eigen::AlignedBox3d box;
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < nodeOf.size(); ++i)
+            if (shape.IsUsable(i)) {
+                box.extend(shape.Rest(i));
+                ++count;
+            }
+        const double size = std::max(box.diagonal().norm(), 1e-300);
+        detail::VertexWelder welder(count, nodeOf.size());
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < nodeOf.size(); ++i)
+            if (shape.IsUsable(i)) // + 0: no negative zeros
+                welder.Put(at++, i, ((shape.Rest(i) - box.center()) / size).cast<float>() + Eigen::Vector3f::Zero());
+        welder.Sort(progress.Slice(0, 0.4));
+        welder.FindNodes([](std::uint32_t) { return false; }, progress.Slice(0.4, 0.8));
+        const Index nodes = welder.Nodes();
+        welder.ForEach([&](Index node, std::uint32_t slot, std::size_t) { nodeOf[slot] = node; },
+                       progress.Slice(0.8, 1));
+        return nodes;
+    }
+
+    std::vector<Index> nodeOf;        ///< per vertex slot
+    std::vector<Index> pieceOf, main; ///< per node: its piece, and the largest one of its connected part
+};
+
+/// Triangles to find what is nearest in, with corners of their own.
+struct Triangles {
+    std::vector<Eigen::Vector3d> corner;
+    std::vector<std::array<Index, 3>> triangle, piece; ///< its corners, and the pieces that these are in
+    Eigen::AlignedBox3d box;
+    Eigen::Matrix3Xd position;
+    std::unique_ptr<const detail::TriangleTree> tree;
+
+    void Add(const TwoShapes &shape, const Pieces &pieces, std::size_t f) {
+        const auto first = Index(corner.size());
+        triangle.push_back({first, first + 1, first + 2});
+        piece.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+            corner.push_back(shape.Now(shape.Corner(f, k)));
+            piece.back()[k] = pieces.Of(shape.Corner(f, k));
+            box.extend(corner.back());
+        }
+    }
+    void Sort(const Progress &progress) {
+        position = Eigen::Map<const Eigen::Matrix3Xd>(corner.front().data(), 3, Eigen::Index(corner.size()));
+        tree = std::make_unique<const detail::TriangleTree>(position, std::move(triangle), progress);
+    }
+};
+
+/// How far the vertices of pieces that are cut off are from the surface that they came through: the other pieces that
+/// are cut off, and faces that pass through others but not those at the own piece's border.
+void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, SurfaceContact &contact,
+                   const Progress &progress) {
+    const Pieces pieces(shape, crosses, progress.Slice(0, 0.3));
+    Triangles crossing;
+    std::vector<Triangles> cut; // a piece each, in the order of their first faces
+    std::map<Index, std::size_t> numberOf;
+    pieces.ForFaces(shape, [&](std::size_t f) {
+        if (crosses[f])
+            crossing.Add(shape, pieces, f);
+        else if (pieces.IsCutOff(shape.Corner(f, 0))) {
+            const auto [found, isNew] = numberOf.emplace(pieces.Of(shape.Corner(f, 0)), cut.size());
+            if (isNew)
+                cut.emplace_back();
+            cut[found->second].Add(shape, pieces, f);
+        }
+    });
+    crossing.Sort(progress.Slice(0.3, 0.4));
+    ParallelTasks(progress.Slice(0.4, 0.6), stage, cut.size(),
+                  [&](std::size_t i, const Progress &own) { cut[i].Sort(own); });
+    const auto boxOf = [&](std::size_t i) -> const Eigen::AlignedBox3d & { return cut[i].box; };
+    const detail::BoxTree<decltype(boxOf)> boxes(cut.size(), boxOf);
+    ParallelFor(progress.Slice(0.6, 1), stage, contact.depth.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            if (!pieces.IsCutOff(i))
+                continue;
+            const Index own = pieces.Of(i);
+            const Eigen::Vector3d p = shape.Now(i);
+            double square = crossing.tree
+                                ->Among(p,
+                                        [&](Index t) {
+                                            const auto &its = crossing.piece[std::size_t(t)];
+                                            return its[0] != own && its[1] != own && its[2] != own;
+                                        })
+                                .square;
+            const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::sqrt(square));
+            boxes.ForMeeting({p - reach, p + reach}, [&](std::size_t c) {
+                if (cut[c].piece[0][0] != own && cut[c].box.squaredExteriorDistance(p) < square)
+                    square = std::min(square, (*cut[c].tree)(p, -1).square);
+            });
+            contact.depth[i] = float(std::sqrt(square));
+        }
+    });
+}
+
+} // namespace
+
+SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position, const Eigen::Matrix3d &metric,
+                           double apart, const Progress &progress) {
+    SurfaceContact contact;
+    const TwoShapes shape(mesh, position, metric);
+    const std::vector<detail::Crossing> crossing = detail::FindCrossings(shape, apart, progress.Slice(0, 0.8));
+    contact.pairs = std::int64_t(crossing.size());
+    if (crossing.empty())
+        return contact;
+    std::vector<char> crosses(mesh.faces, 0);
+    for (const detail::Crossing &each : crossing)
+        crosses[each.face[0]] = crosses[each.face[1]] = 1;
+    for (std::size_t f = 0; f < mesh.faces; ++f)
+        if (crosses[f])
+            contact.face.push_back(std::uint32_t(f));
+    contact.depth.assign(mesh.vertexSlots, 0);
+    MeasurePieces(shape, crosses, contact, progress.Slice(0.8, 1));
+    for (const detail::Crossing &each : crossing)
+        for (std::uint32_t f : each.face)
+            for (std::size_t k = 0; k < 3; ++k) {
+                float &depth = contact.depth[shape.Corner(f, k)];
+                depth = std::max(depth, float(each.through));
+            }
+    contact.largest = double(*std::max_element(contact.depth.begin(), contact.depth.end()));
+    return contact;
+}
+
+} // namespace vcg::fcd
