@@ -95,8 +95,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "contradict, such as two that are mixed up, are left out then; the log names them in any case.");
     addChecks(list, param);
     addParameter<RichBool>(list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
-                           "The surface follows the landmarks, as rigidly as possible, and nothing else of the target "
-                           "counts: to see where they alone take it, or to morph it by them.");
+                           "The surface follows the landmarks, as rigidly as its rigidity says, and nothing else of "
+                           "the target counts: to see where they alone take it, or to morph it by them.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -113,6 +113,13 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
         "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "
         "<b>lowering it</b> follows finer detail.");
+    if (!host::firstMayBeLacking())
+        addParameter<RichFloat>(
+            list, Shown::Advanced, "rigidity", Scalarm(fit.rigidity), "Rigidity (1 rigid, 0 smooth)",
+            "How much of the stiffness is against stretching, from 0 to 1. <b>1</b> (the default): as rigid as "
+            "possible, for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, "
+            "as one skull to another: only how the map changes from place to place costs, as in a thin-plate spline. "
+            "What turns by far needs rigidity.");
     addParameter<RichFloat>(
         list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
         "What is farther than this from the target, in world units, has no counterpart there and is carried along. "
@@ -177,6 +184,8 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.handles.mayLack = true;
     vcg::fcd::FitParam &fit = param.fit;
     fit.stiffness = asTyped(list.getFloat("stiffness"));
+    if (list.hasParameter("rigidity"))
+        fit.rigidity = asTyped(list.getFloat("rigidity"));
     fit.largestDistance = asTyped(list.getFloat("largest_distance"));
     if (fit.largestDistance == 0)
         fit.largestDistance = std::numeric_limits<double>::infinity();

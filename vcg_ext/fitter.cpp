@@ -113,6 +113,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     graph.rests.assign(std::size_t(region.graph.Size()), 0);
 
     FitSamples samples;
+    samples.isAffine = param.rigidity < 1;
     for (Index node : sample)
         samples.Add(region, pose, node);
     samples.normal = sampleNormal;
@@ -159,7 +160,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     }
 
     samples.Shrink(matched);
-    FitSystem system(region, isFree, drawn, param.smoothness);
+    FitSystem system(region, isFree, drawn, param.smoothness, param.rigidity);
     MatchParam how;
     how.farthest = param.largestDistance / frame.scale;
     how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
@@ -309,7 +310,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         matches->LeaveOut(parts.CarriedSamples());
     }
     Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress.Slice(0.98, 1));
-    parts.Carry(isAnyFree, param.smoothness, stiffest, graph, progress.threads);
+    parts.Carry(isAnyFree, param.smoothness, param.rigidity, stiffest, graph, progress.threads);
     report.carried = parts.Carried();
     report.carriedNode = parts.CarriedNodes();
     pose.solved.position = graph.position;
