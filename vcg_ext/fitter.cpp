@@ -176,14 +176,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
             pull[s] = {};
             if (!leads[s - matched])
                 continue;
-            const Eigen::Vector3d x = drawn.At(s, graph);
-            const Eigen::Vector3d off = x - Within(tolerance, place[s - matched], x);
-            const double weight = 10 / double(landmark.size());
-            // With a tolerance, only towards the ball around the place, and not along it.
-            const Eigen::Vector3d way = off.stableNormalized();
-            pull[s].form =
-                weight * (tolerance > 0 ? Eigen::Matrix3d(way * way.transpose()) : Eigen::Matrix3d::Identity());
-            pull[s].gradient = weight * off;
+            pull[s] = LandmarkPull(tolerance, place[s - matched], drawn.At(s, graph), 10 / double(landmark.size()));
         }
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
         FitSystem::Take(change, graph);

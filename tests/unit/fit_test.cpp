@@ -322,6 +322,27 @@ TEST(Fit, LandmarksStayWithinTheirTolerance) {
     EXPECT_LT(Rms(Fit(source, target, param, {}, landmark), truth), 0.0063);
 }
 
+// Picked by hand on a half of the target: those in the other half lead alone.
+TEST(Fit, WithAToleranceItComesToRest) {
+    Shape half = Jittered(target, 0.01);
+    half.face.erase(
+        std::remove_if(half.face.begin(), half.face.end(), [](const auto &corner) { return corner[0] % 57 > 28; }),
+        half.face.end());
+    std::mt19937 random(3);
+    std::vector<Landmark> landmark;
+    for (std::size_t i = 5; i < source.position.size(); i += 45)
+        landmark.push_back({i, truth.position[i] + 0.03 * RandomVector(random)});
+    FitParam param = Small();
+    for (double tolerance : {0.0, 0.03, 0.06, 0.12}) {
+        param.landmarkTolerance = tolerance;
+        const Fitted fitted = Fit(source, half, param, {}, landmark);
+        EXPECT_TRUE(fitted.report.converged) << tolerance;
+        EXPECT_LE(fitted.report.landmarks, tolerance + 1e-4);
+        EXPECT_LT(fitted.report.steps, 40) << tolerance;
+        EXPECT_LT(Rms(fitted, truth), 0.006) << tolerance;
+    }
+}
+
 TEST(Fit, WhatIsFixedKeepsItsBits) {
     std::vector<int> tag;
     for (const Vector3d &p : source.position)
