@@ -89,7 +89,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     addChecks(list, param);
     addParameter<RichBool>(
         list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
-        "The surface follows the landmarks, as rigidly as possible. Nothing else of the target counts.");
+        "The surface follows the landmarks, as rigidly as 'rigidity' says. Nothing else of the target counts.");
     addParameter<RichEnum>(
         list, Shown::Always, "start", int(fit.start),
         QStringList() << "As they lie"
@@ -105,6 +105,13 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                             "Stiffness (1 is the default, 10 stiff)",
                             "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of "
                             "the target. <b>Lower it</b> to follow finer detail.");
+    if (!host::firstMayBeLacking())
+        addParameter<RichFloat>(list, Shown::Advanced, "rigidity", Scalarm(fit.rigidity),
+                                "Rigidity (1 rigid, 0 smooth)",
+                                "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as "
+                                "possible, for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled "
+                                "or grown all over, as one skull to another; only a change of the map from place to "
+                                "place costs, as in a thin-plate spline. What turns far needs rigidity.");
     addParameter<RichFloat>(list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
                             "What is farther from the target, in world units, has no counterpart and is carried along. "
                             "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> "
@@ -164,6 +171,8 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.handles.mayLack = true;
     vcg::fcd::FitParam &fit = param.fit;
     fit.stiffness = asTyped(list.getFloat("stiffness"));
+    if (list.hasParameter("rigidity"))
+        fit.rigidity = asTyped(list.getFloat("rigidity"));
     fit.largestDistance = asTyped(list.getFloat("largest_distance"));
     if (fit.largestDistance == 0)
         fit.largestDistance = std::numeric_limits<double>::infinity();

@@ -12,7 +12,7 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "rigidity": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
     "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {

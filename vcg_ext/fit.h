@@ -52,6 +52,10 @@ struct FitParam : DeformationParam {
     FitParam();
 
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
+    /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible; at 0,
+    /// each node's map is affine and only how it changes between neighbours costs, so that what is stretched, sheared
+    /// or scaled all over is as free as in a thin-plate spline.
+    double rigidity = 1;
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2

@@ -113,6 +113,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     graph.rests.assign(std::size_t(region.graph.Size()), 0);
 
     FitSamples samples;
+    samples.isAffine = param.rigidity < 1;
     for (Index node : sample)
         samples.Add(region, pose, node);
     samples.normal = sampleNormal;
@@ -159,7 +160,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     }
 
     samples.Shrink(matched);
-    FitSystem system(region, isFree, drawn, param.smoothness);
+    FitSystem system(region, isFree, drawn, param.smoothness, param.rigidity);
     MatchParam how;
     how.farthest = param.largestDistance / frame.scale;
     how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
@@ -175,14 +176,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
             pull[s] = {};
             if (!leads[s - matched])
                 continue;
-            const Eigen::Vector3d x = drawn.At(s, graph);
-            const Eigen::Vector3d off = x - Within(tolerance, place[s - matched], x);
-            const double weight = 10 / double(landmark.size());
-            // With a tolerance, only towards the ball around the place, and not along it.
-            const Eigen::Vector3d way = off.stableNormalized();
-            pull[s].form =
-                weight * (tolerance > 0 ? Eigen::Matrix3d(way * way.transpose()) : Eigen::Matrix3d::Identity());
-            pull[s].gradient = weight * off;
+            pull[s] = LandmarkPull(tolerance, place[s - matched], drawn.At(s, graph), 10 / double(landmark.size()));
         }
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
         FitSystem::Take(change, graph);
@@ -309,7 +303,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         matches->LeaveOut(parts.CarriedSamples());
     }
     Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress.Slice(0.98, 1));
-    parts.Carry(isAnyFree, param.smoothness, stiffest, graph, progress.threads);
+    parts.Carry(isAnyFree, param.smoothness, param.rigidity, stiffest, graph, progress.threads);
     report.carried = parts.Carried();
     report.carriedNode = parts.CarriedNodes();
     pose.solved.position = graph.position;

@@ -159,12 +159,16 @@ class Fitter(Unchanging):
         no landmarks, onto the target's middle (`FitInfo.from_afar`).
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
+    rigidity : float, default 1.0
+        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for what bends, as bodies do. 0: smooth, for what
+        is sheared, scaled or grown all over, as one skull to another: only how the map changes from place to place costs, as in a
+        thin-plate spline. What turns by far needs rigidity.
     largest_distance : float, default 0.0
         What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
     largest_angle : float, default 70.0
         A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
     landmarks_only : bool, default False
-        The surface follows its landmarks alone, as rigidly as possible; a target is not needed.
+        The surface follows its landmarks alone, as rigidly as `rigidity` says; a target is not needed.
     both_ways : bool, default False
         Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is reached. Not
         where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and taken if nothing of
@@ -209,6 +213,7 @@ class Fitter(Unchanging):
         copy: bool = True,
         start: FitStart = "as_they_lie",
         stiffness: float = 1.0,
+        rigidity: float = 1.0,
         largest_distance: float = 0.0,
         largest_angle: float = 70.0,
         landmarks_only: bool = False,
@@ -224,7 +229,7 @@ class Fitter(Unchanging):
     ) -> None:
         param: dict[str, Any] = {
             "start": _inputs.choice("start", start, _STARTS), "stiffness": _inputs.number("stiffness", stiffness),
-            "largest_distance": _inputs.number("largest_distance", largest_distance),
+            "rigidity": _inputs.number("rigidity", rigidity), "largest_distance": _inputs.number("largest_distance", largest_distance),
             "largest_angle": _inputs.number("largest_angle", largest_angle), "both_ways": _inputs.flag("both_ways", both_ways),
             "landmark_tolerance": _inputs.number("landmark_tolerance", landmark_tolerance),
             "landmarks_only": _inputs.flag("landmarks_only", landmarks_only), "patches": _inputs.whole("patches", patches, 1),
@@ -377,6 +382,7 @@ def fit(
     leave_one_out: bool = False,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
+    rigidity: float = 1.0,
     largest_distance: float = 0.0,
     largest_angle: float = 70.0,
     landmarks_only: bool = False,
@@ -426,6 +432,8 @@ def fit(
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0
         1 is the default, 10 is stiff.
+    rigidity : float, default 1.0
+        1: as rigid as possible; 0: smooth, for what is sheared or scaled all over.
     largest_distance : float, default 0.0
         What is farther from the target has no counterpart there. 0: no limit.
     largest_angle : float, default 70.0
@@ -481,7 +489,7 @@ def fit(
             own, target = None, faces
         elif target_faces is None:
             own, target, corners = None, faces, target_vertices
-    fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, largest_distance=largest_distance,
-                    largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
+    fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, rigidity=rigidity,
+                    largest_distance=largest_distance, largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
     return fitter._fit(target, corners, landmarks, target_normals, target_weights, check, leave_one_out, report(told, 40, 100), 3)

@@ -317,6 +317,14 @@ def test_landmarks_alone():
         fit(VERTICES, FACES, None, landmarks=(CHOSEN, places), **QUICK)
 
 
+def test_without_rigidity_what_is_sheared_all_over_is_found():
+    sheared = VERTICES @ np.array([[1.2, 0.3, 0], [0, 0.9, -0.2], [0.1, 0, 1.1]])
+    led = np.arange(5, len(VERTICES), 97)
+    far = [rms(fit(VERTICES, FACES, landmarks=(led, sheared[led]), landmarks_only=True, rigidity=rigidity, **QUICK).vertices, sheared)
+           for rigidity in (1, 0.5, 0)]
+    assert 20 * far[2] < far[1] < far[0]
+
+
 @pytest.mark.parametrize("alone", [False, True])
 def test_the_same_bits_as_the_filter(tmp_path, alone):
     pymeshlab = with_filters()
@@ -325,10 +333,10 @@ def test_the_same_bits_as_the_filter(tmp_path, alone):
     ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))
     given, file = {}, ""
     if alone:
-        given, file = {"landmarks": (CHOSEN, TRUTH[CHOSEN]), "landmarks_only": True}, str(tmp_path / "landmarks.csv")
+        given, file = {"landmarks": (CHOSEN, TRUTH[CHOSEN]), "landmarks_only": True, "rigidity": 0.3}, str(tmp_path / "landmarks.csv")
         np.savetxt(file, np.column_stack([CHOSEN, TRUTH[CHOSEN]]), ["%d"] + ["%.17g"] * 3)
     ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"],
-                    samples=QUICK["samples"], fit_steps=QUICK["steps"], landmarks_file=file, landmarks_only=alone)
+                    samples=QUICK["samples"], fit_steps=QUICK["steps"], landmarks_file=file, landmarks_only=alone, rigidity=given.get("rigidity", 1))
     assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **given, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
 
 
@@ -358,6 +366,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"start": "axes", "tags": FIXED}, "A start that moves all of the surface"),
     (TARGET, {"start": "moments"}, "start must be one of 'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'"),
     (TARGET, {"stiffness": 0}, "The stiffness must be a positive"),
+    (TARGET, {"rigidity": 2}, "The rigidity must be from 0"),
     (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
     (TARGET, {"largest_angle": 200}, "largest angle of matches"),
     (TARGET, {"samples": 5}, "At least 100 places"),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_start.h>
@@ -319,6 +320,27 @@ TEST(Fit, LandmarksStayWithinTheirTolerance) {
     EXPECT_EQ(within.report.beyond, 0);
     param.landmarkTolerance = 0.7;
     EXPECT_LT(Rms(Fit(source, target, param, {}, landmark), truth), 0.0063);
+}
+
+// Picked by hand on a half of the target: those in the other half lead alone.
+TEST(Fit, WithAToleranceItComesToRest) {
+    Shape half = Jittered(target, 0.01);
+    half.face.erase(
+        std::remove_if(half.face.begin(), half.face.end(), [](const auto &corner) { return corner[0] % 57 > 28; }),
+        half.face.end());
+    std::mt19937 random(3);
+    std::vector<Landmark> landmark;
+    for (std::size_t i = 5; i < source.position.size(); i += 45)
+        landmark.push_back({i, truth.position[i] + 0.03 * RandomVector(random)});
+    FitParam param = Small();
+    for (double tolerance : {0.0, 0.03, 0.06, 0.12}) {
+        param.landmarkTolerance = tolerance;
+        const Fitted fitted = Fit(source, half, param, {}, landmark);
+        EXPECT_TRUE(fitted.report.converged) << tolerance;
+        EXPECT_LE(fitted.report.landmarks, tolerance + 1e-4);
+        EXPECT_LT(fitted.report.steps, 40) << tolerance;
+        EXPECT_LT(Rms(fitted, truth), 0.006) << tolerance;
+    }
 }
 
 TEST(Fit, WhatIsFixedKeepsItsBits) {
@@ -846,7 +868,7 @@ TEST(Fit, TargetNeedsItsArraysNoLongerThanItSays) {
 }
 
 // The step of Gauss and Newton is that of the energy, by differences.
-TEST(Fit, StepsAreThoseOfTheEnergy) {
+void ExpectStepsOfTheEnergy(double rigidity) {
     const MeshD mesh(BumpySheet(20, 12));
     const Arrays arrays = Read(mesh);
     Handles handles;
@@ -864,6 +886,8 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     for (Index j = 0; j < region.graph.Size(); ++j) {
         pose.position.col(j) += 0.03 * RandomVector(random);
         pose.linear[std::size_t(j)] = Eigen::AngleAxisd(0.2, RandomVector(random).normalized()).toRotationMatrix();
+        if (rigidity < 1)
+            pose.linear[std::size_t(j)] += 0.1 * Eigen::Matrix3d(RandomVector(random).asDiagonal());
     }
     std::vector<FitSystem::Pull> pull(samples.Size());
     std::vector<Vector3d> place;
@@ -890,22 +914,20 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
                 sum += w * (at.position.col(i) + at.linear[std::size_t(i)] * e - at.position.col(j)).squaredNorm();
                 sum +=
                     0.5 * w * smoothness * area * (at.linear[std::size_t(i)] - at.linear[std::size_t(j)]).squaredNorm();
+                if (rigidity < 1)
+                    sum += rigidity / (1 - rigidity) * w * e.squaredNorm() *
+                           (at.linear[std::size_t(i)] - vcg::fcd::detail::RotationOf(at.linear[std::size_t(i)]))
+                               .squaredNorm();
             }
         return sum;
     };
     std::vector<char> isFree(std::size_t(region.graph.Size()), 1);
-    FitSystem system(region, isFree, samples, smoothness);
+    FitSystem system(region, isFree, samples, smoothness, rigidity);
     const std::vector<double> stiff(isFree.size(), stiffness);
     const auto step = system.Step(pose, pull, stiff);
     const auto moved = [&](double t) {
         GraphPose at = pose;
-        for (Index j = 0; j < region.graph.Size(); ++j) {
-            const Vector3d w = t * step.col(j).head<3>();
-            if (w.norm() > 0)
-                at.linear[std::size_t(j)] =
-                    Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * at.linear[std::size_t(j)];
-            at.position.col(j) += t * step.col(j).tail<3>();
-        }
+        FitSystem::Take(t * step, at);
         return energy(at);
     };
     const double t = 1e-5, slope = (moved(t) - moved(-t)) / (2 * t),
@@ -916,6 +938,61 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
     EXPECT_NEAR(curve / -slope, 1, 0.3);
     EXPECT_LT(moved(1), 0.7 * moved(0));
     EXPECT_LT(system.Step(pose, pull, stiff).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
+}
+
+TEST(Fit, StepsAreThoseOfTheEnergy) {
+    for (double rigidity : {1.0, 0.5, 0.0})
+        ExpectStepsOfTheEnergy(rigidity);
+}
+
+// Sheared and stretched all over, as one skull is to another.
+Vector3d Sheared(const Vector3d &p) {
+    return {1.2 * p[0] + 0.3 * p[1], 0.9 * p[1] - 0.2 * p[2], p[2] + 0.15 * p[0] + 0.1 * p[1]};
+}
+
+TEST(Fit, WithoutRigidityWhatIsShearedAllOverIsFound) {
+    Shape sheared = source;
+    for (Vector3d &p : sheared.position)
+        p = Sheared(p);
+    const MeshD from(source);
+    const Arrays arrays = Read(from);
+    Handles handles;
+    handles.tag.assign(source.position.size(), 1);
+    std::vector<Landmark> landmark;
+    for (std::size_t i = 17; i < source.position.size(); i += 90)
+        landmark.push_back({i, sheared.position[i]});
+    const auto led = [&](double rigidity) {
+        FitParam param = Small().LandmarksAlone();
+        param.rigidity = rigidity;
+        const Fitter fitter(arrays.View(), {}, handles, param);
+        Fitted fitted;
+        const Deformer::Pose pose = fitter.Follow(landmark, fitted.report);
+        fitted.position = arrays.View().Copy();
+        Carrier(fitter.Surface(), pose).Apply(fitted.position);
+        EXPECT_TRUE(fitted.report.converged) << rigidity;
+        EXPECT_EQ(Joined(fitted.report.Remarks()), "") << rigidity;
+        return Rms(fitted, sheared);
+    };
+    const double rigid = led(1), half = led(0.5), smooth = led(0);
+    EXPECT_LT(smooth, 1e-4); // every affine map is free
+    EXPECT_LT(half, rigid);
+    EXPECT_GT(rigid, 20 * smooth);
+
+    // Onto a target: its samples tell the shear, but for how it slides along itself.
+    Shape goal = BumpySheet(57, 33);
+    for (Vector3d &p : goal.position)
+        p = Sheared(p);
+    FitParam param = Small();
+    const double before = Rms(Fit(source, goal, param, {}, landmark), sheared);
+    param.rigidity = 0;
+    const Fitted after = Fit(source, goal, param, {}, landmark), again = Fit(source, goal, param, {}, landmark, {}, 3);
+    EXPECT_LT(Rms(after, sheared), 0.5 * before);
+    EXPECT_TRUE(IsSame(after, again)); // by any number of threads
+
+    for (double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+        param.rigidity = wrong;
+        ExpectError([&] { Fit(source, target, param); }, "The rigidity must be from 0");
+    }
 }
 
 TEST(FitLandmarks, ManyMoveTheNodesAsFewDo) {

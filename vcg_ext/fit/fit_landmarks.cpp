@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 
 #include <Eigen/QR>
@@ -44,6 +45,28 @@ Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eig
     const double far = off.norm();
     const double inside = 0.999 * tolerance; // what rounding leaves is within, too
     return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
+}
+
+FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x, double weight) {
+    // As much as the matches of a two-thousandth of the surface, and a hundredth of the pull from without where there are
+    // many: more than the stiffness has in the end, and less than what lies on the target around it. Beyond what a hand
+    // misses, a tolerance says that places are wrong and not only uncertain: then it falls with its square.
+    constexpr double byHand = 0.01; // of the diagonal
+    const double within = std::min({5e-4, 0.01 * weight, 5e-4 * detail::Squared(byHand / std::max(tolerance, 1e-9))});
+    const Eigen::Vector3d off = x - Within(tolerance, place, x);
+    FitSystem::Pull pull;
+    pull.form = weight * Eigen::Matrix3d::Identity();
+    pull.gradient = weight * off;
+    if (tolerance > 0) {
+        // The ball is round: along it, the form is as strong as far outside as the landmark is, of its distance from
+        // the place. Without that, what is beyond it goes on along it by far in each step.
+        const Eigen::Vector3d to = x - place, way = off.stableNormalized();
+        const double far = to.norm(), along = far > 0 ? off.norm() / far : 0;
+        pull.form *= within / weight + along;
+        pull.form += weight * (1 - along) * way * way.transpose();
+        pull.gradient += within * to;
+    }
+    return pull;
 }
 
 double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,

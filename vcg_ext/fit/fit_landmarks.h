@@ -3,6 +3,7 @@
 #define VCG_FCD_FIT_LANDMARKS_H
 
 #include <vcg_ext/fit/fit_samples.h>
+#include <vcg_ext/fit/fit_system.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -12,6 +13,11 @@ namespace vcg::fcd {
 
 /// The place nearest to \p x that is no farther from \p place than that.
 Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x);
+
+/// What draws a landmark at \p x to its place: half the square of the distance from the ball of the tolerance around
+/// it, times \p weight; and within, a little of the distance from the place itself, so that it does not slide about in
+/// the ball from step to step, and many that are off by chance are met in the middle.
+FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x, double weight);
 
 /// Moves the free nodes of a graph, all together by as little as possible (least squares), so that some samples are
 /// where they belong. The surface follows as smoothly as it follows the nodes.

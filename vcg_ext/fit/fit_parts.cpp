@@ -108,8 +108,8 @@ std::vector<char> FitParts::Led(std::vector<char> isFree) const {
     return isFree;
 }
 
-void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double stiffness, GraphPose &pose,
-                     unsigned threads) const {
+void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double rigidity, double stiffness,
+                     GraphPose &pose, unsigned threads) const {
     const Index k = deformer.graph.Size();
     const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
     const double spacing = std::sqrt(std::max(deformer.surface.area, 1e-12) / double(std::max<Index>(k, 1)));
@@ -146,7 +146,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
             turn += weight * pose.linear[std::size_t(i)];
             sum += weight;
         }
-        turn = detail::RotationOf(turn / sum);
+        turn = rigidity < 1 ? Eigen::Matrix3d(turn / sum) : detail::RotationOf(turn / sum);
         return Eigen::Vector3d(to / sum);
     };
     FitSamples marks;
@@ -163,7 +163,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
         pose.linear[std::size_t(j)] = turn;
         moves[std::size_t(j)] = 1;
     }
-    FitSystem system(deformer, moves, marks, smoothness);
+    FitSystem system(deformer, moves, marks, smoothness, rigidity);
     std::vector<FitSystem::Pull> pull(marks.Size());
     const std::vector<double> stiff(isFree.size(), stiffness);
     for (int step = 0; step < carrySteps; ++step) {

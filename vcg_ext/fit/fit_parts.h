@@ -36,8 +36,9 @@ class FitParts {
 
     /// Takes what is carried to where the parts around it go, as rigidly as a fit begins: each of its nodes by what is
     /// nearest, and what is farther by no more than the part is from it. So what sits on something goes with the place
-    /// where it sits, and what lies inside with all around it. \throw Unsolvable
-    void Carry(const std::vector<char> &isFree, double smoothness, double stiffness, GraphPose &pose,
+    /// where it sits, and what lies inside with all around it, and with a
+    /// rigidity below 1 it stretches as that does. \throw Unsolvable
+    void Carry(const std::vector<char> &isFree, double smoothness, double rigidity, double stiffness, GraphPose &pose,
                unsigned threads) const;
 
   private:

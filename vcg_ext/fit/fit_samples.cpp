@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit/fit_samples.h>
 #include <vcg_ext/fit/one_sided.h>
+#include <vcg_ext/map/normals.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -50,6 +51,7 @@ FitSamples FitSamples::From(std::size_t first) const {
     rest.surfaceNode.assign(surfaceNode.begin() + std::ptrdiff_t(first), surfaceNode.end());
     rest.normal.assign(Size() - first, Eigen::Vector3d::Zero());
     rest.weight.assign(weight.begin() + std::ptrdiff_t(first), weight.end());
+    rest.isAffine = isAffine;
     return rest;
 }
 
@@ -64,7 +66,8 @@ Eigen::Vector3d FitSamples::At(std::size_t s, const GraphPose &pose) const {
 Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const {
     Eigen::Vector3d n = Eigen::Vector3d::Zero();
     for (std::uint32_t t = begin[s]; t < begin[s + 1]; ++t)
-        n += term[t].weight * (pose.linear[std::size_t(term[t].node)] * normal[s]);
+        n += term[t].weight * (isAffine ? Cofactors(pose.linear[std::size_t(term[t].node)]) * normal[s]
+                                        : pose.linear[std::size_t(term[t].node)] * normal[s]);
     const double length = n.norm();
     return length > 0 ? Eigen::Vector3d(n / length) : n;
 }

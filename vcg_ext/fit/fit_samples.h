@@ -27,6 +27,7 @@ struct FitSamples {
     std::vector<Eigen::Vector3d> fixed;  ///< what held regions nearby give
     std::vector<Eigen::Vector3d> normal; ///< at rest, of length 1; 0 where it is not known
     std::vector<double> weight;          ///< how much its match counts, (0, 1]
+    bool isAffine = false;               ///< the nodes' maps stretch, too
 
     std::size_t Size() const { return surfaceNode.size(); }
     /// Leaves the first \p size of them.

@@ -1,14 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit/fit_system.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace vcg::fcd {
 
+namespace {
+
+// What the data and smoothness leave open, as how a plane stretches across itself, is as rigid as this makes it, and
+// hardly anything else is.
+constexpr double leastRigidity = 1e-5;
+
+} // namespace
+
 FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
-                     double smoothness)
-    : deformer(deformer), samples(samples), smoothness(smoothness), area(std::max(deformer.surface.area, 1e-12)) {
+                     double smoothness, double rigidity)
+    : deformer(deformer), samples(samples), smoothness(smoothness), area(std::max(deformer.surface.area, 1e-12)),
+      rigidity(std::max(rigidity, leastRigidity) / std::max(1 - rigidity, 1e-6)), size(rigidity < 1 ? 12 : 6) {
     const Index k = deformer.graph.Size();
     unknown.assign(std::size_t(k), -1);
     for (Index j = 0; j < k; ++j)
@@ -43,17 +54,17 @@ FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &is
             join(Index(a), unknown[std::size_t(j)]);
         std::sort(beside[a].begin(), beside[a].end());
         beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
-        for (int d = 0; d < 6; ++d)
-            entries.push_back(int(6 * beside[a].size()) - d);
+        for (int d = 0; d < size; ++d)
+            entries.push_back(size * int(beside[a].size()) - d);
     }
-    const Eigen::Index n = Eigen::Index(6 * node.size());
+    const Eigen::Index n = size * Eigen::Index(node.size());
     matrix.resize(n, n);
     matrix.reserve(Eigen::Map<Eigen::VectorXi>(entries.data(), n));
     for (std::size_t a = 0; a < node.size(); ++a)
-        for (int d = 0; d < 6; ++d)
+        for (int d = 0; d < size; ++d)
             for (Index b : beside[a])
-                for (int e = b == Index(a) ? d : 0; e < 6; ++e)
-                    matrix.insert(6 * b + e, Eigen::Index(6 * a) + d) = 0;
+                for (int e = b == Index(a) ? d : 0; e < size; ++e)
+                    matrix.insert(size * b + e, size * Eigen::Index(a) + d) = 0;
     matrix.makeCompressed();
     if (n > 0)
         factor.analyzePattern(matrix);
@@ -61,7 +72,7 @@ FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &is
 
 /// x_s moves by weight (w x (R lever) + d).
 void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
-                           std::vector<Matrix6> &block, Vector6 &gradient) const {
+                           std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const {
     for (const Use &use : uses[std::size_t(row)]) {
         const Pull &p = pull[use.sample];
         if (p.form.isZero(0))
@@ -71,7 +82,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
         gradient.head<3>() += weight * own.cross(p.gradient);
         gradient.tail<3>() += weight * p.gradient;
         // Its Jacobian is weight [-[arm]x, I]; the transposed times the form, column by column:
-        Vector6 drawn[3];
+        VectorOf<6> drawn[3];
         for (int d = 0; d < 3; ++d) {
             const Eigen::Vector3d column = weight * p.form.col(d);
             drawn[d] << own.cross(column), column;
@@ -83,7 +94,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
                 continue;
             const double its = other.weight;
             const Eigen::Vector3d a = its * arm[t];
-            Matrix6 &b = block[std::size_t(place[std::size_t(column)])];
+            MatrixOf<6> &b = block[std::size_t(place[std::size_t(column)])];
             b.col(0) += a[1] * drawn[2] - a[2] * drawn[1];
             b.col(1) += a[2] * drawn[0] - a[0] * drawn[2];
             b.col(2) += a[0] * drawn[1] - a[1] * drawn[0];
@@ -95,11 +106,12 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
 
 /// Eq. 2: of each edge, from both ends, |c_i + R_i e - c_j|^2, and alpha A |R_i - R_j|^2.
 void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
-                         const std::vector<Index> &place, std::vector<Matrix6> &block, Vector6 &gradient) const {
+                         const std::vector<Index> &place, std::vector<MatrixOf<6>> &block,
+                         VectorOf<6> &gradient) const {
     const DeformationGraph &graph = deformer.graph;
     const Index i = node[std::size_t(row)];
     const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
-    Matrix6 &own = block[std::size_t(place[std::size_t(row)])];
+    MatrixOf<6> &own = block[std::size_t(place[std::size_t(row)])];
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
     for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
          item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
@@ -127,12 +139,88 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         const Index column = unknown[std::size_t(j)];
         if (column <= row)
             continue;
-        Matrix6 &between = block[std::size_t(place[std::size_t(column)])];
+        MatrixOf<6> &between = block[std::size_t(place[std::size_t(column)])];
         between.topLeftCorner<3, 3>() -= bend * turns;
         between.topRightCorner<3, 3>() -= mu * ax;   // (-[a]x)^T (-I)
         between.bottomLeftCorner<3, 3>() += mu * bx; // (-I)^T (-[b]x)
         between.bottomRightCorner<3, 3>() -= 2 * mu * one;
     }
+}
+
+/// x_s moves by weight (dA lever + d): of l = (lever, 1), each form stands in l l^T.
+void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
+                           std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const {
+    for (const Use &use : uses[std::size_t(row)]) {
+        const Pull &p = pull[use.sample];
+        if (p.form.isZero(0))
+            continue;
+        const double weight = samples.term[use.term].weight;
+        const Eigen::Vector4d own = weight * arm[use.term].homogeneous();
+        for (int d = 0; d < 4; ++d)
+            gradient.segment<3>(3 * d) += own[d] * p.gradient;
+        for (std::uint32_t t = samples.begin[use.sample]; t < samples.begin[use.sample + 1]; ++t) {
+            const Index column = unknown[std::size_t(samples.term[t].node)];
+            if (column < row)
+                continue;
+            const Eigen::Vector4d its = samples.term[t].weight * arm[t].homogeneous();
+            MatrixOf<12> &b = block[std::size_t(place[std::size_t(column)])];
+            for (int d = 0; d < 4; ++d)
+                for (int e = 0; e < 4; ++e)
+                    b.block<3, 3>(3 * d, 3 * e) += own[d] * its[e] * p.form;
+        }
+    }
+}
+
+void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
+                         const std::vector<Index> &place, std::vector<MatrixOf<12>> &block,
+                         VectorOf<12> &gradient) const {
+    const DeformationGraph &graph = deformer.graph;
+    const Index i = node[std::size_t(row)];
+    const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
+    const Eigen::Matrix3d &ai = pose.linear[std::size_t(i)];
+    MatrixOf<12> &own = block[std::size_t(place[std::size_t(row)])];
+    double rigid = 0;
+    for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
+         item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+        const Index j = graph.graph.adjacency.item[item];
+        const double stiff = std::max(stiffness[std::size_t(i)], stiffness[std::size_t(j)]),
+                     mu = stiff * double(graph.weight[item]) / area, bend = mu * smoothness * area;
+        const Eigen::Vector3d ci = pose.position.col(i), cj = pose.position.col(j), e = rest(j) - rest(i);
+        const Eigen::Matrix3d &aj = pose.linear[std::size_t(j)];
+        const Eigen::Vector3d here = ci + ai * e - cj, there = cj - aj * e - ci; // by the map of each end
+        for (int d = 0; d < 3; ++d)
+            gradient.segment<3>(3 * d) += mu * e[d] * here + bend * (ai.col(d) - aj.col(d));
+        gradient.tail<3>() += mu * (here - there);
+        rigid += mu * e.squaredNorm();
+        // What of the forms is between the columns of maps and shifts: each times the identity.
+        Eigen::Matrix4d mine = Eigen::Matrix4d::Zero(), other = Eigen::Matrix4d::Zero();
+        mine.topLeftCorner<3, 3>() = mu * e * e.transpose() + bend * Eigen::Matrix3d::Identity();
+        mine.topRightCorner<3, 1>() = mu * e;
+        mine.bottomLeftCorner<1, 3>() = mu * e.transpose();
+        mine(3, 3) = 2 * mu;
+        other.topLeftCorner<3, 3>() = -bend * Eigen::Matrix3d::Identity();
+        other.topRightCorner<3, 1>() = -mu * e;
+        other.bottomLeftCorner<1, 3>() = mu * e.transpose();
+        other(3, 3) = -2 * mu;
+        const Index column = unknown[std::size_t(j)];
+        for (int d = 0; d < 4; ++d)
+            for (int f = 0; f < 4; ++f) {
+                own.block<3, 3>(3 * d, 3 * f).diagonal().array() += mine(d, f);
+                if (column > row)
+                    block[std::size_t(place[std::size_t(column)])].block<3, 3>(3 * d, 3 * f).diagonal().array() +=
+                        other(d, f);
+            }
+    }
+    // |A - R(A)|^2 does not change where A turns.
+    const Eigen::Matrix3d turn = detail::RotationOf(ai), off = ai - turn;
+    Eigen::Matrix<double, 9, 9> across = Eigen::Matrix<double, 9, 9>::Identity();
+    for (int d = 0; d < 3; ++d) {
+        const Eigen::Matrix3d turned = detail::CrossMatrix(Eigen::Vector3d::Unit(d)) * turn / std::sqrt(2);
+        const Eigen::Map<const VectorOf<9>> way(turned.data());
+        across -= way * way.transpose();
+    }
+    own.topLeftCorner<9, 9>() += rigidity * rigid * across;
+    gradient.head<9>() += rigidity * rigid * Eigen::Map<const VectorOf<9>>(off.data());
 }
 
 /// From one step to the next the system changes little: a factor of an earlier one is the preconditioner of conjugate
@@ -169,9 +257,15 @@ void FitSystem::Factorize() {
                          "or check the target for strays.");
 }
 
-void FitSystem::Take(const Eigen::Matrix<double, 6, Eigen::Dynamic> &step, GraphPose &pose) {
+void FitSystem::Take(const Change &step, GraphPose &pose) {
     for (Eigen::Index j = 0; j < step.cols(); ++j) {
-        pose.linear[std::size_t(j)] = detail::RotationBy(step.col(j).head<3>()) * pose.linear[std::size_t(j)];
+        Eigen::Matrix3d &linear = pose.linear[std::size_t(j)];
+        if (step.rows() == 6) {
+            linear = detail::RotationBy(step.col(j).head<3>()) * linear;
+        } else {
+            const Eigen::Matrix<double, 9, 1> change = step.col(j).head<9>();
+            linear += Eigen::Map<const Eigen::Matrix3d>(change.data());
+        }
         pose.position.col(j) += step.col(j).tail<3>();
     }
 }
@@ -188,41 +282,50 @@ Eigen::Matrix3d FitSystem::Compliance(std::size_t sample) {
     return force.transpose() * factor.solve(force);
 }
 
-Eigen::Matrix<double, 6, Eigen::Dynamic> FitSystem::Step(const GraphPose &pose, const std::vector<Pull> &pull,
-                                                         const std::vector<double> &stiffness, unsigned threads) {
-    Eigen::VectorXd gradient(Eigen::Index(6 * node.size()));
-    arm.resize(samples.term.size());
-    for (std::size_t t = 0; t < arm.size(); ++t)
-        arm[t] = pose.linear[std::size_t(samples.term[t].node)] * samples.term[t].lever;
+template <int N>
+void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
+                         unsigned threads, Eigen::VectorXd &gradient) {
     ParallelFor(threads, node.size(), 8, [&](std::size_t first, std::size_t last) {
-        std::vector<Matrix6> block;
+        std::vector<MatrixOf<N>> block;
         std::vector<Index> place(node.size(), 0); // of each unknown, among those of a row
         for (std::size_t a = first; a < last; ++a) {
-            block.assign(beside[a].size(), Matrix6::Zero());
+            block.assign(beside[a].size(), MatrixOf<N>::Zero());
             for (std::size_t b = 0; b < beside[a].size(); ++b)
                 place[std::size_t(beside[a][b])] = Index(b);
-            Vector6 its = Vector6::Zero();
+            VectorOf<N> its = VectorOf<N>::Zero();
             AddSamples(Index(a), pull, place, block, its);
             AddEdges(Index(a), pose, stiffness, place, block, its);
             // Nodes that no edge and no sample draws stay.
             block[0].diagonal().array() += 1e-12;
-            gradient.segment<6>(Eigen::Index(6 * a)) = its;
-            for (int d = 0; d < 6; ++d) { // row a of blocks is column a of the lower half
-                double *to = matrix.valuePtr() + matrix.outerIndexPtr()[6 * a + std::size_t(d)];
+            gradient.segment<N>(Eigen::Index(N * a)) = its;
+            for (int d = 0; d < N; ++d) { // row a of blocks is column a of the lower half
+                double *to = matrix.valuePtr() + matrix.outerIndexPtr()[N * a + std::size_t(d)];
                 for (std::size_t b = 0; b < beside[a].size(); ++b)
-                    for (int e = b == 0 ? d : 0; e < 6; ++e)
+                    for (int e = b == 0 ? d : 0; e < N; ++e)
                         *to++ = block[b](d, e);
             }
         }
     });
-    Eigen::Matrix<double, 6, Eigen::Dynamic> step =
-        Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, deformer.graph.Size());
+}
+
+FitSystem::Change FitSystem::Step(const GraphPose &pose, const std::vector<Pull> &pull,
+                                  const std::vector<double> &stiffness, unsigned threads) {
+    Eigen::VectorXd gradient(size * Eigen::Index(node.size()));
+    arm.resize(samples.term.size());
+    for (std::size_t t = 0; t < arm.size(); ++t)
+        arm[t] = size == 6 ? Eigen::Vector3d(pose.linear[std::size_t(samples.term[t].node)] * samples.term[t].lever)
+                           : samples.term[t].lever;
+    if (size == 6)
+        Assemble<6>(pose, pull, stiffness, threads, gradient);
+    else
+        Assemble<12>(pose, pull, stiffness, threads, gradient);
+    Change step = Change::Zero(size, deformer.graph.Size());
     if (node.empty())
         return step;
     isNew = false;
     const Eigen::VectorXd x = Solve(-gradient);
     for (std::size_t a = 0; a < node.size(); ++a)
-        step.col(node[a]) = x.segment<6>(Eigen::Index(6 * a));
+        step.col(node[a]) = x.segment(size * Eigen::Index(a), size);
     return step;
 }
 

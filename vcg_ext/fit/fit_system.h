@@ -14,10 +14,20 @@ namespace vcg::fcd {
 /// The Gauss-Newton step of a fit: turns w_k and shifts d_k of the free nodes of a deformation graph that minimise
 /// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose, where m_s is a quadratic form.
 /// An edge is as stiff as the stiffer one of its ends.
+///
+/// With a rigidity r below 1, a node's map is affine, A_k instead of R_k, and what rotates it is one with what
+/// stretches it: sum_ij w_ij (|A_i e_ij + c_i - c_j|^2 + alpha A |A_i - A_j|^2) + r / (1 - r) sum_i |A_i - R(A_i)|^2
+/// sum_j w_ij |e_ij|^2, the regularisation of embedded deformation (SSP07) with a share of its rigidity. At 0, only how
+/// maps change between neighbours costs: as in a thin-plate spline, every affine map of all is free.
 class FitSystem {
   public:
-    using Vector6 = Eigen::Matrix<double, 6, 1>;
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    template <int N>
+    using VectorOf = Eigen::Matrix<double, N, 1>;
+    template <int N>
+    using MatrixOf = Eigen::Matrix<double, N, N>;
+    /// A column for each node of the graph: w_k in radians, d_k in frame units, 6 rows; or the change of A_k, column by
+    /// column, and d_k, 12 rows.
+    using Change = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
     /// What a sample is drawn to: the form and its gradient at the pose, in the sample's position.
     struct Pull {
@@ -26,31 +36,41 @@ class FitSystem {
     };
 
     /// \param isFree flags of the graph's nodes \param samples which the pulls will be of, in this order
+    /// \param rigidity [0, 1]; 1: maps rotate, and do not stretch
     FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
-              double smoothness);
+              double smoothness, double rigidity = 1);
 
-    /// The step from \p pose. \param stiffness of each node of the graph \return 6 x nodes: w_k in radians, d_k in
-    /// frame units; 0 for those that are not free \throw Unsolvable
-    Eigen::Matrix<double, 6, Eigen::Dynamic> Step(const GraphPose &pose, const std::vector<Pull> &pull,
-                                                  const std::vector<double> &stiffness, unsigned threads = 0);
+    /// The step from \p pose. \param stiffness of each node of the graph \return 0 for nodes that are not free
+    /// \throw Unsolvable
+    Change Step(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
+                unsigned threads = 0);
     /// Takes a step on from \p pose.
-    static void Take(const Eigen::Matrix<double, 6, Eigen::Dynamic> &step, GraphPose &pose);
+    static void Take(const Change &step, GraphPose &pose);
 
     /// How a sample answers what draws it, where the last step was made: its move by a force of 1 in each direction.
-    /// \pre Step was called \throw Unsolvable
+    /// \pre Step was called; rigidity 1 \throw Unsolvable
     Eigen::Matrix3d Compliance(std::size_t sample);
 
   private:
     void Factorize();
+    template <int N>
+    void Assemble(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
+                  unsigned threads, Eigen::VectorXd &gradient);
     void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
-                    std::vector<Matrix6> &block, Vector6 &gradient) const;
+                    std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const;
+    void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
+                    std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const;
     void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
-                  const std::vector<Index> &place, std::vector<Matrix6> &block, Vector6 &gradient) const;
+                  const std::vector<Index> &place, std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const;
+    void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
+                  const std::vector<Index> &place, std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const;
     Eigen::VectorXd Solve(const Eigen::VectorXd &right);
 
     const RegionDeformer &deformer;
     const FitSamples &samples;
     double smoothness, area;
+    const double rigidity;                  ///< r / (1 - r)
+    const int size;                         ///< unknowns of a node
     std::vector<Index> node;                ///< of each unknown
     std::vector<Index> unknown;             ///< of each node, -1 for none
     std::vector<std::vector<Index>> beside; ///< of each unknown: those from it on that share a sample or an edge
@@ -58,7 +78,7 @@ class FitSystem {
         std::uint32_t sample, term;
     };
     std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples that it is in
-    std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose
+    std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose; of affine maps, the lever
     Eigen::SparseMatrix<double> matrix; ///< the lower half
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
     bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
