@@ -41,20 +41,6 @@ FitParam fitParamOf(const nb::dict &given) {
     return nb::cast<bool>(given["landmarks_only"]) ? param.LandmarksAlone() : param;
 }
 
-/// Of an array that outlives it; empty without any.
-vcg::fcd::WeightOf weightsOf(const std::optional<Fitting::Weights> &weights) {
-    if (!weights)
-        return {};
-    return [data = weights->data()](std::size_t i) { return data[i]; };
-}
-
-/// Of rows that outlive it; empty without any.
-NormalOf normalsOf(const std::optional<Rows> &rows) {
-    if (!rows)
-        return {};
-    return [data = rows->data()](std::size_t i) { return Eigen::Vector3d(rowOf(data, i)); };
-}
-
 std::vector<Landmark> landmarksOf(const Fitting::Numbers &points, const Rows &places) {
     std::vector<Landmark> landmarks;
     for (std::size_t k = 0; k < points.shape(0); ++k)
@@ -63,6 +49,18 @@ std::vector<Landmark> landmarksOf(const Fitting::Numbers &points, const Rows &pl
 }
 
 } // namespace
+
+vcg::fcd::WeightOf weightsOf(const std::optional<Fitting::Weights> &weights) {
+    if (!weights)
+        return {};
+    return [data = weights->data()](std::size_t i) { return data[i]; };
+}
+
+NormalOf normalsOf(const std::optional<Rows> &rows) {
+    if (!rows)
+        return {};
+    return [data = rows->data()](std::size_t i) { return Eigen::Vector3d(rowOf(data, i)); };
+}
 
 Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
                  const Given<std::int32_t, nb::ndim<1>> &tags, const std::vector<std::pair<int, std::string>> &motions,

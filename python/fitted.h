@@ -30,6 +30,13 @@ class Fitting {
     nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, bool leaveOneOut,
                   const nb::object &report) const;
 
+    /// Makes it symmetric. \param goal by name: vertex and place of each landmark, of which 2 pairs, and then
+    /// the midline; plane (or None) \param normals, weights as it was
+    /// made with \return the pose, its vertices, those of the mirror images of counterparts, flags of vertices that
+    /// have one, and what is told of it
+    nb::tuple symmetrize(const nb::dict &goal, const std::optional<Rows> &normals,
+                         const std::optional<Weights> &weights, const nb::object &report) const;
+
     /// Puts landmarks to the last bit into what a pose has written.
     void put(const Numbers &points, const Rows &places, const Written &vertices) const;
 
@@ -38,5 +45,11 @@ class Fitting {
   private:
     std::shared_ptr<const vcg::fcd::Fitter> fitter;
 };
+
+/// Of an array that outlives it; empty without any.
+vcg::fcd::WeightOf weightsOf(const std::optional<Fitting::Weights> &weights);
+
+/// Of rows that outlive it; empty without any.
+vcg::fcd::NormalOf normalsOf(const std::optional<Rows> &rows);
 
 #endif

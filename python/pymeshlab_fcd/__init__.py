@@ -17,11 +17,12 @@ from ._pose import Pose, PoseInfo
 from ._progress import Progress
 from ._sequence import AnimationInfo, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
+from ._symmetrize import OtherSide, Symmetrized, SymmetryInfo, symmetrize
 from ._warnings import (AccuracyWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning, NodeWarning,
-                        NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning)
+                        NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning, SymmetryWarning)
 
 __all__ = ["AccuracyWarning", "AnimationInfo", "Contact", "ContactWarning", "Deformation", "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
            "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
-           "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
-           "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Transforms", "VERSIONS", "Weights",
-           "__version__", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten"]
+           "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
+           "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "Weights",
+           "__version__", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]

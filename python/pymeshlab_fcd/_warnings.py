@@ -63,6 +63,10 @@ class LandmarkWarning(DeformationWarning):
     """Landmarks contradict each other, or the target."""
 
 
+class SymmetryWarning(DeformationWarning):
+    """The plane of symmetry is not sure, or little of a surface has a counterpart on its other side."""
+
+
 class LineWarning(DeformationWarning):
     """Parts of a surface do not go with the line."""
 

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Symmetry: what was sheared, bent or pressed is restored by its own mirror image."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, _inputs
+from ._deformer import Deformer
+from ._fit import Fitter
+from ._inputs import Points
+from ._meshes import MeshLike
+from ._numbers import plain, told_shape
+from ._pose import Pose
+from ._progress import Progress, report, shared
+from ._warnings import FoldWarning, LandmarkWarning, NotAtRestWarning, SymmetryWarning, Told, triangles_turned, warn
+
+PlaneFrom = Literal["given", "landmarks", "surface"]
+_NONE: Final = np.zeros(0, np.int64)
+
+
+@dataclass(frozen=True)
+class SymmetryInfo:
+    """How asymmetric a surface was, and what became of it. Lengths are in units of the vertices."""
+
+    plane: tuple[tuple[float, float, float], tuple[float, float, float]]
+    """Of symmetry: a point on it, and its normal, of length 1."""
+    plane_from: PlaneFrom
+    """It was `given`, is that of the pairs and the midline (`landmarks`), or that in which the surface is most like its mirror image
+    (`surface`)."""
+    is_sure: bool
+    """False: the surface is nearly as much like its mirror image in another plane."""
+    before: float
+    """Distance of the surface from its own mirror image, root mean square over the nearest nine tenths."""
+    after: float
+    """The same of the symmetrized one: what is left."""
+    asymmetry: float
+    """From places to where the mirror images of their counterparts are, root mean square: half of it is the way to symmetry."""
+    asymmetry_most: float
+    """The longest of these ways."""
+    moved: float
+    """How far the surface was moved, root mean square."""
+    moved_most: float
+    """And at most."""
+    matched: float
+    """Share of the surface that has a counterpart on the other side, of what counts, 0 to 1."""
+    guessed: float
+    """Share of the surface that has none, and was carried along, 0 to 1."""
+    guess_error: float
+    """How far that may be off, root mean square; not a number where nothing tells."""
+    contradicted: tuple[int, ...]
+    """Numbers of the pairs, and then of the midline's points, from 0, that the others contradict."""
+    pairs: int
+    """How many there are."""
+    midline: int
+    """How many points."""
+    converged: bool
+    """Whether the fit onto the mirror image came to rest."""
+
+
+class OtherSide(NamedTuple):
+    """Mirror images of what has no counterpart on a surface's other side."""
+
+    vertices: Points
+    """k x 3."""
+    faces: NDArray[np.int64] | None
+    """m x 3 numbers of these vertices, outside as on the surface; None for a cloud."""
+    source: NDArray[np.int64]
+    """k numbers of the surface's vertices that they are mirror images of."""
+
+
+class Symmetrized(Pose):
+    """A surface that has become symmetric, by [symmetrize][pymeshlab_fcd.symmetrize]: a [Pose][pymeshlab_fcd.Pose] with all that one has.
+    Its `map` carries other surfaces of the same scan along, and its `deformation` can be saved."""
+
+    _symmetry: SymmetryInfo
+    _mirrored: Points
+    _matched: NDArray[np.bool_]
+
+    @property
+    def symmetry(self) -> SymmetryInfo:
+        """How asymmetric it was, and what became of it."""
+        return self._symmetry
+
+    @property
+    def mirrored(self) -> Points:
+        """n x 3, read-only: where the mirror image of each vertex's counterpart is, on the surface as it was."""
+        return self._mirrored
+
+    @property
+    def matched(self) -> NDArray[np.bool_]:
+        """n flags, read-only: the vertices that have a counterpart on the other side."""
+        return self._matched
+
+    @property
+    def asymmetry(self) -> NDArray[np.float64]:
+        """n distances: from each vertex to where the mirror image of its counterpart is, a length in units of the vertices. 0 is
+        symmetric."""
+        rest = self.deformer.vertices
+        return np.asarray(np.linalg.norm(self._mirrored - rest, axis=1), np.float64)
+
+    def other_side(self) -> OtherSide:
+        """Mirror images of what has no counterpart, to be put in the place of what is missing there: of the faces none of whose corners is
+        matched, or of a cloud's points. Where one side has a hole, or is missing, this fills it with the good one."""
+        (point, normal), vertices = np.asarray(self._symmetry.plane), self.vertices
+        chosen = ~self._matched
+        faces = self.deformer.faces
+        lonely = None if faces is None else faces[chosen[faces].all(axis=1)]
+        source = np.flatnonzero(chosen) if lonely is None else np.unique(lonely)
+        places = vertices[source] - 2 * ((vertices[source] - point) @ normal)[:, None] * normal
+        number = np.zeros(len(vertices), np.int64)
+        number[source] = np.arange(len(source))
+        return OtherSide(places, None if lonely is None else number[lonely][:, ::-1], source.astype(np.int64))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "symmetry": self._symmetry, "mirrored": self._mirrored, "matched": self._matched}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._symmetry, self._mirrored, self._matched = state["symmetry"], state["mirrored"], state["matched"]
+        self._mirrored.flags.writeable = self._matched.flags.writeable = False
+
+
+def _marks(deformer: Deformer, name: str, values: ArrayLike | None) -> tuple[NDArray[np.int64], Points]:
+    """Landmarks: numbers of vertices, k, and places, k x 3."""
+    given = _NONE if values is None else _inputs.points(values, len(deformer.vertices), name)
+    if given.ndim == 1:
+        numbers = np.asarray(given, np.int64)
+        return numbers, np.asarray(deformer.vertices[numbers], np.float64)
+    places = np.asarray(given, np.float64)
+    return _core.nearest_vertices(deformer.vertices, places, deformer._threads, None), places
+
+
+def _ends(values: ArrayLike | None) -> NDArray[Any] | None:
+    """Of pairs: k x 2 or k x 2 x 3, as 2 k or 2 k x 3."""
+    array = _NONE if values is None else plain("pairs", values)
+    if array.size == 0:
+        return None
+    if array.ndim not in (2, 3) or array.shape[1] != 2:
+        raise ValueError(f"pairs must be k x 2 numbers of vertices, or k x 2 x 3 places, left and right; it is {told_shape(array)}")
+    return array.reshape(2 * len(array), *array.shape[2:])
+
+
+def symmetrize(
+    vertices: ArrayLike | MeshLike,
+    faces: ArrayLike | None = None,
+    *,
+    plane: ArrayLike | None = None,
+    pairs: ArrayLike | None = None,
+    midline: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    stiffness: float = 1.0,
+    largest_distance: float = 0.0,
+    landmark_tolerance: float = 0.0,
+    patches: int = 150,
+    smoothness: float = 0.0058,
+    seed: int = 1,
+    samples: int = 6000,
+    steps: int = 50,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Symmetrized:
+    """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed: it is fitted onto its own mirror image, and goes half
+    of the way. First by a smooth warp of all of it, then by what is local. What has no counterpart on the other side is carried along.
+
+    Half of the way is not the middle of the positions, which shrinks what was bent: rotations go half of their angle. What a surface does
+    not tell is how it was deformed alike on both sides, as when it was flattened.
+
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
+    plane : array_like, optional
+        2 x 3: a point on the plane of symmetry, and its normal. None: that of `pairs` and `midline`, or, where they do not tell one, that
+        in which the surface is most like its mirror image.
+    pairs : array_like, optional
+        k x 2 numbers of vertices, or k x 2 x 3 places left and right, that belong to each other's mirror image. Vertices do so
+        exactly then; a place goes with the vertex nearest to it.
+    midline : array_like, optional
+        k numbers of vertices, or k x 3 places: what belongs on the plane. Vertices are exactly there then.
+    weights : array_like, optional
+        n numbers from 0 to 1, or a mask: how much each vertex counts. What has 0, such as a growth on one side, is carried along. None: all
+        counts.
+    normals : array_like, optional
+        n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+    stiffness : float, default 1.0
+        How rigid what is local is in the end, more than 0: 1 is the default, 10 is stiff.
+    largest_distance : float, default 0.0
+        What is farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
+    landmark_tolerance : float, default 0.0
+        So far from where it belongs a landmark may be, in units of the vertices; above 0, those that the others contradict are left out of
+        the fit.
+    patches : int, default 150
+        How many patches to begin with, from 1.
+    smoothness : float, default 0.0058
+        How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
+    seed : int, default 1
+        Chooses where the first patches are.
+    samples : int, default 6000
+        How many places of the surface are matched, from 100.
+    steps : int, default 50
+        The surface gets softer over so many at most, 2 to 10000.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+    Returns
+    -------
+    Symmetrized
+        Where the vertices went, `Symmetrized.vertices`, and how asymmetric the surface was, `Symmetrized.symmetry` and `asymmetry`.
+
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
+        counterpart.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
+
+    Warns
+    -----
+    DeformationWarning
+        The plane is not sure, little has a counterpart, landmarks contradict each other, triangles turned over, or the fit did not come to
+        rest.
+    """
+    told = shared(progress)
+    fitter = Fitter(vertices, faces, normals=normals, weights=weights, stiffness=stiffness, largest_distance=largest_distance,
+                    landmark_tolerance=landmark_tolerance, patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps,
+                    threads=threads, progress=report(told, 0, 20))
+    deformer = fitter.deformer
+    ends, middle = _marks(deformer, "pairs", _ends(pairs)), _marks(deformer, "midline", midline)
+    goal: dict[str, Any] = {
+        "plane": None if plane is None else _inputs.finite("plane", _inputs.rows("plane", plane, 2, "a point and a normal")),
+        "vertex": np.concatenate([ends[0], middle[0]]), "place": np.concatenate([ends[1], middle[1]]), "pairs": len(ends[0]) // 2,
+    }
+    counts = _inputs.weights(weights, len(deformer.vertices))
+    solved, places, mirrored, matched, found = deformer._fitting.symmetrize(goal, deformer._rest_normals, counts, report(told, 20, 90))
+    if found["matched"] == 0:
+        raise ValueError("nothing of the surface has a counterpart on its other side: give pairs, a midline or the plane, or raise "
+                         "largest_distance")
+    diagonal = found.pop("diagonal")
+    made = Symmetrized(deformer, solved)
+    made._symmetry = SymmetryInfo(**found)
+    made._mirrored, made._matched = mirrored, matched
+    mirrored.flags.writeable = matched.flags.writeable = False
+    made._write(None, None, None, lambda at: np.copyto(at, places))
+    warn(_words(made, made._check(report(told, 90, 100))["folded"], diagonal), 2)
+    return made
+
+
+def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
+    """What is not to be trusted, in words."""
+    told, found = made.symmetry, list[Told]()
+    if not told.is_sure:
+        found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane: look at the plane, and give "
+                                       "pairs, a midline or the plane itself where it is the wrong one."))
+    if told.matched < 0.3:  # then most of the shape is a guess
+        found.append((SymmetryWarning, f"Only {100 * told.matched:.3g} percent of the surface have a counterpart on the other side: do not "
+                                       "trust the rest. Give pairs or a midline."))
+    elif told.guessed > 0.05 and told.guess_error > 0.01 * diagonal:  # 1 %: no hand misses so much
+        found.append((SymmetryWarning, f"{100 * told.guessed:.3g} percent of the surface have no counterpart on the other side, were carried "
+                                       f"along, and may be off by about {told.guess_error:.3g}."))
+    if told.contradicted:
+        names = ", ".join(map(str, told.contradicted))
+        found.append((LandmarkWarning, f"Landmarks {names}, counted from 0, the pairs first, do not go with the others. Look whether they are "
+                                       "mixed up."))
+    if folded > 0:
+        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Give pairs, or raise stiffness."))
+    if not told.converged:
+        found.append((NotAtRestWarning, "The fit onto the mirror image did not come to rest: raise steps."))
+    return found

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Restoring symmetry."""
+import warnings
+
+import numpy as np
+import pytest
+
+from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Symmetrized, symmetrize
+from shapes import same
+from test_straighten import rms_apart
+
+MIRROR = np.array([-1, 1, 1.0])
+
+
+def directions(rings=90, around=120):
+    """A sphere whose triangles are not symmetric."""
+    z, a = np.meshgrid(np.cos(np.pi * (np.arange(rings) + 0.5) / rings), 2 * np.pi * (np.arange(around) + 0.3) / around, indexing="ij")
+    r = np.sqrt(1 - z**2)
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    faces = [face for k in range(rings - 1) for face in (
+        np.stack([here, here + around, beside], 1) + k * around, np.stack([beside, here + around, beside + around], 1) + k * around)]
+    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    turn[:, 0] *= np.sign(np.linalg.det(turn))
+    return np.stack([r * np.cos(a), r * np.sin(a), z], 2).reshape(-1, 3) @ turn, np.concatenate(faces)
+
+
+def skull(at, seed):
+    """Symmetric about x = 0, with features on both sides and in the middle."""
+    random, height = np.random.default_rng(seed), np.ones(len(at))
+    for k in range(14):
+        middle = random.normal(size=3) * [k % 4 > 0, 1, 1]
+        middle /= np.linalg.norm(middle)
+        width, bump = random.uniform(0.12, 0.45), random.uniform(-0.18, 0.22)
+        for side in [1, -1][: 1 + (middle[0] != 0)]:
+            height += bump * np.exp(-((at - middle * [side, 1, 1]) ** 2).sum(1) / width**2 / 2)
+    return at * height[:, None] * [0.75, 1.0, 0.85]
+
+
+def buried(points, shear=0.08, bend=0.06):
+    """Sheared, bent to one side, and anywhere."""
+    p = points.copy()
+    p[:, 0] += shear * (0.8 * p[:, 1] - 0.6 * p[:, 2])
+    angle = bend * p[:, 1]
+    p = np.stack([(p[:, 0] + 1 / bend) * np.cos(angle) - 1 / bend, (p[:, 0] + 1 / bend) * np.sin(angle), p[:, 2]], 1)
+    turn = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
+    turn[:, 0] *= np.sign(np.linalg.det(turn))
+    return p @ turn + [3, -1, 2]
+
+
+AT, FACES = directions()
+
+
+def off(made, truth):
+    """Percent of the diagonal."""
+    return 100 * rms_apart(made, truth) / np.linalg.norm(np.ptp(truth, axis=0))
+
+
+@pytest.fixture(scope="module")
+def restored():
+    truth = skull(AT, 1)
+    return truth, symmetrize(buried(truth), FACES)
+
+
+def test_what_was_sheared_and_bent_is_symmetric_again(restored):
+    truth, made = restored
+    assert isinstance(made, Symmetrized) and isinstance(made, Pose)
+    assert off(buried(truth), truth) > 0.8 and off(made.vertices, truth) < 0.15
+    told = made.symmetry
+    assert told.is_sure and told.plane_from == "surface" and told.converged and told.matched > 0.95
+    assert told.after < 0.05 * told.before and 0 < told.moved < told.asymmetry < told.asymmetry_most
+    assert made.matched.mean() > 0.95 and made.asymmetry.max() == pytest.approx(told.asymmetry_most, rel=0.3)
+    assert np.array(told.plane).shape == (2, 3)
+    place = symmetrize(made.vertices, FACES, plane=told.plane)  # symmetric already
+    assert place.symmetry.moved < 0.05 * told.moved
+    assert same(symmetrize(buried(truth), FACES, threads=1).vertices, made.vertices)
+
+
+def test_what_it_did_is_kept_for_other_surfaces(restored, tmp_path):
+    truth, made = restored
+    inner = buried(0.9 * truth)
+    assert off(made.map(inner), 0.9 * truth) < 0.3
+    made.deformation(accuracy=1e-3).save(tmp_path / "restored")
+    assert off(Deformation.load(tmp_path / "restored")(inner), 0.9 * truth) < 0.3
+
+
+def test_landmarks_lie_in_each_others_mirror_image():
+    truth = skull(AT, 3)
+    random = np.random.default_rng(4)
+    side = np.abs(random.normal(size=(14, 3))) * [1, 1, 1] * np.where(np.arange(42).reshape(14, 3) % 3 > 0, random.choice([-1, 1], (14, 3)), 1)
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    pairs = np.stack([buried(skull(side, 3), 0.14, 0.15), buried(skull(side * MIRROR, 3), 0.14, 0.15)], 1)
+    made = symmetrize(buried(truth, 0.14, 0.15), FACES, pairs=pairs)
+    assert off(buried(truth, 0.14, 0.15), truth) > 1.7 and off(made.vertices, truth) < 0.25
+    assert made.symmetry.plane_from == "landmarks" and made.symmetry.pairs == 14
+    middle = np.argsort(np.abs(truth[:, 0]))[:5]
+    left, right = np.argmax(truth[:, 0]), np.argmin(((truth - truth[np.argmax(truth[:, 0])] * MIRROR) ** 2).sum(1))
+    exact = symmetrize(buried(truth), FACES, midline=middle, pairs=[[left, right]])
+    point, normal = map(np.array, exact.symmetry.plane)
+    assert np.abs((exact.vertices[middle] - point) @ normal).max() < 1e-12
+    mirrored = exact.vertices[left] - 2 * ((exact.vertices[left] - point) @ normal) * normal
+    assert np.abs(mirrored - exact.vertices[right]).max() < 1e-12
+    assert symmetrize(buried(truth), FACES, plane=[point, 2 * normal]).symmetry.plane_from == "given"
+
+
+def test_the_good_side_is_mirrored_over_a_missing_one():
+    truth = skull(AT, 5)
+    gone = ((truth - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.15
+    kept = np.flatnonzero(~gone)
+    number = np.full(len(truth), -1)
+    number[kept] = np.arange(len(kept))
+    faces = number[FACES[(~gone)[FACES].all(axis=1)]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeformationWarning)
+        made = symmetrize(buried(truth)[kept], faces)
+    assert off(made.vertices, truth[kept]) < 0.15
+    assert made.matched[((truth[kept] * MIRROR - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.1].mean() < 0.1
+    places, corners, source = made.other_side()
+    assert len(places) == len(source) and corners.max() == len(places) - 1
+    whole = np.concatenate([made.vertices, places])
+    belongs = np.concatenate([truth[kept], truth[kept][source] * MIRROR])
+    assert off(whole, belongs) < 0.5
+    assert (belongs[len(kept):, 0] > 0).mean() > 0.9
+
+
+def test_what_does_not_count_is_carried():
+    truth = skull(AT, 6)
+    grown = np.exp(-((AT - [0.8, 0, 0.6]) ** 2).sum(1) / 0.04)
+    lump = buried(truth * (1 + 0.25 * grown)[:, None])
+    made = symmetrize(lump, FACES, weights=grown < 0.05)
+    others = grown < 0.01
+    assert off(made.vertices[others], truth[others]) < 0.25
+
+
+def test_a_cloud(restored):
+    truth, of_mesh = restored
+    cloud = symmetrize(buried(truth), None)
+    assert off(cloud.vertices, truth) < 0.3 and cloud.other_side().faces is None
+
+
+def test_what_makes_no_sense_is_told():
+    truth = skull(AT, 1)
+    for wrong, text in (
+        (dict(pairs=[[1, 2], [2, 3]]), "named twice"), (dict(pairs=[1, 2, 3]), "pairs must be k x 2"),
+        (dict(plane=[[0, 0, 0], [0, 0, 0]]), "no direction"), (dict(plane=[[0, 0, 0]]), "plane must have 2 rows"),
+        (dict(midline=[len(truth)]), "numbers of vertices")):
+        with pytest.raises(ValueError, match=text):
+            symmetrize(truth, FACES, **wrong)
+
+
+def test_a_plane_that_is_not_sure_is_told():
+    egg = AT * [1.0, 0.8, 0.6] * (1 + 0.2 * AT[:, 2:])  # the mirror image of itself in two planes
+    with pytest.warns(DeformationWarning, match="another plane"):
+        assert not symmetrize(egg, FACES).symmetry.is_sure

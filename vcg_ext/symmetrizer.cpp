@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_landmarks.h>
+#include <vcg_ext/fit/fit_target.h>
+#include <vcg_ext/symmetrize.h>
+#include <vcg_ext/symmetry/half_pose.h>
+#include <vcg_ext/warp/smooth_warp.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// Places that tell the plane and the warp, which has 168 numbers: enough that a third of the noise is left in it.
+constexpr std::size_t places = 2000;
+// A bend by half a radian to each side needs degree 5 to be told to a thousandth of the diagonal (of twice the bend,
+// the series of the cosine ends with the power of 4, and it is sheared); more would follow single features. One of
+// degree 3 from fewer places tells which of several planes is the right one: that in which the surface is its mirror
+// image but for a warp. It is sure where the next one's misfit is so many times as large; that of a surface that is its
+// own mirror image in both is the same, but for noise. Below a ten-thousandth of the diagonal, both are as good as
+// perfect.
+constexpr int degree = 5, roughDegree = 3;
+constexpr std::size_t roughPlaces = 500;
+constexpr double sureBy = 1.25, perfect = 1e-4;
+constexpr double apart = 0.05; // of the diagonal: counterparts that are farther from each other are others
+// Landmarks beside the surface, which tells nothing along itself: more than a match does there (a hundredth).
+constexpr double landmarkWeight = 0.1;
+
+/// From the world to the frame, and back; both are alike but for scale and place.
+class InWorld {
+  public:
+    InWorld(const Frame &frame, const Eigen::Affine3d &world)
+        : scale(frame.scale), origin(frame.origin + world.translation()) {}
+    Eigen::Vector3d Back(const Eigen::Vector3d &world) const { return (world - origin) / scale; }
+    Eigen::Vector3d operator()(const Eigen::Vector3d &p) const { return p * scale + origin; }
+
+  private:
+    double scale;
+    Eigen::Vector3d origin;
+};
+
+/// Landmarks in the order that the fit has them: the ends of each pair, the midline.
+struct Marks {
+    std::vector<std::size_t> vertex, partner; // of partners, their numbers
+    MirrorPairs place;                        // in the frame, and the partner's
+    std::vector<Eigen::Vector3d> beside;      // from the place to the vertex
+    std::size_t pairs = 0;                    // how many
+
+    /// Where the mirror image of a vertex's partner is: as far from the partner's place as the vertex is from its own.
+    Eigen::Vector3d Partner(std::size_t l, const MirrorPlane &plane) const {
+        return place[l].second + plane.Turn(beside[l]);
+    }
+};
+
+Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &frame, const InWorld &world) {
+    Marks marks;
+    marks.pairs = goal.pairs.size();
+    const auto add = [&](const SymmetryMark &mark, const SymmetryMark &partner, std::size_t number) {
+        if (mark.vertex >= source.vertexSlots || source.IsDeleted(mark.vertex))
+            throw BadInput("Vertex " + std::to_string(mark.vertex) +
+                           " of the pairs or the midline is no vertex of the surface. Give numbers from 0, or places.");
+        marks.vertex.push_back(mark.vertex);
+        marks.partner.push_back(number);
+        marks.place.emplace_back(world.Back(mark.place), world.Back(partner.place));
+        marks.beside.emplace_back(frame.ToFrame(Eigen::Vector3d(source.At(mark.vertex))) - marks.place.back().first);
+    };
+    for (const auto &[a, b] : goal.pairs) {
+        add(a, b, marks.vertex.size() + 1);
+        add(b, a, marks.vertex.size() - 1);
+    }
+    for (const SymmetryMark &each : goal.midline)
+        add(each, each, marks.vertex.size());
+    std::vector<std::size_t> sorted = marks.vertex;
+    std::sort(sorted.begin(), sorted.end());
+    if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+        throw BadInput("Vertex " + std::to_string(*twice) +
+                       " is named twice in the pairs and the midline. A vertex has one partner; one that is its own "
+                       "belongs to the midline.");
+    return marks;
+}
+
+MirrorPlane InFrame(const MirrorPlane &plane, const InWorld &world) {
+    if (!plane.point.allFinite() || !plane.normal.allFinite() || !(plane.normal.norm() > 0))
+        throw BadInput("The plane has no direction: give a point on it, and its normal, of any length but 0.");
+    return {world.Back(plane.point), plane.normal.normalized()};
+}
+
+/// The plane in which the surface is its mirror image, but for a warp: of those in which it is so equally well, the one
+/// in which it is most like that without a warp.
+template <class GoalIn>
+MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goalIn, bool &isSure,
+                      const Progress &progress) {
+    struct Tried {
+        double misfit = 0;
+        MirrorPairs pairs; // places, and their counterparts
+    };
+    std::vector<Tried> all(planes.size());
+    double least = std::numeric_limits<double>::infinity();
+    const double n = double(planes.size());
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        WarpGoal goal = goalIn(planes[i]);
+        goal.place = Some(goal.place, roughPlaces);
+        goal.normal = Some(goal.normal, roughPlaces);
+        goal.weight = Some(goal.weight, roughPlaces);
+        goal.degree = roughDegree;
+        const SmoothWarp warp = FitWarp(goal, progress.Slice(double(i) / n, (double(i) + 1) / n), &all[i].misfit);
+        for (const Eigen::Vector3d &place : goal.place)
+            all[i].pairs.emplace_back(place, planes[i](warp.At(place)));
+        least = std::min(least, all[i].misfit);
+    }
+    const auto isGood = [&](const Tried &each) { return each.misfit <= sureBy * std::max(least, perfect); };
+    const Tried &best = *std::find_if(all.begin(), all.end(), isGood);
+    const auto isOther = [&](const Tried &each) { // one that leads to other counterparts
+        double squares = 0;
+        for (std::size_t s = 0; s < best.pairs.size(); ++s)
+            squares += (each.pairs[s].second - best.pairs[s].second).squaredNorm();
+        return squares > apart * apart * double(best.pairs.size());
+    };
+    isSure = std::none_of(all.begin(), all.end(), [&](const Tried &each) { return isGood(each) && isOther(each); });
+    bool isTold;
+    const MirrorPlane plane = PlaneOf(best.pairs, {}, isTold);
+    return isTold ? plane : planes[std::size_t(&best - all.data())];
+}
+
+} // namespace
+
+SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
+                         const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
+                         const Progress &progress, const WeightOf &weight) {
+    const RegionDeformer &region = fitter.Surface().Whole();
+    const Frame &frame = region.surface.frame;
+    const InWorld inWorld(frame, world);
+    const Marks marks = MarksOf(goal, source, frame, inWorld);
+    const std::vector<float> nodeWeight =
+        weight ? WeightsAtNodes(source, weight, fitter.Surface()) : std::vector<float>();
+    const std::vector<Index> sample = EvenSample(region, places, nodeWeight);
+    WarpGoal warped;
+    warped.normal = NormalsAtNodes(source, normal, fitter.Surface(), sample);
+    for (Index node : sample) {
+        warped.place.emplace_back(region.surface.graph.position.col(node).cast<double>());
+        warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[std::size_t(node)]));
+    }
+    const auto itself = fitter.Prepare({source, normal, world, {}, weight}, progress.Slice(0, 0.1));
+
+    MirrorPlane plane;
+    report.isGiven = goal.plane.has_value();
+    if (report.isGiven)
+        plane = InFrame(*goal.plane, inWorld);
+    else
+        plane = PlaneOf(marks.place, {}, report.isOfLandmarks);
+    const auto goalIn = [&](const MirrorPlane &in) {
+        WarpGoal whole = warped;
+        // It takes the surface onto its mirror image as far as that is smooth; what is mirrored back is nearest to the
+        // surface itself.
+        whole.match = [&itself, in](std::size_t, const Eigen::Vector3d &at) {
+            const FitTarget::Match match = itself->Nearest(in(at));
+            return WarpMatch{in(match.point), in.Turn(match.normal), match.isOriented,
+                             match.onBorder ? 0 : match.weight};
+        };
+        for (const auto &[place, partner] : marks.place) {
+            whole.from.push_back(place);
+            whole.to.push_back(in(partner));
+        }
+        whole.landmarkWeight = landmarkWeight;
+        whole.degree = degree;
+        return whole;
+    };
+    if (!report.isGiven && !report.isOfLandmarks)
+        plane = BestPlane(FindPlanes(warped.place, warped.normal, *itself, progress.Slice(0.1, 0.2)), goalIn,
+                          report.isSure, progress.Slice(0.2, 0.3));
+    report.plane = {inWorld(plane.point), plane.normal};
+    const SmoothWarp warp = FitWarp(goalIn(plane), progress.Slice(0.3, 0.45));
+
+    // The rest of the way is a fit. It begins at the surface itself: what is fitted to is not its mirror image, but
+    // that of the warped surface, which lies where the surface is.
+    Eigen::Matrix3Xd position(3, Eigen::Index(source.vertexSlots));
+    ParallelFor(progress.threads, source.vertexSlots, 1 << 12, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const Eigen::Vector3d p = source.At(i);
+            position.col(Eigen::Index(i)) = source.IsDeleted(i) ? p : frame.FromFrame(plane(warp.At(frame.ToFrame(p))));
+        }
+    });
+    std::vector<std::uint32_t> corner(source.corner, source.corner + 3 * source.faces);
+    for (std::size_t f = 0; f < source.faces; ++f) // outside is outside again
+        if (source.IsFace(f))
+            std::swap(corner[3 * f + 1], corner[3 * f + 2]);
+    SurfaceView mirrored = source.With(position);
+    mirrored.corner = corner.data();
+    const NormalOf mirroredNormal = [&](std::size_t i) -> Eigen::Vector3d {
+        const Eigen::Vector3d n = frame.metric.inverse().transpose() * normal(i);
+        const Eigen::Matrix3d linear = warp.LinearAt(frame.ToFrame(Eigen::Vector3d(source.At(i))));
+        return frame.metric.transpose() * plane.Turn(linear.inverse().transpose() * n);
+    };
+    SymmetricPose made;
+    made.target =
+        fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight}, progress.Slice(0.45, 0.55));
+    std::vector<Landmark> landmarks;
+    for (std::size_t l = 0; l < marks.vertex.size(); ++l)
+        landmarks.push_back({marks.vertex[l], inWorld(plane(warp.At(marks.Partner(l, plane))))});
+    made.fitted = fitter.Solve(*made.target, landmarks, report.fit, progress.Slice(0.55, 0.95));
+    for (std::size_t each : report.fit.contradicted) {
+        const std::size_t number = each < 2 * marks.pairs ? each / 2 : each - marks.pairs;
+        if (report.contradicted.empty() || report.contradicted.back() != number)
+            report.contradicted.push_back(number);
+    }
+
+    // What is fitted lies at the mirror image of the warped counterpart; the counterpart's own mirror image is asked
+    // for.
+    const auto put = [](Deformer::Pose &pose, const GraphPose &graph) {
+        pose.region[0].solved = pose.region[0].graph = graph;
+    };
+    GraphPose whole = made.fitted.region[0].solved;
+    whole.moves = true;
+    for (Index j = 0; j < region.graph.Size(); ++j) {
+        const Eigen::Vector3d at = plane(whole.position.col(j));
+        const Eigen::Vector3d from = warp.Back(at, at);
+        const Eigen::Matrix3d linear = warp.LinearAt(from).inverse();
+        whole.position.col(j) = plane(from);
+        whole.linear[std::size_t(j)] = plane.Linear() * linear * plane.Linear() * whole.linear[std::size_t(j)];
+    }
+    GraphPose half = HalfPose(region.graph, whole);
+    FitSamples samples;
+    for (std::size_t vertex : marks.vertex)
+        samples.Add(region, made.fitted.region[0], fitter.Surface().nodeOf[vertex]);
+    if (samples.Size() > 0) {
+        std::vector<Eigen::Vector3d> at, goals;
+        for (std::size_t l = 0; l < samples.Size(); ++l)
+            at.emplace_back(samples.At(l, half) - marks.beside[l]); // of the place
+        for (std::size_t l = 0; l < samples.Size(); ++l) {
+            const Eigen::Vector3d middle = 0.5 * (at[l] + plane(at[marks.partner[l]]));
+            goals.emplace_back(middle + marks.beside[l]);
+            report.landmarks = std::max(report.landmarks, 2 * (middle - at[l]).norm() * frame.scale);
+        }
+        const std::vector<char> isFree(std::size_t(region.graph.Size()), 1);
+        MoveTowards(samples, 0, goals, isFree, half);
+    }
+    made.half = made.mirror = made.fitted;
+    put(made.half, half);
+    put(made.mirror, whole);
+
+    FitSamples drawn;
+    for (Index node : sample)
+        drawn.Add(region, made.fitted.region[0], node);
+    for (std::size_t s = 0; s < drawn.Size(); ++s) {
+        const double way = (drawn.At(s, whole) - warped.place[s]).norm() * frame.scale,
+                     moved = (drawn.At(s, half) - warped.place[s]).norm() * frame.scale;
+        report.way += way * way / double(drawn.Size());
+        report.wayMost = std::max(report.wayMost, way);
+        report.moved += moved * moved / double(drawn.Size());
+        report.movedMost = std::max(report.movedMost, moved);
+    }
+    report.way = std::sqrt(report.way);
+    report.moved = std::sqrt(report.moved);
+    progress(1, "Making it symmetric");
+    return made;
+}
+
+double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
+                          const Eigen::Affine3d &world, const MirrorPlane &given, const PositionsRef &position,
+                          const Progress &progress, const WeightOf &weight) {
+    const RegionDeformer &region = fitter.Surface().Whole();
+    const Frame &frame = region.surface.frame;
+    const MirrorPlane plane = InFrame(given, InWorld(frame, world));
+    SurfaceView moved = source;
+    moved.position = position.data();
+    const auto itself = fitter.Prepare({moved, normal, world, {}, weight}, progress);
+    std::vector<double> far;
+    const std::size_t step = std::max<std::size_t>(1, source.vertexSlots / places);
+    for (std::size_t i = 0; i < source.vertexSlots; i += step)
+        if (!source.IsDeleted(i) && (!weight || weight(i) > 0)) {
+            const Eigen::Vector3d p = plane(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
+            far.push_back((itself->Nearest(p).point - p).norm() * frame.scale);
+        }
+    std::sort(far.begin(), far.end());
+    far.resize(far.size() - far.size() / 10); // what is missing on one side is far from anything
+    double squares = 0;
+    for (double each : far)
+        squares += each * each;
+    return far.empty() ? 0 : std::sqrt(squares / double(far.size()));
+}
+
+void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::Affine3d &world,
+                 const SymmetryGoal &goal, const SymmetryReport &report, Eigen::Ref<Eigen::Matrix3Xd> position) {
+    const double rounding = 1e-5 * fitter.Surface().Whole().surface.frame.scale;
+    const auto at = [&](std::size_t vertex) -> Eigen::Vector3d { return world * position.col(Eigen::Index(vertex)); };
+    const auto isVertex = [&](const SymmetryMark &mark) {
+        return (world * Eigen::Vector3d(source.At(mark.vertex)) - mark.place).norm() <= 1e-6 * rounding;
+    };
+    const Eigen::Affine3d back = world.inverse();
+    const auto put = [&](std::size_t vertex, const Eigen::Vector3d &to) {
+        if ((at(vertex) - to).norm() <= rounding)
+            position.col(Eigen::Index(vertex)) = back * to;
+    };
+    for (const auto &[a, b] : goal.pairs)
+        if (isVertex(a) && isVertex(b)) {
+            const Eigen::Vector3d middle = 0.5 * (at(a.vertex) + report.plane(at(b.vertex)));
+            put(a.vertex, middle);
+            put(b.vertex, report.plane(middle));
+        }
+    for (const SymmetryMark &each : goal.midline)
+        if (isVertex(each))
+            put(each.vertex, report.plane.Onto(at(each.vertex)));
+}
+
+} // namespace vcg::fcd

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/symmetric_eigen.h>
+#include <vcg_ext/symmetry/mirror_plane.h>
+#include <vcg_ext/warp/smooth_warp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vcg::fcd {
+
+MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isTold) {
+    // Mirrored about a place c on the plane, p is |p - q|^2 + 4 (n (p - c)) (n (q - c)) from q, squared; the sum is
+    // least where c is the mean of the middles of all pairs.
+    double sum = 0;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    const auto weightOf = [&](std::size_t i) { return weight.empty() ? 1 : weight[i]; };
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        sum += weightOf(i);
+        middle += 0.5 * weightOf(i) * (pairs[i].first + pairs[i].second);
+    }
+    MirrorPlane plane;
+    isTold = false;
+    if (!(sum > 0))
+        return plane;
+    middle /= sum;
+    Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const Eigen::Vector3d p = pairs[i].first - middle, q = pairs[i].second - middle;
+        product += 0.5 * weightOf(i) * (p * q.transpose() + q * p.transpose());
+    }
+    const detail::SymmetricEigen eigen(product);
+    plane.point = middle;
+    plane.normal = eigen.Vectors().col(0);
+    const double most = eigen.values.cwiseAbs().maxCoeff();
+    isTold = eigen.values[1] - eigen.values[0] > 1e-6 * most; // more than rounding leaves
+    return plane;
+}
+
+namespace {
+
+// Directions that are tried: 13 degrees from each other, so that one is within 7 of any plane; matching finds it from
+// 20 degrees away where a shape is not round.
+constexpr int directions = 200;
+constexpr std::size_t few = 300, tried = 10; // places that tell which to try, and how many of them are tried
+constexpr int steps = 60;                    // of matching, at most
+constexpr double rest = 1e-5;                // a step that turns and shifts it by less has arrived
+// Two planes are the same one when their normals are nearer than this: 15 degrees.
+constexpr double same = 0.966;
+// A plane whose misfit is so many times that of the best one may be the right one: the best one may be a chance where
+// what was bent fits nowhere well.
+constexpr double nearly = 2.5, asGood = 1e-4; // nearer than this, of the diagonal, both are as good as perfect
+
+struct Mirrored {
+    std::vector<double> far;
+    MirrorPairs pairs;
+};
+
+/// The mirror image of places, and what is nearest to it; farther where that looks to another side.
+Mirrored MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
+                 const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads) {
+    Mirrored all;
+    all.far.resize(points.size());
+    all.pairs.resize(points.size());
+    ParallelFor(threads, points.size(), 64, [&](std::size_t first, std::size_t last) {
+        for (std::size_t s = first; s < last; ++s) {
+            const Eigen::Vector3d p = plane(points[s]);
+            const FitTarget::Match match = surface.Nearest(p);
+            const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
+            all.far[s] = (p - match.point).norm() * (isOther ? 3 : 1);
+            all.pairs[s] = {points[s], match.point};
+        }
+    });
+    return all;
+}
+
+/// The distance that four fifths of them are within.
+double MostOf(std::vector<double> far) {
+    const auto at = far.begin() + std::ptrdiff_t(4 * far.size() / 5);
+    std::nth_element(far.begin(), at, far.end());
+    return *at;
+}
+
+struct Candidate {
+    double misfit;
+    MirrorPlane plane;
+};
+
+Candidate AtRest(MirrorPlane plane, const std::vector<Eigen::Vector3d> &points,
+                 const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, const Progress &progress) {
+    Mirrored all = MatchIn(plane, points, normal, surface, progress.threads);
+    for (int step = 0; step < steps; ++step) {
+        progress(double(step) / steps, "Looking for the plane");
+        const double width = std::max(MostOf(all.far), 1e-9);
+        std::vector<double> weight;
+        for (double far : all.far) { // Tukey's biweight (Beaton and Tukey 1974)
+            const double part = 1 - far * far / (4 * width * width);
+            weight.push_back(part > 0 ? part * part : 0);
+        }
+        bool isTold;
+        MirrorPlane next = PlaneOf(all.pairs, weight, isTold);
+        if (!isTold)
+            break;
+        if (next.normal.dot(plane.normal) < 0)
+            next.normal = -next.normal;
+        const double moved = (next.normal - plane.normal).norm() + std::abs(plane.Above(next.point));
+        plane = next;
+        all = MatchIn(plane, points, normal, surface, progress.threads);
+        if (moved < rest)
+            break;
+    }
+    return {MeanOfMost(all.far), plane};
+}
+
+} // namespace
+
+std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
+                                    const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface,
+                                    const Progress &progress) {
+    Moments spread;
+    for (const Eigen::Vector3d &p : points)
+        spread.Add(p, 1);
+    std::vector<Eigen::Vector3d> direction;
+    const Eigen::Matrix3d axes = spread.Axes();
+    for (int d = 0; d < 3; ++d)
+        direction.emplace_back(axes.col(d));
+    const double turn = detail::pi * (3 - std::sqrt(5.)); // evenly on half a sphere (Fibonacci's lattice)
+    for (int i = 0; i < directions; ++i) {
+        const double z = (i + 0.5) / directions, r = std::sqrt(1 - z * z);
+        direction.emplace_back(r * detail::Cosine(turn * i), r * detail::Sine(turn * i), z);
+    }
+    const std::vector<Eigen::Vector3d> someOf = Some(points, few), normalOf = Some(normal, few);
+    std::vector<Candidate> all;
+    for (const Eigen::Vector3d &each : direction) {
+        progress(0.3 * double(all.size()) / double(direction.size()), "Looking for the plane");
+        const MirrorPlane plane{spread.Middle(), each};
+        all.push_back({MeanOfMost(MatchIn(plane, someOf, normalOf, surface, progress.threads).far), plane});
+    }
+    const auto isBetter = [](const Candidate &a, const Candidate &b) { return a.misfit < b.misfit; };
+    std::stable_sort(all.begin(), all.end(), isBetter);
+    const auto isSame = [](const Candidate &a, const Candidate &b) {
+        return std::abs(a.plane.normal.dot(b.plane.normal)) > same;
+    };
+    std::vector<Candidate> best; // those that are best, and no neighbours of better ones
+    for (const Candidate &each : all)
+        if (best.size() < tried &&
+            std::none_of(best.begin(), best.end(), [&](const Candidate &other) { return isSame(each, other); }))
+            best.push_back(each);
+    for (std::size_t i = 0; i < best.size(); ++i)
+        best[i] = AtRest(best[i].plane, someOf, normalOf, surface,
+                         progress.Slice(0.3 + 0.7 * double(i) / double(best.size()), 1));
+    std::stable_sort(best.begin(), best.end(), isBetter);
+    std::vector<MirrorPlane> planes;
+    std::vector<Candidate> told; // starts may come to rest in one plane
+    for (const Candidate &each : best)
+        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) &&
+            std::none_of(told.begin(), told.end(), [&](const Candidate &other) { return isSame(each, other); })) {
+            told.push_back(each);
+            planes.push_back(each.plane);
+        }
+    return planes;
+}
+
+} // namespace vcg::fcd

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/warp/smooth_warp.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace vcg::fcd {
+
+SmoothWarp::SmoothWarp(const Eigen::Vector3d &middle, double radius, int degree) : middle(middle), radius(radius) {
+    for (int all = 0; all <= degree; ++all)
+        for (int x = all; x >= 0; --x)
+            for (int y = all - x; y >= 0; --y)
+                power.push_back({x, y, all - x - y});
+    coefficient = Eigen::Matrix3Xd::Zero(3, Eigen::Index(power.size()));
+}
+
+Eigen::VectorXd SmoothWarp::Basis(const Eigen::Vector3d &p, Eigen::MatrixX3d *slope,
+                                  Eigen::Matrix<double, Eigen::Dynamic, 6> *curvature) const {
+    const Eigen::Vector3d u = (p - middle) / radius;
+    const Eigen::Index n = Size();
+    Eigen::VectorXd value(n);
+    if (slope)
+        slope->resize(n, 3);
+    if (curvature)
+        curvature->resize(n, 6);
+    const int degree = power.empty() ? 0 : power.back().z;
+    // Powers of a coordinate, and their derivatives.
+    std::vector<Eigen::Vector3d> to(std::size_t(degree) + 1, Eigen::Vector3d::Ones());
+    for (std::size_t d = 1; d < to.size(); ++d)
+        to[d] = to[d - 1].cwiseProduct(u);
+    const auto at = [&](int axis, int exponent, int order) {
+        double factor = 1;
+        for (int k = 0; k < order; ++k)
+            factor *= exponent - k;
+        return factor == 0 ? 0 : factor * to[std::size_t(exponent - order)][axis];
+    };
+    const auto product = [&](const Power &e, int x, int y, int z) {
+        return at(0, e.x, x) * at(1, e.y, y) * at(2, e.z, z);
+    };
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const Power &e = power[std::size_t(i)];
+        value[i] = product(e, 0, 0, 0);
+        if (slope)
+            slope->row(i) << product(e, 1, 0, 0), product(e, 0, 1, 0), product(e, 0, 0, 1);
+        if (curvature)
+            curvature->row(i) << product(e, 2, 0, 0), product(e, 0, 2, 0), product(e, 0, 0, 2), product(e, 1, 1, 0),
+                product(e, 0, 1, 1), product(e, 1, 0, 1);
+    }
+    if (slope)
+        *slope /= radius;
+    if (curvature)
+        *curvature /= radius * radius;
+    return value;
+}
+
+Eigen::Vector3d SmoothWarp::At(const Eigen::Vector3d &p) const { return p + coefficient * Basis(p); }
+
+Eigen::Matrix3d SmoothWarp::LinearAt(const Eigen::Vector3d &p) const {
+    Eigen::MatrixX3d slope;
+    Basis(p, &slope);
+    return Eigen::Matrix3d::Identity() + coefficient * slope;
+}
+
+Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d &near) const {
+    Eigen::Vector3d x = near;
+    for (int step = 0; step < 20; ++step) { // each doubles the digits that are right
+        const Eigen::Vector3d off = At(x) - p;
+        x -= LinearAt(x).partialPivLu().solve(off);
+        if (!(off.norm() > 1e-14))
+            break;
+    }
+    return x;
+}
+
+namespace {
+
+// Of the diagonal: what moves by less has arrived. A tenth of what a good fit is off by.
+constexpr double still = 1e-5;
+constexpr int mostSteps = 40; // of each degree; it mostly comes to rest in 10 to 20
+// The weight of a match along the surface, beside that across it: in the beginning, where the surface lies in the wrong
+// place along itself, and later.
+constexpr double alongFirst = 0.1, along = 0.001;
+constexpr double typicalBending = 1; // of what was bent, radians over the diagonal
+// Cosines of the angle between two normals: less is another side; more is the same one.
+constexpr double anotherSide = 0.3, sameSide = 0.7;
+
+double MedianOf(std::vector<double> values) {
+    if (values.empty())
+        return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// The sums of a least-squares problem in the coefficients of x, y and z.
+class NormalEquations {
+  public:
+    explicit NormalEquations(Eigen::Index n)
+        : n(n), matrix(Eigen::MatrixXd::Zero(3 * n, 3 * n)), right(Eigen::VectorXd::Zero(3 * n)) {}
+
+    /// The form in C b - way.
+    void Add(const Eigen::Matrix3d &form, const Eigen::VectorXd &b, const Eigen::Vector3d &way) {
+        const Eigen::Vector3d pull = form * way;
+        for (int i = 0; i < 3; ++i) {
+            for (int k = 0; k <= i; ++k)
+                for (Eigen::Index c = 0; c < n; ++c)
+                    matrix.col(k * n + c).segment(i * n, n) += (form(i, k) * b[c]) * b;
+            right.segment(i * n, n) += pull[i] * b;
+        }
+    }
+    void AddBending(double weight, const Eigen::MatrixXd &square) {
+        for (int i = 0; i < 3; ++i)
+            matrix.block(i * n, i * n, n, n) += weight * square;
+    }
+    Eigen::Matrix3Xd Solution() const {
+        Eigen::MatrixXd whole = matrix;
+        whole.diagonal().array() += 1e-12 * matrix.trace() / double(3 * n); // what nothing tells stays
+        const Eigen::VectorXd x = whole.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+        return Eigen::Map<const Eigen::MatrixX3d>(x.data(), n, 3).transpose();
+    }
+
+  private:
+    Eigen::Index n;
+    Eigen::MatrixXd matrix; // its lower half
+    Eigen::VectorXd right;
+};
+
+} // namespace
+
+double MeanOfMost(std::vector<double> far) {
+    const std::size_t count = std::max<std::size_t>(1, 4 * far.size() / 5);
+    std::sort(far.begin(), far.end());
+    double sum = 0;
+    for (std::size_t i = 0; i < std::min(count, far.size()); ++i)
+        sum += far[i];
+    return sum / double(count);
+}
+
+SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfit) {
+    const std::size_t places = goal.place.size();
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d &each : goal.place)
+        box.extend(each);
+    const Eigen::Vector3d middle = box.center();
+    const double radius = std::max(0.5 * box.sizes().maxCoeff(), 1e-9);
+    SmoothWarp warp;
+    std::vector<Eigen::Vector3d> at = goal.place, normal = goal.normal;
+    std::vector<WarpMatch> match(places);
+    std::vector<double> far(places), found;
+    for (int degree = 1; degree <= goal.degree; ++degree) {
+        warp = SmoothWarp(middle, radius, degree);
+        const Eigen::Index n = warp.Size();
+        std::vector<Eigen::VectorXd> basis(places);
+        std::vector<Eigen::MatrixX3d> slope(places);
+        Eigen::MatrixXd bending = Eigen::MatrixXd::Zero(n, n);
+        for (std::size_t s = 0; s < places; ++s) {
+            Eigen::Matrix<double, Eigen::Dynamic, 6> curvature;
+            basis[s] = warp.Basis(goal.place[s], &slope[s], &curvature);
+            for (int k = 0; k < 6; ++k) // mixed ones are twice in the sum of all
+                for (Eigen::Index c = 0; c < n; ++c)
+                    bending.col(c) += ((k < 3 ? 1 : 2) / double(places) * curvature(c, k)) * curvature.col(k);
+        }
+        for (int step = 0; step < mostSteps; ++step) {
+            progress((degree - 1 + double(step) / mostSteps) / goal.degree, "Warping");
+            ParallelFor(progress.threads, places, 64, [&](std::size_t first, std::size_t last) {
+                for (std::size_t s = first; s < last; ++s) {
+                    match[s] = goal.match(s, at[s]);
+                    far[s] = (match[s].point - at[s]).norm();
+                }
+            });
+            found.clear();
+            for (std::size_t s = 0; s < places; ++s)
+                if (match[s].weight > 0 && far[s] <= goal.farthest)
+                    found.push_back(far[s]);
+            const double width = std::max(2 * MedianOf(found), 1e-5);
+            NormalEquations sums(n);
+            double counted = 0;
+            for (std::size_t s = 0; s < places; ++s) {
+                double cosine = normal[s].dot(match[s].normal);
+                if (!match[s].isOriented)
+                    cosine = std::abs(cosine);
+                const bool hasSides = !match[s].normal.isZero(0) && !normal[s].isZero(0);
+                const double side =
+                    hasSides ? std::clamp((cosine - anotherSide) / (sameSide - anotherSide), 0.0, 1.0) : 1;
+                const double robust = 1 / (1 + (far[s] / width) * (far[s] / width));
+                const double weight =
+                    far[s] <= goal.farthest ? goal.weight[s] * match[s].weight * side * robust * robust : 0;
+                if (!(weight > 0))
+                    continue;
+                counted += weight;
+                const double beside = degree == 1 ? alongFirst : along;
+                Eigen::Matrix3d form = Eigen::Matrix3d::Identity();
+                if (hasSides) {
+                    const Eigen::Vector3d mean =
+                        (match[s].normal + (normal[s].dot(match[s].normal) < 0 ? -1 : 1) * normal[s])
+                            .stableNormalized();
+                    form = mean * mean.transpose() + beside * Eigen::Matrix3d::Identity();
+                }
+                sums.Add(weight * form, basis[s], match[s].point - goal.place[s]);
+            }
+            for (std::size_t l = 0; l < goal.from.size(); ++l)
+                sums.Add(goal.landmarkWeight * std::max(counted, 1.0) / double(goal.from.size()) *
+                             Eigen::Matrix3d::Identity(),
+                         warp.Basis(goal.from[l]), goal.to[l] - goal.from[l]);
+            // As likely as noise of that width is bending by a radian over the diagonal (a maximum a posteriori
+            // estimate); the first shapes of all are farther off, and bend less.
+            sums.AddBending(width * width / (typicalBending * typicalBending), bending);
+            warp.coefficient = sums.Solution();
+            double moved = 0;
+            for (std::size_t s = 0; s < places; ++s) {
+                const Eigen::Vector3d to = goal.place[s] + warp.coefficient * basis[s];
+                moved = std::max(moved, (to - at[s]).norm());
+                at[s] = to;
+                const Eigen::Matrix3d linear = Eigen::Matrix3d::Identity() + warp.coefficient * slope[s];
+                const Eigen::Matrix3d cofactors = linear.determinant() * linear.inverse().transpose();
+                normal[s] = (cofactors * goal.normal[s]).stableNormalized();
+            }
+            if (moved <= still)
+                break;
+        }
+    }
+    if (misfit)
+        *misfit = MeanOfMost(far);
+    return warp;
+}
+
+} // namespace vcg::fcd
