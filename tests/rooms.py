@@ -62,14 +62,14 @@ def main():
             faults.append(f"{name}:1: error: no source in vcg_ext/unity includes it")
     for plugin, other in (("filter_fcd", "edit_fcd"), ("edit_fcd", "filter_fcd"), ("layer_fcd", "filter_fcd"),
                           ("layer_fcd", "edit_fcd")):
-        for path in sorted((ROOT / plugin).glob("*.*")):
+        for path in sorted((ROOT / plugin).glob("**/*.*")):
             if path.suffix in (".h", ".cpp"):
-                faults += [f"{plugin}/{path.name}:{line}: error: includes {included}"
+                faults += [f"{path.relative_to(ROOT)}:{line}: error: includes {included}"
                            for line, included in includes(path) if other in included]
-    for path in sorted((ROOT / "edit_fcd").glob("*.cpp")):
+    for path in sorted((ROOT / "edit_fcd").glob("**/*.cpp")):
         text = path.read_text()
         if re.search(r"^\S.* (Bend|Fit)Tool::", text, re.MULTILINE):
-            faults += [f"edit_fcd/{path.name}:{line}: error: a slot of a tool that is not guarded"
+            faults += [f"{path.relative_to(ROOT)}:{line}: error: a slot of a tool that is not guarded"
                        for line, each in enumerate(text.split("\n"), 1) if UNGUARDED.search(each)]
     for folder in ("vcg_ext", "layer_fcd", "filter_fcd", "edit_fcd", "python"):
         for path in sorted([*(ROOT / folder).glob("**/*.h"), *(ROOT / folder).glob("**/*.cpp")]):

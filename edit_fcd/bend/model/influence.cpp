@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/session.h"
+
+#include <algorithm>
+#include <utility>
+
+// What handles hold, and what bends around them where nothing is marked as fixed.
+
+namespace {
+
+const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
+
+std::vector<std::size_t> chosenOf(const std::vector<char> &isIn) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i])
+            chosen.push_back(i);
+    return chosen;
+}
+
+} // namespace
+
+int BendSession::rankOf(int tag) const {
+    const auto found = now.rank.find(tag);
+    return found == now.rank.end() ? 0 : found->second;
+}
+
+/// What a new handle frees must not let go what is posed.
+int BendSession::rankOfNew() const {
+    int rank = 0;
+    for (const auto &each : now.motion)
+        rank = std::max(rank, rankOf(each.first) + 1);
+    return rank;
+}
+
+/// Where nothing is marked as fixed, what is not around a handle is.
+void BendSession::bendAround(BendTags &made) {
+    std::map<int, std::vector<Around>> around; // by rank
+    std::map<std::pair<int, double>, std::vector<std::size_t>> ofRim;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] >= 2)
+            ofRim[{made[i], rimAt(i)}].push_back(i);
+    for (auto &[own, vertices] : ofRim)
+        around[rankOf(own.first)].push_back({std::move(vertices), own.second});
+    for (const auto &[tag, point] : now.points)
+        around[rankOf(tag)].push_back({{point.slot}, point.radius});
+    std::vector<char> isNear(made.size(), 0);
+    for (const auto &[rank, handles] : around)
+        if (bendAround(handles, rank, isNear))
+            apart.insert(rank);
+    for (const std::size_t i : reachOfRest.looseAmong(isNear, usualGap()))
+        isNear[i] = 1;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] == 1 && !isNear[i])
+            made[i] = 0;
+}
+
+/// Finds what belongs to each handle, as far as that matters: where there are several, or one is a grip.
+void BendSession::findExtents(const BendTags &made) {
+    std::map<int, std::vector<std::size_t>> handles;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] >= 2)
+            handles[made[i]].push_back(i);
+    bool isAnyGrip = false;
+    for (const auto &[tag, point] : now.points) {
+        handles[tag] = {point.slot};
+        isAnyGrip = isAnyGrip || point.isGrip;
+    }
+    extents.clear();
+    beyond.clear();
+    if (handles.size() < 2 && !isAnyGrip)
+        return;
+    for (const auto &[tag, vertices] : handles) {
+        if (!local && now.points.count(tag) == 0)
+            continue; // what is marked where something is fixed moves alone
+        expectReach();
+        extents[tag] = reachOfRest.whole(vertices, radiusOf(tag), usualGap());
+    }
+    for (const auto &[tag, own] : extents) {
+        const auto lies = [&all = own->beyond](const std::vector<std::size_t> &part) {
+            return std::includes(all.begin(), all.end(), part.begin(), part.end());
+        };
+        for (const auto &[other, vertices] : handles) {
+            if (other == tag)
+                continue;
+            const auto its = extents.find(other);
+            const bool isNearTip = its != extents.end() && !its->second->beyond.empty() &&
+                                   its->second->beyond.size() < own->beyond.size() && lies(its->second->beyond);
+            if (isNearTip || lies(vertices))
+                beyond[tag].push_back(other);
+        }
+    }
+}
+
+std::vector<int> BendSession::carriedBy(int tag) const {
+    std::vector<int> carried;
+    if (const auto found = beyond.find(tag); found != beyond.end())
+        for (const int other : found->second)
+            if (!handle(other).isLocked && other != mirrored(tag))
+                carried.push_back(other);
+    return carried;
+}
+
+bool BendSession::isAlong(std::size_t slot) const {
+    const int tag = (*effective)[slot];
+    const auto point = now.points.find(tag);
+    return point != now.points.end() && point->second.isGrip &&
+           std::binary_search(extents.at(tag)->beyond.begin(), extents.at(tag)->beyond.end(), slot);
+}
+
+/// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
+/// where a handle is at the edge of that, all bend together. \return whether they bend less for it
+bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
+    const double gap = usualGap();
+    const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
+    std::vector<std::size_t> middle;
+    for (const Around &each : handles)
+        middle.insert(middle.end(), each.vertices.begin(), each.vertices.end());
+    const std::vector<std::size_t> &beside = reach(middle, gap);
+    const auto inside = std::size_t(std::count_if(beside.begin(), beside.end(), isLower));
+    const bool isApart = rank > 0 && (inside == 0 || inside == beside.size());
+    const std::vector<std::size_t> lower = chosenOf(isNear);
+    std::vector<char> own = isApart ? std::vector<char>(isNear.size(), 0) : isNear;
+    const auto add = [&](const std::vector<std::size_t> &vertices) {
+        for (const std::size_t i : vertices)
+            own[i] = 1;
+    };
+    std::vector<char> isAside(isNear.size(), 0);
+    for (const Around &each : handles) {
+        expectReach();
+        const auto extent = reachOfRest.extent(each.vertices, each.radius);
+        add(extent->around);
+        add(extent->tips);
+        for (const std::size_t i : extent->aside)
+            isAside[i] = 1;
+    }
+    if (handles.size() > 1 || (!isApart && rank > 0)) // else that has been done
+        for (const std::size_t i : reachOfRest.tips(own))
+            own[i] = own[i] || !isAside[i];
+    bool isLess = false;
+    if (isApart) {
+        for (const std::size_t i : reach(lower, gap)) {
+            isLess = isLess || (own[i] && !isNear[i]);
+            own[i] = 0;
+        }
+        const std::vector<char> left = std::exchange(own, std::vector<char>(isNear.size(), 0));
+        for (const std::size_t i : middle) // what is cut off from it by that stays, too
+            if (left[i] && !own[i])
+                add(reachOfRest.piece(i, left));
+    }
+    for (std::size_t i = 0; i < isNear.size(); ++i)
+        isNear[i] = isNear[i] || own[i];
+    return isLess;
+}
+
+/// Of handles on a limb, the one that is next to its tip first, as it holds that.
+std::vector<int> BendSession::nextFirst() const {
+    std::vector<int> order;
+    order.reserve(extents.size());
+    for (const auto &each : extents)
+        order.push_back(each.first);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return extents.at(a)->beyond.size() < extents.at(b)->beyond.size(); });
+    return order;
+}
+
+/// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.
+void BendSession::holdBeyond(BendTags &made) {
+    const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
+    for (const int tag : nextFirst()) {
+        if (beyond.count(tag) == 0)
+            continue;
+        const BendExtent &own = *extents.at(tag);
+        const auto isAnyFixed = [&](const auto &part) { return std::any_of(part.begin(), part.end(), isFixed); };
+        if (!isAnyFixed(own.beyond) && !isAnyFixed(own.around))
+            continue;
+        std::vector<char> isIn(made.size());
+        for (std::size_t i = 0; i < isIn.size(); ++i)
+            isIn[i] = made[i] != 0;
+        const std::vector<std::size_t> bent = reachOfRest.piece(own.vertices.front(), isIn);
+        isIn.assign(isIn.size(), 0);
+        for (const auto *part : {&own.around, &own.beyond})
+            for (const std::size_t i : *part)
+                isIn[i] = 1;
+        for (const std::size_t i : bent)
+            isIn[i] = 0;
+        for (const std::size_t begin : own.beyond)
+            if (isIn[begin])
+                for (const std::size_t i : reachOfRest.piece(begin, isIn)) {
+                    isIn[i] = 0;
+                    if (isFixed(i))
+                        made[i] = tag;
+                }
+    }
+}
+
+/// Holds what the points hold.
+void BendSession::hold(BendTags &made) {
+    const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
+        for (const std::size_t i : vertices)
+            if (made[i] == 1)
+                made[i] = tag;
+    };
+    for (const auto &[tag, point] : now.points) {
+        add(tag, reach({point.slot}, point.radius * pointSize));
+        made[point.slot] = tag;
+    }
+    for (const int tag : nextFirst())
+        if (const auto point = now.points.find(tag); point != now.points.end() && point->second.isGrip)
+            holdGrip(made, tag, point->second.radius);
+}
+
+/// Holds what is turned with a point, beside what that holds already: not what other handles beyond it bend, and only
+/// where nothing else is held within the gap.
+void BendSession::holdGrip(BendTags &made, int tag, double radius) {
+    const BendExtent &own = *extents.at(tag);
+    std::vector<char> isIn(made.size(), 0);
+    const auto set = [&](const std::vector<std::size_t> &vertices, bool to) {
+        for (const std::size_t i : vertices)
+            isIn[i] = to;
+    };
+    set(own.beyond, true);
+    for (const int other : beyond[tag])
+        if (const auto its = extents.find(other); its != extents.end()) {
+            set(its->second->around, false);
+            set(its->second->beyond, false);
+        }
+    set(own.core, true);
+    const double gap = gapOfRadius * radius;
+    std::vector<std::size_t> others;
+    for (const std::size_t i : reach(chosenOf(isIn), gap))
+        if (made[i] != 1 && made[i] != tag)
+            others.push_back(i);
+    set(reach(others, gap), false);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (isIn[i] && made[i] == 1)
+            made[i] = tag;
+}

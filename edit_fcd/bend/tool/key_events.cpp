@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+// The keys of the view.
+
+using vcg::fcd::Error;
+
+/// What a key does now, null where it is none of ours.
+const BendKey *BendTool::keyOf(const QKeyEvent &event) const {
+    const BendKey *key = bendKeyOf(event);
+    const bool isOfLines = key && key->action == BendAction::RemovePoint;
+    return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
+}
+
+bool BendTool::takesEvent(QEvent &event) {
+    if (!session)
+        return false;
+    if (view->suspendedEditor) {
+        // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+        const bool isPress = event.type() == QEvent::MouseButtonPress;
+        const unsigned long time = // 0: one that this tool hands on
+            isPress ? static_cast<QMouseEvent &>(event).timestamp() : 0;
+        if (time == 0 || time > escaped)
+            return false;
+        escaped = 0;
+        host::suspendEditing(*view);
+        return true;
+    }
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const auto &pressed = static_cast<QKeyEvent &>(event);
+        const BendKey *key = keyOf(pressed);
+        // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+        if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
+            event.accept();
+            return true;
+        }
+        if (key)
+            escaped = pressed.timestamp();
+    }
+    if (event.type() != QEvent::MouseButtonDblClick || !panel)
+        return false;
+    guarded([&] { doubleClick(static_cast<QMouseEvent *>(&event)); });
+    return true;
+}
+
+void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
+    const QString text = event->text();
+    switch (const int key = event->key()) {
+    case Qt::Key_Escape:
+    case Qt::Key_Return:
+    case Qt::Key_Enter:
+        if (key == Qt::Key_Escape || !drag->isRefused()) // else the panel says why
+            endDrag(key != Qt::Key_Escape);
+        return;
+    case Qt::Key_X:
+    case Qt::Key_Y:
+    case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
+    case Qt::Key_G: changeKind(BendDrag::Move); break;
+    case Qt::Key_R: changeKind(BendDrag::Turn); break;
+    case Qt::Key_S: changeKind(BendDrag::Scale); break;
+    case Qt::Key_Backspace:
+        if (!drag->typed.empty())
+            drag->typed.pop_back();
+        break;
+    default:
+        if (text.size() == 1 && text[0].isPrint() && !text[0].isSpace())
+            drag->typed += QString(text).replace(',', '.').toStdString();
+    }
+    requestStep();
+}
+
+/// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
+bool BendTool::beginsByKey(const Place &place) const {
+    const bool isOther = (isChosen && session->isHandle(active)) || (session->isMarked() && selected());
+    return place.slot && session->isFree(*place.slot) && !isOther;
+}
+
+/// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
+void BendTool::dragByKey(BendDrag::Kind kind) {
+    findMouse();
+    const Place place = view->underMouse() && !partAtMouse() ? placeAtMouse() : Place();
+    const bool isBegin = beginsByKey(place);
+    const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
+    if (!tag && !isBegin)
+        throw Error("There is no handle yet: mark one, or drag a point of the surface.");
+    beginDrag({tag, place.slot.value_or(0), {kind, -1}, true});
+}
+
+/// The selected handle turns where the mouse points at.
+void BendTool::placePivot() {
+    const int tag = selected();
+    if (!tag)
+        throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
+    findMouse();
+    const int other = placeAtMouse().tag;
+    const bool isOther = other != 0 && other != tag;
+    const std::optional<Eigen::Vector3d> place = isOther ? session->centerOf(other) : pick();
+    session->change();
+    session->setPivot(tag, place);
+    hint = QString::fromStdString(session->nameOf(tag)) +
+           (!place    ? QString(": turns about its middle again.")
+            : isOther ? ": turns about the middle of " + QString::fromStdString(session->nameOf(other)) + "."
+                      : QString(": turns about this place; P beside the mesh takes that back."));
+}
+
+/// What is marked becomes something else: in a mode that marks nothing, that is said.
+void BendTool::setRole(BendPanel::Role which, int handle) {
+    panel->setRole(which, handle);
+    if (panel->mode() == BendPanel::Bend || panel->mode() == BendPanel::Line)
+        hint = QString("What is marked from now on becomes %1. B, V or L mark, M bends.").arg(roleText());
+}
+
+void BendTool::act(BendAction action) {
+    switch (action) {
+    case BendAction::Move: dragByKey(BendDrag::Move); break;
+    case BendAction::Turn: dragByKey(BendDrag::Turn); break;
+    case BendAction::Scale: dragByKey(BendDrag::Scale); break;
+    case BendAction::Pivot: placePivot(); break;
+    case BendAction::Bend: setMode(BendPanel::Bend); break;
+    case BendAction::Brush: setMode(BendPanel::Brush); break;
+    case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
+    case BendAction::Polyline: setMode(BendPanel::Polyline); break;
+    case BendAction::Line: setMode(BendPanel::Line); break;
+    case BendAction::RemovePoint: removeLinePoint(); break;
+    case BendAction::Fixed: setRole(BendPanel::Fixed); break;
+    case BendAction::Free: setRole(BendPanel::Free); break;
+    case BendAction::Outside: setRole(BendPanel::Outside); break;
+    case BendAction::Handle: setRole(BendPanel::Handle, selected() ? selected() : session->unusedTag()); break;
+    case BendAction::NextHandle: setRole(BendPanel::Handle, session->unusedTag()); break;
+    case BendAction::Through: panel->toggleThrough(); break;
+    case BendAction::Undo: onCommand(BendPanel::Undo); break;
+    case BendAction::Redo: onCommand(BendPanel::Redo); break;
+    case BendAction::Reset: onCommand(BendPanel::Reset); break;
+    case BendAction::Cancel:
+        if (marking) {
+            marking.reset();
+            session->cancel();
+            showOverlay();
+        }
+        break;
+    case BendAction::End:
+        if (marking && marking->kind == BendMarking::Polygon)
+            endMarking();
+        break;
+    case BendAction::ApplyInPlace: onCommand(BendPanel::ApplyInPlace); break;
+    case BendAction::ApplyToNewLayer: onCommand(BendPanel::ApplyToNewLayer); break;
+    case BendAction::Page: panel->showKeys(); break;
+    }
+}
+
+void BendTool::pressKey(QKeyEvent *event) {
+    if (!layer() || !panel)
+        return;
+    event->accept();
+    hint.clear();
+    isClicked = false;
+    if (preparing) {
+        if (event->key() == Qt::Key_Escape)
+            preparing->cancel();
+        return;
+    }
+    if (drag) {
+        pressKeyWhileDragging(event);
+        return;
+    }
+    const BendKey *key = keyOf(*event);
+    if (!key)
+        event->ignore();
+    else if (isReady())
+        act(key->action);
+    if (!view) // an apply to a new layer ended all
+        return;
+    refresh();
+    view->update();
+}

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/line_preview.h"
+
+#include <utility>
+
+using vcg::fcd::LineGoal;
+using vcg::fcd::Progress;
+
+namespace {
+
+/// The line through points that are those of the line that is used.
+BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing) {
+    BendLinePreview::Found found;
+    found.points = points;
+    const vcg::fcd::FramedLine line(points, smoothing);
+    found.length = line.Length();
+    const int parts = 200;
+    found.way.resize(3, parts + 1);
+    for (int i = 0; i <= parts; ++i)
+        found.way.col(i) = line.At(line.Length() * i / parts).point;
+    return found;
+}
+
+bool isSameLine(const LineGoal &a, const LineGoal &b) {
+    return a.middle == b.middle && a.smoothing == b.smoothing && a.line.cols() == b.line.cols() && a.line == b.line;
+}
+
+} // namespace
+
+void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const LineGoal &goal,
+                           const vcg::fcd::StraightenParam &param) {
+    const bool isOther = surface && shape != shapeOfSurface;
+    if (isOther) {
+        surface.reset();
+        if (work)
+            work->cancel();
+    } else if (isSameLine(goal, asked) && (isLast || work))
+        return;
+    asked = goal;
+    bend = param;
+    isLast = false;
+    if (!goal.middle) {
+        try {
+            found = through(goal.line, goal.smoothing);
+        } catch (const vcg::fcd::Error &e) {
+            found = {};
+            found.error = e.what();
+        }
+        isLast = true;
+        return;
+    }
+    if (!surface) {
+        surface = std::make_shared<LineSurface>(layer);
+        shapeOfSurface = shape;
+    }
+    if (!work)
+        begin();
+}
+
+void BendLinePreview::begin() {
+    job = std::make_shared<Job>();
+    job->goal = asked;
+    job->surface = surface;
+    const auto find = [job = job, param = bend](const Progress &progress) {
+        if (!job->surface->prepared)
+            job->surface->prepare(param, progress.Slice(0, 0.7));
+        if (job->goal.line.cols() > 1) {
+            vcg::fcd::StraightenReport report;
+            job->found = through(vcg::fcd::LineOf(job->goal, *job->surface->prepared->deformer, job->surface->world,
+                                                  progress.Slice(0.7, 1), &report),
+                                 job->goal.smoothing);
+            job->found.report = std::move(report);
+        }
+    };
+    const auto take = [this, which = ++number] { ended(which); };
+    const auto done = [this, take] { QMetaObject::invokeMethod(this, take, Qt::QueuedConnection); };
+    work = std::make_unique<BendWork>(find, done);
+}
+
+void BendLinePreview::ended(std::size_t which) {
+    if (!work || which != number)
+        return; // it was stopped
+    bool isWhole = true;
+    try {
+        work->finish();
+    } catch (const vcg::fcd::Cancelled &) {
+        isWhole = false;
+    } catch (const std::exception &e) {
+        job->found = {};
+        job->found.error = e.what();
+    }
+    work.reset();
+    took = 1000 * job->watch.Seconds();
+    if (isWhole && job->surface == surface) {
+        found = std::move(job->found);
+        isLast = isSameLine(job->goal, asked);
+    }
+    if (!isLast && asked.middle)
+        try {
+            begin();
+        } catch (const std::exception &e) {
+            found = {};
+            found.error = e.what();
+            isLast = true;
+        }
+    changed();
+}
+
+KnownLine BendLinePreview::stop(const LineGoal &goal) {
+    KnownLine known;
+    work.reset(); // waits for it
+    if (surface && surface->prepared)
+        known.surface = surface;
+    if (isLast && goal.middle && isSameLine(goal, asked)) {
+        known.middle = found.points;
+        known.report = found.report;
+    }
+    asked.line.resize(3, 0); // what is looked for next is looked for anew
+    isLast = false;
+    return known;
+}

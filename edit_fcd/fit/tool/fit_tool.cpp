@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/tool/fit_tool.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+// What the tool shows: which layers, and the shape that it gives the one.
+
+FitTool::FitTool(QAction *action) : LayerTool(action) {
+    every(progressTimer, [this] { refresh(); });
+    optionsTimer.setSingleShot(true);
+    every(optionsTimer, [this] { reshape(true); });
+}
+
+void FitTool::say(const std::string &text, bool warning) {
+    if (!view)
+        return;
+    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, ("FCD: Fit: " + plainForLog(text)).c_str());
+    if (panel && warning) {
+        hint = QString::fromStdString(text);
+        panel->showState(hint);
+    }
+}
+
+// --- what is seen ---
+
+bool FitTool::isTurnOfTarget() const { return session && session->waitsForTarget(); }
+
+FitMarks FitTool::marks() const {
+    FitMarks marks;
+    const FitPanel::Seen which = panel ? panel->seen() : FitPanel::Both;
+    marks.showsSource = which == FitPanel::Both || which == FitPanel::Source ||
+                        (which == FitPanel::InTurn && (!isTurnOfTarget() || !target()));
+    marks.showsTarget =
+        which == FitPanel::Both || which == FitPanel::Target || (which == FitPanel::InTurn && !marks.showsSource);
+    marks.selected = selected;
+    return marks;
+}
+
+void FitTool::setSeen(FitPanel::Seen which) {
+    panel->setSeen(which);
+    showLayers();
+}
+
+void FitTool::showLayers() {
+    if (!layer())
+        return;
+    const FitMarks shown = marks();
+    bool isChanged = false;
+    const auto set = [&](MeshModel *each, bool visible) {
+        const bool before = host::isVisible(*each);
+        wasVisible.emplace(each->id(), before);
+        if (before != visible) {
+            host::setVisible(*each, visible);
+            isChanged = true;
+        }
+    };
+    set(model, shown.showsSource);
+    if (MeshModel *other = target())
+        set(other, shown.showsTarget);
+    if (isChanged)
+        host::showChanges(*view->md());
+    view->update();
+}
+
+void FitTool::showVertices(bool full) {
+    if (!layer())
+        return;
+    display->updateShape(full || display->showsFaces());
+    overlay->move();
+    isPainted = false;
+}
+
+void FitTool::showDistances() {
+    if (!layer() || !panel)
+        return;
+    double most = 0;
+    std::vector<vcg::Color4b> colors;
+    if (panel->showsDistance() && target() && !dragged)
+        colors = session->distances(*target(), most);
+    if (colors.empty())
+        overlay->hide();
+    else
+        overlay->show(model->cm, colors);
+    panel->showLegend(most);
+    view->update();
+}
+
+void FitTool::draw() {
+    isPainted = true;
+    if (view && view->suspendedEditor != isSuspended) {
+        isSuspended = view->suspendedEditor;
+        later([this] { refresh(); });
+    }
+    seen = viewNow();
+    if (isStepWanted)
+        later([this] { step(); });
+    if (!layer())
+        return;
+    if (marks().showsSource)
+        overlay->draw(model->cm);
+    drawPairs(*session, marks());
+}
+
+QString FitTool::stateText() const {
+    if (isSuspended)
+        return "The mouse is the camera's: Esc gives it back.";
+    if (!hint.isEmpty())
+        return hint;
+    if (!target())
+        return "Open a scan as another layer: this one is laid onto it.";
+    const auto bold = [](const MeshModel &each, const char *color) {
+        return QString("<b style='color: %1'>%2</b>").arg(color, each.label().toHtmlEscaped());
+    };
+    QString text = isTurnOfTarget() ? "Click the same point on " + bold(*target(), "#d0700a") + "."
+                                    : "Click a point on " + bold(*model, "#2d6eeb") + ", then the same one on " +
+                                          bold(*target(), "#d0700a") + ". Drag a point to move it.";
+    if (work)
+        return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
+    if (const FittedSurface *fitted = session->pulled(*target()))
+        text += QString("<br>%1 % lie on the target, off by %2 (rms).")
+                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
+                    .arg(fitted->report.rms, 0, 'g', 2);
+    return text;
+}
+
+void FitTool::refresh() {
+    if (!panel || !session)
+        return;
+    panel->showProgress(work ? work->percent() : -1);
+    panel->showState(stateText());
+    panel->showShape(session->state().shape);
+    std::vector<FitPairRow> rows;
+    const std::vector<FitPair> &pairs = session->state().pairs;
+    rows.reserve(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        rows.push_back({QString::fromStdString(pairs[i].name), pairs[i].slot.has_value(), pairs[i].place.has_value(),
+                        int(i) == selected});
+    panel->pairs().showRows(rows);
+}
+
+// --- work beside the window ---
+
+void FitTool::begin(BendWork::Work what, std::function<void()> done) {
+    stopWork();
+    workDone = std::move(done);
+    const std::size_t number = ++workNumber;
+    work = std::make_unique<BendWork>(std::move(what), [this, number] {
+        QMetaObject::invokeMethod(
+            this,
+            [this, number] {
+                if (!work || number != workNumber)
+                    return; // it was stopped
+                guarded([&] {
+                    const std::unique_ptr<BendWork> ended = std::move(work);
+                    progressTimer.stop();
+                    try {
+                        ended->finish();
+                        const std::function<void()> done = std::move(workDone); // which may begin other work
+                        done();
+                    } catch (const vcg::fcd::Cancelled &) { // nothing has changed
+                    }
+                });
+                guarded([&] { refresh(); });
+            },
+            Qt::QueuedConnection);
+    });
+    progressTimer.start(100);
+    refresh();
+}
+
+void FitTool::stopWork() {
+    work.reset(); // waits for it
+    progressTimer.stop();
+    isFollowWanted = false;
+}
+
+// --- the shape ---
+
+/// Shows the shape that the state tells. \param full otherwise in the midst of a drag
+void FitTool::reshape(bool full) {
+    if (!layer())
+        return;
+    stopWork();
+    switch (full ? session->state().shape : FitShape::Landmarks) {
+    case FitShape::Rest:
+        session->restore();
+        showVertices(true);
+        showDistances();
+        break;
+    case FitShape::Landmarks: follow(full); break;
+    case FitShape::Pulled: {
+        const MeshModel &onto = expectedTarget();
+        if (session->pulled(onto)) {
+            session->showPulled();
+            showVertices(true);
+            showDistances();
+            break;
+        }
+        const auto fit = session->beginPull(onto);
+        const auto fitted = std::make_shared<FittedSurface>();
+        begin([fit, fitted](const vcg::fcd::Progress &progress) { *fitted = std::move(*fit).solve(true, progress); },
+              [this, fit, fitted] { whenPulled(fit, fitted); });
+        break;
+    }
+    }
+}
+
+void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted) {
+    if (!layer() || !target())
+        return;
+    session->finishPull(*target(),
+                        std::shared_ptr<const FittedSurface>(
+                            fitted.get(), [fit, fitted](const FittedSurface *) {})); // with what it refers to
+    session->showPulled();
+    showVertices(true);
+    showDistances();
+    if (fitted->report.matched < 0.3) // then most of the shape is a guess
+        say("Only a small part of the layer has a counterpart on the target: place pairs first, or raise the largest "
+            "distance.",
+            true);
+    for (const std::string &remark : fitted->report.Remarks())
+        say(remark, true);
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: pulled: %d vertices, rms %g, matched %g\n", model->cm.vn, fitted->report.rms,
+                     fitted->report.matched);
+}
+
+void FitTool::follow(bool full) {
+    if (!session->isPrepared()) {
+        const auto fit = session->beginPreparing();
+        const auto fitter = std::make_shared<std::shared_ptr<const vcg::fcd::Fitter>>();
+        begin([fit, fitter](const vcg::fcd::Progress &progress) { *fitter = fit->prepare(progress); },
+              [this, fit, fitter] {
+                  isFollowWanted = false;
+                  if (!layer())
+                      return;
+                  session->finishPreparing(fit, *fitter);
+                  follow(!dragged);
+              });
+        isFollowWanted = true;
+        return;
+    }
+    QElapsedTimer watch;
+    watch.start();
+    session->follow(full);
+    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    showVertices(full);
+    showDistances();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: follow: %d vertices, solve and write %.1f, in all %.1f ms\n", model->cm.vn,
+                     solved, double(watch.nsecsElapsed()) / 1e6);
+}
+
+#include "edit_fcd/fit/tool/moc_fit_tool.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FIT_TOOL_H
+#define FCD_FIT_TOOL_H
+
+#include "edit_fcd/fit/model/session.h" // before Qt
+
+#include "edit_fcd/kit/job.h"
+#include "edit_fcd/fit/tool/overlay.h"
+#include "edit_fcd/fit/panel/panel.h"
+#include "edit_fcd/kit/layer_tool.h"
+#include "edit_fcd/kit/tool_window.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <QElapsedTimer>
+#include <QPointF>
+#include <QPointer>
+#include <QTimer>
+
+/// FCD: Fit: turns mouse and keys in a view, and what the panel is told, into pairs of landmarks and the shape of a
+/// FitSession, and shows it.
+class FitTool : public LayerTool {
+    Q_OBJECT
+
+  public:
+    explicit FitTool(QAction *action);
+
+    bool start(MeshDocument &document, GLArea *view) override;
+    void changeLayer(MeshDocument &document, GLArea *view) override;
+    void draw() override;
+    void press(QMouseEvent *event) override;
+    void move(QMouseEvent *event) override;
+    void release(QMouseEvent *event) override;
+    void turnWheel(QWheelEvent *event) override { toHost(*view, event); }
+    void pressKey(QKeyEvent *event) override;
+    void say(const std::string &text, bool warning = false) override;
+
+  private:
+    bool takesEvent(QEvent &event) override;
+    enum class Key { Undo, Redo, Remove, Reset, Pull, Cancel, InTurn, Both, Source, Target, ApplyInPlace, ApplyToNew };
+
+    MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
+    MeshModel *target() const; ///< null when there is none
+    MeshModel &expectedTarget() const;
+    void open(MeshModel &model);
+    void leave();
+    void close() override;
+    bool isReady();
+    void makePanel();
+    void showTargets();
+    void onTarget();
+    void onOptions();
+    void onCommand(int which);
+    void apply(bool inPlace);
+    static std::optional<Key> keyOf(const QKeyEvent &event);
+    void act(Key key);
+
+    void chooseFiles(bool load);
+    void click();
+    void step();
+    void dragTo();
+    bool place(bool isTarget, const QPointF &at);
+    bool isTurnOfTarget() const;
+    FitMarks marks() const;
+
+    void reshape(bool full);
+    void follow(bool full);
+    void whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted);
+    void begin(BendWork::Work work, std::function<void()> done);
+    void stopWork();
+
+    void showVertices(bool full) override;
+    void showDistances();
+    void showLayers();
+    void setSeen(FitPanel::Seen which);
+    void refresh();
+    QString stateText() const;
+
+    QPointer<FitPanel> panel;
+    int targetId = -1;
+    std::unique_ptr<FitSession> session;
+    std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
+    QPointer<MeshDocument> document;
+    std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
+
+    BendView seen;
+    QPointF mouse, pressed;
+    std::optional<FitEnd> dragged;
+    int selected = -1; ///< pair
+    bool isCamera = false, isClick = false;
+    QString hint; ///< what could not be done, until the next press or key
+    bool isSuspended = false;
+    bool isPainted = true, isStepWanted = false;
+    std::unique_ptr<BendWork> work;
+    std::function<void()> workDone;
+    std::size_t workNumber = 0;  ///< of the last work that was begun
+    bool isFollowWanted = false; ///< once the layer is prepared
+    QTimer progressTimer, optionsTimer;
+};
+
+#endif

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/words.h> // before Qt
+
+#include "edit_fcd/kit/tool_list.h"
+
+#include "edit_fcd/kit/tool_window.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <QHeaderView>
+#include <QResizeEvent>
+#include <QScrollArea>
+
+std::optional<double> typedNumber(const QString &text) {
+    const std::string word = text.trimmed().replace(',', '.').toStdString();
+    double number = 0;
+    if (!vcg::fcd::detail::ToNumber(word.data(), word.data() + word.size(), number) || !std::isfinite(number))
+        return {};
+    return number;
+}
+
+void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
+    list.setColumnCount(int(columns.size()));
+    list.verticalHeader()->hide();
+    list.verticalHeader()->setDefaultSectionSize(22);
+    list.setSelectionBehavior(QTableWidget::SelectRows);
+    list.setSelectionMode(QTableWidget::SingleSelection);
+    list.setEditTriggers(QTableWidget::DoubleClicked);
+    list.setFocusPolicy(Qt::NoFocus); // keys stay with the view, but for what is edited
+    list.setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    QHeaderView &header = *list.horizontalHeader();
+    header.setMinimumSectionSize(16);
+    for (int i = 0; i < list.columnCount(); ++i) {
+        const ListColumn &column = columns[std::size_t(i)];
+        list.setHorizontalHeaderItem(i, new QTableWidgetItem(column.title));
+        list.horizontalHeaderItem(i)->setToolTip(column.tip);
+        header.setSectionResizeMode(i, column.width ? QHeaderView::Fixed : QHeaderView::Stretch);
+        if (column.width)
+            list.setColumnWidth(i, column.width);
+    }
+}
+
+PanelState::PanelState(int height) : least(height) {
+    setObjectName("state");
+    setWordWrap(true);
+    setMinimumHeight(least);
+    setAlignment(Qt::AlignTop | Qt::AlignLeft);
+}
+
+void PanelState::say(const QString &said) {
+    if (std::getenv("FCD_TRACE") && said != text())
+        std::fprintf(stderr, "FCD trace: says: %s\n", qPrintable(said));
+    setText(said);
+    if (isVisible())
+        grow();
+}
+
+void PanelState::resizeEvent(QResizeEvent *event) {
+    QLabel::resizeEvent(event);
+    if (event->size().width() == event->oldSize().width())
+        return;
+    setMinimumHeight(least); // a wider one needs less
+    grow();
+}
+
+void PanelState::grow() {
+    const int height = heightForWidth(width());
+    if (height <= minimumHeight())
+        return;
+    setMinimumHeight(height);
+    tracePlaces(*parentWidget());
+}
+
+void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {
+    QObject::connect(&slider, &QSlider::sliderPressed, begins);
+    QObject::connect(&slider, &QSlider::valueChanged, [&slider, begins, changes](int value) {
+        if (!slider.isSliderDown())
+            begins();
+        changes(value);
+    });
+}
+
+void setScrolled(QDockWidget &panel, QWidget &content) {
+    auto *scroll = new QScrollArea;
+    scroll->setWidget(&content);
+    scroll->setWidgetResizable(true);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    scroll->setMinimumWidth(content.minimumSizeHint().width() + 20);
+    scroll->setFocusPolicy(Qt::NoFocus);
+    panel.setWidget(scroll);
+}

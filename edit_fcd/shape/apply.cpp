@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/session.h"
+
+#include <layer_fcd/marks.h>
+#include <layer_fcd/rest_shape.h>
+#include <layer_fcd/tagging.h>
+
+#include <algorithm>
+
+// How a bend becomes what a filter would have made of it.
+
+HandleParam BendSession::handleParam() const {
+    HandleParam param;
+    param.source = HandleParam::Attribute;
+    param.tagAttribute = QString::fromStdString(appliedTags(document, layer));
+    param.transforms = QString::fromStdString(motionText());
+    return param;
+}
+
+/// The layer at rest, with the tags that the filters read: marks, and what points bend.
+void BendSession::handOver() {
+    restore();
+    writeAppliedTags();
+}
+
+void BendSession::writeAppliedTags() {
+    TagTarget target;
+    target.attribute = QString::fromStdString(appliedTags(document, layer));
+    target.colorize = false;
+    writeTags(document, layer, *effective, target);
+}
+
+/// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
+LayerDeformer BendSession::applying(const Remark &remark) {
+    LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
+    if (!now.weights.empty())
+        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(),
+                          weights = now.weights](const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param,
+                                                 const vcg::fcd::Progress &progress) {
+            return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights, progress);
+        });
+    return deformer;
+}
+
+/// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
+std::string BendSession::poseByFilter(const Remark &remark) {
+    PoseParam param;
+    param.handles = handleParam();
+    param.deformation = deformationOf(options);
+    handOver();
+    std::string calls;
+    if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
+        resetPose(document, layer, {true, ResetPoseParam::LastShape},
+                  {}); // poses begin with the shape that it has here
+        calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
+    }
+    applying(remark).pose(param, vcg::fcd::Progress());
+    return calls + callInPlace();
+}
+
+std::string BendSession::leave(const Remark &remark) {
+    std::string calls;
+    if (!moves()) {
+        restore();
+        if (now.poses)
+            writeAppliedTags(); // for them
+    } else if (!isLeft) {
+        calls = poseByFilter(remark);
+        rest.leave();
+        rest.know();
+        isLeft = true;
+    }
+    solver.clear();
+    surface.reset();
+    reachOfRest.clear();
+    stretch.reset();
+    return calls;
+}
+
+std::string BendSession::applyInPlace(const Remark &remark) {
+    restore();
+    const Applied what{now, options, rest.known()};
+    const std::string calls = poseByFilter(remark);
+    applied.resize(applies);
+    applied.push_back(what);
+    beginAnew();
+    forgetWhatIsGone();
+    return calls;
+}
+
+/// The present shape is the rest shape of another apply.
+void BendSession::beginAnew() {
+    for (auto &[tag, each] : now.handles)
+        if (each.pivot)
+            each.pivot = motionAt(tag) * *each.pivot; // where it is now is where it rests
+    keepRest();
+    now.applies = ++applies;
+    motionByHand().clear();
+    if (!now.marks && !now.poses)
+        now.points.clear();
+    updateTags();
+    if (now.poses)
+        setPoses(*now.poses); // which are of this rest shape from now on
+}
+
+/// Makes the rest shape that of the state, whose number of applies is another one.
+void BendSession::crossApplies() {
+    const BendState to = now;
+    if (to.applies < applies) {
+        RestShape shapes(layer);
+        const std::vector<std::uint64_t> kept = shapes.shapes();
+        const auto place = std::find(kept.begin(), kept.end(), applied[to.applies].rest);
+        shapes.backTo(std::size_t(place - kept.begin()));
+        shapes.restore();
+        applies = to.applies;
+        options = applied[applies].options;
+        keepRest();
+    }
+    while (applies < to.applies) {
+        now = applied[applies].state;
+        options = applied[applies].options;
+        restore();
+        updateTags();
+        poseByFilter({});
+        beginAnew();
+    }
+    now = to;
+}
+
+/// Forgets what led to shapes that the layer does not keep.
+void BendSession::forgetWhatIsGone() {
+    if (applies == 0)
+        return;
+    std::size_t first = applies;
+    if (RestShape::exists(layer)) {
+        const std::vector<std::uint64_t> kept = RestShape(layer).shapes();
+        while (first > 0 && std::find(kept.begin(), kept.end(), applied[first - 1].rest) != kept.end())
+            --first;
+    }
+    history.forget(first);
+}
+
+std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark) {
+    DeformMeshParam param;
+    param.handles = handleParam();
+    param.deformation = deformationOf(options);
+    param.graphLayers = graphLayers;
+    const std::string call = callToNewLayer(graphLayers);
+    handOver();
+    applying(remark).deform(std::move(param), false, vcg::fcd::Progress());
+    motionByHand().clear();
+    if (!now.marks && !now.poses)
+        now.points.clear();
+    updateTags();
+    return call;
+}
