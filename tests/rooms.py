@@ -16,6 +16,19 @@ FLOORS = ["shape_constants.h", "base", "line", "handles", "surface", "patches", 
 SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "straightener.cpp": "straighten.h"}  # of a door, at its floor
 VCG = {"centroidal_deformation.h": "reads VCG meshes"}
 # Of a tool, what the window's loop calls is guarded: by LayerTool's when(), later() and every().
+# The rooms of edit_fcd: what each may include of the others, but for its own. What is a folder's alone is defined in it.
+TOOL_ROOMS = {
+    "view": [],
+    "kit": ["view"],
+    "shape": [],
+    "bend/model": ["shape", "kit/history.h"],
+    "bend/panel": ["kit", "view/stretch_colors.h", "bend/model/state.h"],
+    "bend/tool": ["view", "kit", "shape", "bend/model", "bend/panel"],
+    "fit/model": ["shape", "kit/history.h"],
+    "fit/panel": ["kit", "view/distance_colors.h", "fit/model/session.h"],
+    "fit/tool": ["view", "kit", "shape", "fit/model", "fit/panel"],
+    "": ["bend/tool", "fit/tool"],
+}
 UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")
 LONGEST = 350
 # What libraries compute each in their own way. (AngleAxis and the closed form for eigenvalues call them.)
@@ -36,8 +49,30 @@ def includes(path):
             yield number, found[1]
 
 
+def tool_rooms():
+    """What is in edit_fcd where it does not belong."""
+    paths = sorted(path for ending in ("h", "cpp") for path in (ROOT / "edit_fcd").glob(f"**/*.{ending}"))
+    room = {path: str(path.parent.relative_to(ROOT / "edit_fcd")).lstrip(".") for path in paths}
+    home = {name: room[path] for path in paths if path.suffix == ".h"
+            for name in re.findall(r"^(?:class|struct) (\w+)(?= [:{]| final)", path.read_text(), re.MULTILINE)}
+    for path in paths:
+        own, name = room[path], path.relative_to(ROOT)
+        if own not in TOOL_ROOMS:
+            yield f"{name}:1: error: tests/rooms.py knows no room edit_fcd/{own}"
+            continue
+        for line, included in includes(path):
+            if not included.startswith("edit_fcd/") or "/moc_" in included:
+                continue
+            to = included[len("edit_fcd/"):]
+            if to.rpartition("/")[0] != own and not any(to.startswith(each + "/") or to == each for each in TOOL_ROOMS[own]):
+                yield f"{name}:{line}: error: {included} is not for edit_fcd/{own}"
+        for found in re.finditer(r"^\S[^\n(=]*?\b(\w+)::~?\w+\(", path.read_text(), re.MULTILINE):
+            if home.get(found[1], own) != own:
+                yield f"{name}:1: error: defines a function of {found[1]}, which is edit_fcd/{home[found[1]]}'s"
+
+
 def main():
-    faults = []
+    faults = list(tool_rooms())
     for path in sorted([*ROOT.glob("vcg_ext/**/*.h"), *ROOT.glob("vcg_ext/**/*.cpp")]):
         name = str(path.relative_to(ROOT / "vcg_ext"))
         if name.startswith("unity/"):

@@ -3,33 +3,33 @@
 
 namespace {
 
-thread_local BendWork *running = nullptr; // a callback of progress knows nothing but its arguments
+thread_local Job *running = nullptr; // a callback of progress knows nothing but its arguments
 
 } // namespace
 
-BendWork::BendWork(Work work, std::function<void()> done)
+Job::Job(Work work, std::function<void()> done)
     : thread([this, work = std::move(work), done = std::move(done)] {
           running = this;
           try {
-              work(vcg::fcd::Progress(&BendWork::tell));
+              work(vcg::fcd::Progress(&Job::tell));
           } catch (...) {
               thrown = std::current_exception();
           }
           done();
       }) {}
 
-BendWork::~BendWork() {
+Job::~Job() {
     cancel();
     if (thread.joinable())
         thread.join();
 }
 
-bool BendWork::tell(int percent, const char *) {
+bool Job::tell(int percent, const char *) {
     running->told = percent;
     return !running->isCancelled;
 }
 
-void BendWork::finish() {
+void Job::finish() {
     thread.join();
     if (thrown)
         std::rethrow_exception(thrown);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_WORK_H
-#define FCD_BEND_WORK_H
+#ifndef FCD_JOB_H
+#define FCD_JOB_H
 
 #include <vcg_ext/base/progress.h> // before Qt
 
@@ -10,16 +10,16 @@
 #include <thread>
 
 /// Work that runs beside the window.
-class BendWork {
+class Job {
   public:
     using Work = std::function<void(const vcg::fcd::Progress &)>;
 
     /// Begins. \param done called when it has ended, in its thread
-    BendWork(Work work, std::function<void()> done);
-    BendWork(const BendWork &) = delete;
-    BendWork &operator=(const BendWork &) = delete;
+    Job(Work work, std::function<void()> done);
+    Job(const Job &) = delete;
+    Job &operator=(const Job &) = delete;
     /// Cancels it, and waits until it has ended.
-    ~BendWork();
+    ~Job();
 
     int percent() const { return told; }
     void cancel() { isCancelled = true; }

@@ -50,7 +50,7 @@ void LayerTool::leaveView(QDockWidget *panel) {
 void LayerTool::enterLayer(MeshModel &newModel) {
     model = &newModel;
     layerId = newModel.id();
-    display = std::make_unique<BendDisplay>(*view, newModel);
+    display = std::make_unique<DisplayState>(*view, newModel);
     overlay = std::make_unique<LayerOverlay>();
 }
 

@@ -56,7 +56,7 @@ class LayerTool : public HostEditTool {
     QPointer<GLArea> view;
     int layerId = -1;
     MeshModel *model = nullptr; ///< of the session; may be gone
-    std::unique_ptr<BendDisplay> display;
+    std::unique_ptr<DisplayState> display;
     std::unique_ptr<LayerOverlay> overlay;
     bool isEnding = false; ///< done, and about to be told so
 };

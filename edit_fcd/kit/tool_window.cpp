@@ -14,13 +14,13 @@
 #include <QMessageBox>
 #include <QTimer>
 
-BendView viewNow() {
+Camera viewNow() {
     double place[16], projection[16];
     int port[4];
     glGetDoublev(GL_MODELVIEW_MATRIX, place);
     glGetDoublev(GL_PROJECTION_MATRIX, projection);
     glGetIntegerv(GL_VIEWPORT, port);
-    BendView seen;
+    Camera seen;
     seen.toClip = Eigen::Map<Eigen::Matrix4d>(projection) * Eigen::Map<Eigen::Matrix4d>(place);
     seen.fromClip = seen.toClip.inverse();
     seen.width = std::max(1, port[2]);
@@ -28,7 +28,7 @@ BendView viewNow() {
     return seen;
 }
 
-Eigen::Vector3d windowOf(const GLArea &view, const BendView &seen, const QPointF &place) {
+Eigen::Vector3d windowOf(const GLArea &view, const Camera &seen, const QPointF &place) {
     const double ratio = view.devicePixelRatioF();
     return {(place.x() + 0.5) * ratio, seen.height - (place.y() + 0.5) * ratio, 0};
 }

@@ -13,9 +13,9 @@
 /// What the tools have to do with the window that they are in.
 
 /// How the world is seen. \pre the context of the view is current, and has the transformation of the world
-BendView viewNow();
+Camera viewNow();
 /// Where the middle of a pixel of the view is, in pixels of the device, y up; depth 0.
-Eigen::Vector3d windowOf(const GLArea &view, const BendView &seen, const QPointF &place);
+Eigen::Vector3d windowOf(const GLArea &view, const Camera &seen, const QPointF &place);
 
 /// Hands an event on to the view, past the tool.
 void toHost(GLArea &view, QEvent *event);

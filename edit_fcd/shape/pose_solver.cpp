@@ -3,40 +3,28 @@
 
 #include <algorithm>
 
-vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
-    vcg::fcd::DeformationParam param;
-    param.smoothness = options.smoothness;
-    param.pose = options.pose;
-    param.graph.initialPatches = options.initialPatches;
-    param.weights = options.weights;
-    return asHandedOver(param);
+bool PoseSolver::isPrepared(const Tags &tags, const Param &param) const {
+    return preparedFor && preparedFor == tags && preparedParam.graph.initialPatches == param.graph.initialPatches &&
+           preparedParam.weights == param.weights;
 }
 
-bool BendSolver::isPrepared(const std::shared_ptr<const BendTags> &tags, const BendOptions &options) const {
-    return preparedFor && preparedFor == tags && preparedPatches == options.initialPatches &&
-           preparedWeights == options.weights;
-}
-
-void BendSolver::prepare(const std::shared_ptr<const BendTags> &tags, const BendOptions &options,
-                         const vcg::fcd::SurfaceView &surface, const Eigen::Affine3d &world,
-                         const vcg::fcd::Progress &progress) {
+void PoseSolver::prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,
+                         const Eigen::Affine3d &world, const vcg::fcd::Progress &progress) {
     last.reset();
     preparedFor.reset();
-    deformer.prepare(surface, *tags, world, deformationOf(options), progress);
+    deformer.prepare(surface, *tags, world, param, progress);
     preparedFor = tags;
-    preparedPatches = options.initialPatches;
-    preparedWeights = options.weights;
+    preparedParam = param;
 }
 
-void BendSolver::clear() {
+void PoseSolver::clear() {
     last.reset();
     preparedFor.reset();
     deformer.forget();
     kept.clear();
 }
 
-const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOptions &options, bool full) {
-    vcg::fcd::DeformationParam param = deformationOf(options);
+const vcg::fcd::Deformer::Pose &PoseSolver::solve(Motions motions, Param param, bool full) {
     deformer.takeMotions(std::move(motions));
     if (full) {
         last = deformer.solve(param);
@@ -48,17 +36,16 @@ const vcg::fcd::Deformer::Pose &BendSolver::solve(Motions motions, const BendOpt
     return *last;
 }
 
-const vcg::fcd::Deformer::Pose &BendSolver::solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
+const vcg::fcd::Deformer::Pose &PoseSolver::solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
                                                        const Eigen::Affine3d &world, const std::vector<double> &weight,
-                                                       const BendOptions &options) {
-    beginBlends(std::move(poses), world, options);
+                                                       const Param &param) {
+    beginBlends(std::move(poses), world, param);
     const vcg::fcd::Deformer::Pose &pose = last.emplace(solveNextBlend(weight));
     endBlends();
     return pose;
 }
 
-void BendSolver::beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
-                             const BendOptions &options) {
-    blends = std::make_unique<vcg::fcd::SequenceSolver>(*prepared()->deformer, world, std::move(poses),
-                                                        deformationOf(options));
+void PoseSolver::beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
+                             const Param &param) {
+    blends = std::make_unique<vcg::fcd::SequenceSolver>(*prepared()->deformer, world, std::move(poses), param);
 }

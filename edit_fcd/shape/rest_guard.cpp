@@ -8,9 +8,9 @@
 
 using vcg::fcd::ParallelFor;
 
-BendRest::BendRest(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
+RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
 
-void BendRest::keep() {
+void RestGuard::keep() {
     const CMeshO &mesh = layer.cm;
     position.resize(mesh.vert.size());
     normal.resize(mesh.vert.size());
@@ -36,7 +36,7 @@ void BendRest::keep() {
     posed = false;
 }
 
-void BendRest::restoreVertices() {
+void RestGuard::restoreVertices() {
     if (!posed || layer.cm.vert.size() != position.size())
         return;
     ParallelFor(0, position.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -48,7 +48,7 @@ void BendRest::restoreVertices() {
     posed = false;
 }
 
-BendRest::Shown BendRest::shown() const {
+RestGuard::Shown RestGuard::shown() const {
     Shown all(posed ? layer.cm.vert.size() : 0);
     ParallelFor(0, all.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
@@ -57,7 +57,7 @@ BendRest::Shown BendRest::shown() const {
     return all;
 }
 
-void BendRest::restore() {
+void RestGuard::restore() {
     if (!fits())
         return; // another mesh by now
     restoreVertices();
@@ -67,12 +67,12 @@ void BendRest::restore() {
     know();
 }
 
-void BendRest::know() {
+void RestGuard::know() {
     shape = shapeOf(layer.cm);
     shownNormals = normalsOf(layer.cm);
 }
 
-bool BendRest::isAsKnown() const {
+bool RestGuard::isAsKnown() const {
     if (shape != shapeOf(layer.cm))
         return false;
     // A host computes the normals of faces when it likes: with other weights they are some tenths of a degree off.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_REST_H
-#define FCD_BEND_REST_H
+#ifndef FCD_REST_GUARD_H
+#define FCD_REST_GUARD_H
 
 #include <vcg_ext/sequence/pose_sequence.h> // before Qt
 
@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-/// The rest shape of a layer while the tool bends it, and whether the layer has it.
-class BendRest {
+/// The rest shape of a layer while a tool has it, and whether the layer has it.
+class RestGuard {
   public:
     /// \throw vcg::fcd::Error a matrix without an inverse
-    explicit BendRest(MeshModel &layer);
+    explicit RestGuard(MeshModel &layer);
     /// The present shape of the layer is the rest shape from now on.
     void keep();
 
@@ -40,6 +40,7 @@ class BendRest {
     /// Per vertex slot, in the layer.
     const std::vector<Point3m> &positions() const { return position; }
     const std::vector<Point3m> &normals() const { return normal; }
+    bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
     Eigen::Vector3d at(std::size_t slot) const { return toVector(position[slot]); }
 
     const Eigen::Affine3d &world() const { return matrix; }  ///< the layer's matrix

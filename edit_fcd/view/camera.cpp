@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-Eigen::Vector3d BendView::toWindow(const Eigen::Vector3d &world) const {
+Eigen::Vector3d Camera::toWindow(const Eigen::Vector3d &world) const {
     const Eigen::Vector4d clip = toClip * world.homogeneous();
     if (!(clip[3] > 0))
         return {-1e6, -1e6, 2};
@@ -11,17 +11,17 @@ Eigen::Vector3d BendView::toWindow(const Eigen::Vector3d &world) const {
     return {(ndc[0] + 1) / 2 * width, (ndc[1] + 1) / 2 * height, (ndc[2] + 1) / 2};
 }
 
-Eigen::Vector3d BendView::toWorld(const Eigen::Vector3d &window) const {
+Eigen::Vector3d Camera::toWorld(const Eigen::Vector3d &window) const {
     const Eigen::Vector4d ndc(2 * window[0] / width - 1, 2 * window[1] / height - 1, 2 * window[2] - 1, 1);
     return (fromClip * ndc).hnormalized();
 }
 
-Eigen::Vector3d BendView::towardsEye(const Eigen::Vector3d &at) const {
+Eigen::Vector3d Camera::towardsEye(const Eigen::Vector3d &at) const {
     const Eigen::Vector3d window = toWindow(at);
     return (toWorld({window[0], window[1], window[2] - 1e-3}) - at).normalized();
 }
 
-double BendView::pixelAt(const Eigen::Vector3d &at) const {
+double Camera::pixelAt(const Eigen::Vector3d &at) const {
     const Eigen::Vector3d window = toWindow(at);
     return (toWorld({window[0] + 1, window[1], window[2]}) - at).norm();
 }

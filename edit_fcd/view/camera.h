@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_VIEW_H
-#define FCD_BEND_VIEW_H
+#ifndef FCD_CAMERA_H
+#define FCD_CAMERA_H
 
 #include <Eigen/Geometry>
 
 /// How the world is seen: from world to window coordinates (pixels of the device, y up; depth 0 to 1) and back.
-struct BendView {
+struct Camera {
     Eigen::Matrix4d toClip = Eigen::Matrix4d::Identity();
     Eigen::Matrix4d fromClip = Eigen::Matrix4d::Identity();
     int width = 1, height = 1;

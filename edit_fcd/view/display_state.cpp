@@ -11,7 +11,7 @@ const int mostFaces = 50000;
 
 } // namespace
 
-void BendDisplay::set(const MLRenderingData &data) {
+void DisplayState::set(const MLRenderingData &data) {
     MLSceneGLSharedDataContext *shared = view.getSceneGLSharedContext();
     if (!shared)
         return;
@@ -19,7 +19,7 @@ void BendDisplay::set(const MLRenderingData &data) {
     shared->manageBuffers(layer.id());
 }
 
-bool BendDisplay::showsFaces() const {
+bool DisplayState::showsFaces() const {
     MLSceneGLSharedDataContext *shared = view.getSceneGLSharedContext();
     if (!shared)
         return false;
@@ -29,7 +29,7 @@ bool BendDisplay::showsFaces() const {
     return data.get(MLRenderingData::PR_SOLID, atts) && atts[Names::ATT_FACENORMAL];
 }
 
-void BendDisplay::move() {
+void DisplayState::move() {
     if (atRest || layer.cm.fn <= mostFaces || !showsFaces())
         return;
     MLRenderingData data;
@@ -43,13 +43,13 @@ void BendDisplay::move() {
     set(data);
 }
 
-void BendDisplay::rest() {
+void DisplayState::rest() {
     if (atRest)
         set(*atRest);
     atRest.reset();
 }
 
-void BendDisplay::updateShape(bool faces) {
+void DisplayState::updateShape(bool faces) {
     MLSceneGLSharedDataContext *shared = view.getSceneGLSharedContext();
     if (!shared)
         return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_DISPLAY_H
-#define FCD_BEND_DISPLAY_H
+#ifndef FCD_DISPLAY_STATE_H
+#define FCD_DISPLAY_STATE_H
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
@@ -10,11 +10,11 @@
 
 /// How a layer is shown in a view while it is bent: as the person has chosen, but for large layers that are shaded by
 /// face: while they move, these are shaded by vertex, which needs a third of the buffers.
-class BendDisplay {
+class DisplayState {
   public:
-    BendDisplay(GLArea &view, const MeshModel &layer) : view(view), layer(layer) {}
-    BendDisplay(const BendDisplay &) = delete;
-    BendDisplay &operator=(const BendDisplay &) = delete;
+    DisplayState(GLArea &view, const MeshModel &layer) : view(view), layer(layer) {}
+    DisplayState(const DisplayState &) = delete;
+    DisplayState &operator=(const DisplayState &) = delete;
 
     /// The layer is going to move; rest() ends that.
     void move();

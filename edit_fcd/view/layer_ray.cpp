@@ -56,7 +56,7 @@ double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eige
 
 } // namespace
 
-std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, const Eigen::Vector2d &window) {
+std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window) {
     const double none = std::numeric_limits<double>::infinity();
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
@@ -105,7 +105,7 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, c
     return found;
 }
 
-std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const BendView &seen,
+std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const Camera &seen,
                                          const Eigen::Vector2d &window) {
     double least = std::numeric_limits<double>::infinity();
     std::optional<Eigen::Vector3d> first;

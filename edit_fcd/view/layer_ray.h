@@ -20,10 +20,10 @@ struct LayerHit {
 
 /// The place of a layer that is nearest to the eye at a place of the window, whatever else is before it; of a layer
 /// without faces, a vertex there. \param window pixels of the device, y up \return none where it is not hit
-std::optional<LayerHit> hitLayer(const MeshModel &layer, const BendView &seen, const Eigen::Vector2d &window);
+std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window);
 
 /// The place of all visible layers but one that is nearest to the eye there.
-std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const BendView &seen,
+std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const Camera &seen,
                                          const Eigen::Vector2d &window);
 
 #endif

@@ -16,7 +16,7 @@ const double mostMoving = 0.5;
 
 } // namespace
 
-std::unique_ptr<BendMoving> BendMoving::of(GLArea &view, const MeshModel &layer, const BendTags &tags,
+std::unique_ptr<MovingPart> MovingPart::of(GLArea &view, const MeshModel &layer, const std::vector<int> &tags,
                                            std::vector<vcg::Color4b> over) {
     MLSceneGLSharedDataContext *shared = view.getSceneGLSharedContext();
     if (!shared || layer.cm.fn < leastFaces || view.mvc()->count() > 1 || view.getRenderer() ||
@@ -27,7 +27,7 @@ std::unique_ptr<BendMoving> BendMoving::of(GLArea &view, const MeshModel &layer,
     const std::optional<LayerLook> look = LayerLook::of(data, layer.cm);
     if (!look)
         return nullptr;
-    std::unique_ptr<BendMoving> made(new BendMoving(view, layer, *look, std::move(over)));
+    std::unique_ptr<MovingPart> made(new MovingPart(view, layer, *look, std::move(over)));
     made->take(tags);
     if (double(made->part->faces()) > mostMoving * layer.cm.fn)
         return nullptr;
@@ -35,16 +35,16 @@ std::unique_ptr<BendMoving> BendMoving::of(GLArea &view, const MeshModel &layer,
     return made;
 }
 
-BendMoving::BendMoving(GLArea &view, const MeshModel &layer, const LayerLook &look, std::vector<vcg::Color4b> over)
+MovingPart::MovingPart(GLArea &view, const MeshModel &layer, const LayerLook &look, std::vector<vcg::Color4b> over)
     : view(&view), layer(layer), layerId(layer.id()), look(look), over(std::move(over)) {}
 
-BendMoving::~BendMoving() {
+MovingPart::~MovingPart() {
     if (view)
         view->meshVisibilityMap[layerId] = true;
 }
 
 /// What is free or a handle moves.
-void BendMoving::take(const BendTags &newTags) {
+void MovingPart::take(const std::vector<int> &newTags) {
     tags = newTags;
     const CMeshO &mesh = layer.cm;
     isMoving.assign(mesh.face.size(), 0);
@@ -60,20 +60,20 @@ void BendMoving::take(const BendTags &newTags) {
     picture.reset();
 }
 
-void BendMoving::move(const BendTags &newTags) {
+void MovingPart::move(const std::vector<int> &newTags) {
     if (tags != newTags)
         take(newTags);
     part->move();
     overPart.move();
 }
 
-bool BendMoving::isPictureOf(const BendView &seen) const {
+bool MovingPart::isPictureOf(const Camera &seen) const {
     return picture && seen.toClip == pictureSeen.toClip && seen.width == pictureSeen.width &&
            seen.height == pictureSeen.height;
 }
 
 /// Copies colour and depth of the view into the picture, or back. \return whether the graphics card can
-bool BendMoving::copy(bool toPicture) const {
+bool MovingPart::copy(bool toPicture) const {
     // Qt's own copying leaves an error where a view is what is copied, and those of GLEW are not linked.
     const auto bind = reinterpret_cast<PFNGLBINDFRAMEBUFFERPROC>(view->context()->getProcAddress("glBindFramebuffer"));
     const auto blit = reinterpret_cast<PFNGLBLITFRAMEBUFFERPROC>(view->context()->getProcAddress("glBlitFramebuffer"));
@@ -91,7 +91,7 @@ bool BendMoving::copy(bool toPicture) const {
     return glGetError() == GL_NO_ERROR;
 }
 
-bool BendMoving::draw(const BendView &seen) {
+bool MovingPart::draw(const Camera &seen) {
     view->meshVisibilityMap[layerId] = false; // the host may have forgotten
     if (!isPictureOf(seen)) {
         std::vector<char> stays(isMoving.size());

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/session.h"
+#include "edit_fcd/bend/model/influence.h"
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
+
+#include <vcg_ext/handles/handles.h>
 
 #include <algorithm>
 #include <utility>
@@ -18,37 +23,49 @@ std::vector<std::size_t> chosenOf(const std::vector<char> &isIn) {
     return chosen;
 }
 
-} // namespace
+/// Makes the tags step by step.
+class Maker {
+  public:
+    Maker(const BendState &now, const BendGround &ground, BendInfluence &all)
+        : now(now), ground(ground), reachOfRest(*ground.reach), all(all) {}
+    void make(BendTags &made);
 
-int BendSession::rankOf(int tag) const {
-    const auto found = now.rank.find(tag);
-    return found == now.rank.end() ? 0 : found->second;
-}
+  private:
+    struct Around {
+        std::vector<std::size_t> vertices; ///< of a handle
+        double radius;                     ///< of what it bends around them
+    };
+    void findExtents(const BendTags &made);
+    void bendAround(BendTags &made);
+    bool bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear);
+    std::vector<int> nextFirst() const;
+    void holdBeyond(BendTags &made);
+    void hold(BendTags &made);
+    void holdGrip(BendTags &made, int tag, double radius);
+    double gap() const { return usualGap(ground.diagonal); }
 
-/// What a new handle frees must not let go what is posed.
-int BendSession::rankOfNew() const {
-    int rank = 0;
-    for (const auto &each : now.motion)
-        rank = std::max(rank, rankOf(each.first) + 1);
-    return rank;
-}
+    const BendState &now;
+    const BendGround &ground;
+    BendReach &reachOfRest;
+    BendInfluence &all;
+};
 
 /// Where nothing is marked as fixed, what is not around a handle is.
-void BendSession::bendAround(BendTags &made) {
+void Maker::bendAround(BendTags &made) {
     std::map<int, std::vector<Around>> around; // by rank
     std::map<std::pair<int, double>, std::vector<std::size_t>> ofRim;
     for (std::size_t i = 0; i < made.size(); ++i)
         if (made[i] >= 2)
-            ofRim[{made[i], rimAt(i)}].push_back(i);
+            ofRim[{made[i], rimAt(now, i, ground.diagonal)}].push_back(i);
     for (auto &[own, vertices] : ofRim)
-        around[rankOf(own.first)].push_back({std::move(vertices), own.second});
+        around[rankOf(now, own.first)].push_back({std::move(vertices), own.second});
     for (const auto &[tag, point] : now.points)
-        around[rankOf(tag)].push_back({{point.slot}, point.radius});
+        around[rankOf(now, tag)].push_back({{point.slot}, point.radius});
     std::vector<char> isNear(made.size(), 0);
     for (const auto &[rank, handles] : around)
         if (bendAround(handles, rank, isNear))
-            apart.insert(rank);
-    for (const std::size_t i : reachOfRest.looseAmong(isNear, usualGap()))
+            all.apart.insert(rank);
+    for (const std::size_t i : reachOfRest.looseAmong(isNear, gap()))
         isNear[i] = 1;
     for (std::size_t i = 0; i < made.size(); ++i)
         if (made[i] == 1 && !isNear[i])
@@ -56,7 +73,7 @@ void BendSession::bendAround(BendTags &made) {
 }
 
 /// Finds what belongs to each handle, as far as that matters: where there are several, or one is a grip.
-void BendSession::findExtents(const BendTags &made) {
+void Maker::findExtents(const BendTags &made) {
     std::map<int, std::vector<std::size_t>> handles;
     for (std::size_t i = 0; i < made.size(); ++i)
         if (made[i] >= 2)
@@ -66,57 +83,38 @@ void BendSession::findExtents(const BendTags &made) {
         handles[tag] = {point.slot};
         isAnyGrip = isAnyGrip || point.isGrip;
     }
-    extents.clear();
-    beyond.clear();
     if (handles.size() < 2 && !isAnyGrip)
         return;
     for (const auto &[tag, vertices] : handles) {
-        if (!local && now.points.count(tag) == 0)
+        if (!all.isLocal && now.points.count(tag) == 0)
             continue; // what is marked where something is fixed moves alone
-        expectReach();
-        extents[tag] = reachOfRest.whole(vertices, radiusOf(tag), usualGap());
+        all.extents[tag] = reachOfRest.whole(vertices, radiusOf(now, tag, ground.diagonal), gap());
     }
-    for (const auto &[tag, own] : extents) {
-        const auto lies = [&all = own->beyond](const std::vector<std::size_t> &part) {
-            return std::includes(all.begin(), all.end(), part.begin(), part.end());
+    for (const auto &[tag, own] : all.extents) {
+        const auto lies = [&whole = own->beyond](const std::vector<std::size_t> &part) {
+            return std::includes(whole.begin(), whole.end(), part.begin(), part.end());
         };
         for (const auto &[other, vertices] : handles) {
             if (other == tag)
                 continue;
-            const auto its = extents.find(other);
-            const bool isNearTip = its != extents.end() && !its->second->beyond.empty() &&
+            const auto its = all.extents.find(other);
+            const bool isNearTip = its != all.extents.end() && !its->second->beyond.empty() &&
                                    its->second->beyond.size() < own->beyond.size() && lies(its->second->beyond);
             if (isNearTip || lies(vertices))
-                beyond[tag].push_back(other);
+                all.beyond[tag].push_back(other);
         }
     }
 }
 
-std::vector<int> BendSession::carriedBy(int tag) const {
-    std::vector<int> carried;
-    if (const auto found = beyond.find(tag); found != beyond.end())
-        for (const int other : found->second)
-            if (!handle(other).isLocked && other != mirrored(tag))
-                carried.push_back(other);
-    return carried;
-}
-
-bool BendSession::isAlong(std::size_t slot) const {
-    const int tag = (*effective)[slot];
-    const auto point = now.points.find(tag);
-    return point != now.points.end() && point->second.isGrip &&
-           std::binary_search(extents.at(tag)->beyond.begin(), extents.at(tag)->beyond.end(), slot);
-}
-
 /// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
 /// where a handle is at the edge of that, all bend together. \return whether they bend less for it
-bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
-    const double gap = usualGap();
+bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
+    const double gap = this->gap();
     const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
     std::vector<std::size_t> middle;
     for (const Around &each : handles)
         middle.insert(middle.end(), each.vertices.begin(), each.vertices.end());
-    const std::vector<std::size_t> &beside = reach(middle, gap);
+    const std::vector<std::size_t> &beside = reachOfRest.of(middle, gap);
     const auto inside = std::size_t(std::count_if(beside.begin(), beside.end(), isLower));
     const bool isApart = rank > 0 && (inside == 0 || inside == beside.size());
     const std::vector<std::size_t> lower = chosenOf(isNear);
@@ -127,7 +125,6 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
     };
     std::vector<char> isAside(isNear.size(), 0);
     for (const Around &each : handles) {
-        expectReach();
         const auto extent = reachOfRest.extent(each.vertices, each.radius);
         add(extent->around);
         add(extent->tips);
@@ -139,7 +136,7 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
             own[i] = own[i] || !isAside[i];
     bool isLess = false;
     if (isApart) {
-        for (const std::size_t i : reach(lower, gap)) {
+        for (const std::size_t i : reachOfRest.of(lower, gap)) {
             isLess = isLess || (own[i] && !isNear[i]);
             own[i] = 0;
         }
@@ -154,23 +151,23 @@ bool BendSession::bendAround(const std::vector<Around> &handles, int rank, std::
 }
 
 /// Of handles on a limb, the one that is next to its tip first, as it holds that.
-std::vector<int> BendSession::nextFirst() const {
+std::vector<int> Maker::nextFirst() const {
     std::vector<int> order;
-    order.reserve(extents.size());
-    for (const auto &each : extents)
+    order.reserve(all.extents.size());
+    for (const auto &each : all.extents)
         order.push_back(each.first);
     std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return extents.at(a)->beyond.size() < extents.at(b)->beyond.size(); });
+                     [&](int a, int b) { return all.extents.at(a)->beyond.size() < all.extents.at(b)->beyond.size(); });
     return order;
 }
 
 /// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.
-void BendSession::holdBeyond(BendTags &made) {
+void Maker::holdBeyond(BendTags &made) {
     const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
     for (const int tag : nextFirst()) {
-        if (beyond.count(tag) == 0)
+        if (all.beyond.count(tag) == 0)
             continue;
-        const BendExtent &own = *extents.at(tag);
+        const BendExtent &own = *all.extents.at(tag);
         const auto isAnyFixed = [&](const auto &part) { return std::any_of(part.begin(), part.end(), isFixed); };
         if (!isAnyFixed(own.beyond) && !isAnyFixed(own.around))
             continue;
@@ -195,14 +192,14 @@ void BendSession::holdBeyond(BendTags &made) {
 }
 
 /// Holds what the points hold.
-void BendSession::hold(BendTags &made) {
+void Maker::hold(BendTags &made) {
     const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
         for (const std::size_t i : vertices)
             if (made[i] == 1)
                 made[i] = tag;
     };
     for (const auto &[tag, point] : now.points) {
-        add(tag, reach({point.slot}, point.radius * pointSize));
+        add(tag, reachOfRest.of({point.slot}, point.radius * pointSize));
         made[point.slot] = tag;
     }
     for (const int tag : nextFirst())
@@ -212,27 +209,76 @@ void BendSession::hold(BendTags &made) {
 
 /// Holds what is turned with a point, beside what that holds already: not what other handles beyond it bend, and only
 /// where nothing else is held within the gap.
-void BendSession::holdGrip(BendTags &made, int tag, double radius) {
-    const BendExtent &own = *extents.at(tag);
+void Maker::holdGrip(BendTags &made, int tag, double radius) {
+    const BendExtent &own = *all.extents.at(tag);
     std::vector<char> isIn(made.size(), 0);
     const auto set = [&](const std::vector<std::size_t> &vertices, bool to) {
         for (const std::size_t i : vertices)
             isIn[i] = to;
     };
     set(own.beyond, true);
-    for (const int other : beyond[tag])
-        if (const auto its = extents.find(other); its != extents.end()) {
+    for (const int other : all.beyond[tag])
+        if (const auto its = all.extents.find(other); its != all.extents.end()) {
             set(its->second->around, false);
             set(its->second->beyond, false);
         }
     set(own.core, true);
     const double gap = gapOfRadius * radius;
     std::vector<std::size_t> others;
-    for (const std::size_t i : reach(chosenOf(isIn), gap))
+    for (const std::size_t i : reachOfRest.of(chosenOf(isIn), gap))
         if (made[i] != 1 && made[i] != tag)
             others.push_back(i);
-    set(reach(others, gap), false);
+    set(reachOfRest.of(others, gap), false);
     for (std::size_t i = 0; i < made.size(); ++i)
         if (isIn[i] && made[i] == 1)
             made[i] = tag;
+}
+
+void Maker::make(BendTags &made) {
+    freeGaps(now, reachOfRest, made);
+    const bool isHeld = !now.points.empty() || std::any_of(made.begin(), made.end(), [](int tag) { return tag >= 2; });
+    all.isLocal = isHeld && std::find(made.begin(), made.end(), 0) == made.end();
+    findExtents(made);
+    if (all.isLocal) {
+        bendAround(made);
+        holdBeyond(made);
+    }
+    hold(made);
+}
+
+} // namespace
+
+BendInfluence influenceOf(const BendState &state, const BendGround &ground,
+                          const std::shared_ptr<const BendTags> &before) {
+    BendInfluence all;
+    auto made =
+        state.marks ? std::make_shared<BendTags>(*state.marks) : std::make_shared<BendTags>(ground.vertexSlots, 1);
+    Maker(state, ground, all).make(*made);
+    all.tags = before && *made == *before ? before : made;
+    all.center = vcg::fcd::HandleCenters(*all.tags, ground.at);
+    return all;
+}
+
+std::vector<int> BendInfluence::handles() const {
+    std::vector<int> tags;
+    tags.reserve(center.size());
+    for (const auto &each : center)
+        tags.push_back(int(each.first));
+    return tags;
+}
+
+int BendInfluence::unusedTag() const {
+    int tag = 2;
+    while (isHandle(tag))
+        ++tag;
+    return tag;
+}
+
+bool isAlong(const BendState &state, const BendInfluence &influence, std::size_t slot) {
+    const int tag = (*influence.tags)[slot];
+    const auto point = state.points.find(tag);
+    if (point == state.points.end() || !point->second.isGrip)
+        return false;
+    const std::vector<std::size_t> &beyond = influence.extents.at(tag)->beyond;
+    return std::binary_search(beyond.begin(), beyond.end(), slot);
 }

@@ -7,8 +7,11 @@
 #include <array>
 #include <set>
 
-void BendReach::read(const std::shared_ptr<const vcg::fcd::SurfaceArrays> &arrays, const Eigen::Matrix3d &metric) {
-    pending = std::async(std::launch::async, [arrays, metric] {
+void BendReach::begin() {
+    if (surface || pending.valid())
+        return;
+    const auto [arrays, metric] = source();
+    pending = std::async(std::launch::async, [arrays = arrays, metric = metric] {
         return std::make_unique<vcg::fcd::SurfaceGraph>(
             vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
     });
@@ -49,7 +52,7 @@ std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
-    if (knows(vertices, radius))
+    if (from == vertices && within == radius)
         return reached;
     wait();
     reached.clear();
@@ -107,7 +110,8 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
 }
 
 void BendReach::wait() {
-    if (!pending.valid())
+    begin();
+    if (surface)
         return;
     surface = pending.get();
     const int unknown = -1;

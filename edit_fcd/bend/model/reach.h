@@ -2,8 +2,10 @@
 #ifndef FCD_BEND_REACH_H
 #define FCD_BEND_REACH_H
 
-#include <layer_fcd/parameters.h> // before Qt
+#include <vcg_ext/surface/surface_arrays.h>
+#include <vcg_ext/surface/surface_graph.h>
 
+#include <functional>
 #include <future>
 #include <list>
 #include <memory>
@@ -24,40 +26,37 @@ struct BendExtent {
 /// What lies within some way of vertices, along the surface of the rest shape.
 class BendReach {
   public:
-    bool isReady() const { return surface || pending.valid(); }
-    /// Reads the surface at rest, beside what is done next; whoever asks for it waits. \param metric lengths are
-    /// measured by, that of the layer's matrix
-    void read(const std::shared_ptr<const vcg::fcd::SurfaceArrays> &arrays, const Eigen::Matrix3d &metric);
+    /// The surface at rest, and what lengths are measured by, that of the layer's matrix.
+    using Source = std::function<std::pair<std::shared_ptr<const vcg::fcd::SurfaceArrays>, Eigen::Matrix3d>()>;
+    /// \param source asked when something of the surface is, first
+    explicit BendReach(Source source) : source(std::move(source)) {}
+
+    /// Reads the surface at rest if it is not, beside what is done next; whoever asks for it waits.
+    void begin();
     void clear();
 
-    bool knows(const std::vector<std::size_t> &vertices, double radius) const {
-        return from == vertices && within == radius;
-    }
-    /// The vertices within \p radius of some, given by their slots. \pre isReady(), or knows() it
+    /// The vertices within \p radius of some, given by their slots.
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
 
-    /// What belongs to a handle of some vertices; whole() finds the rest of it. \pre isReady()
+    /// What belongs to a handle of some vertices; whole() finds the rest of it.
     std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
-    /// \param hair as looseAmong() has it \pre isReady()
+    /// \param hair as looseAmong() has it
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
 
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
-    /// vertex among them \pre isReady()
+    /// vertex among them
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
 
     /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside
-    /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others \pre
-    /// isReady()
+    /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others
     std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
     /// The vertices of parts that are not connected with others, but lie among them, and are clearly smaller: nails of
-    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units \pre
-    /// isReady()
+    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units
     std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
 
     /// The vertex that is pulled where someone points at another one, of a part that is no larger than some hairs: the
     /// nearest one of a part that is clearly larger, if there is one within \param hair, world units; else that one.
-    /// \pre isReady()
     std::size_t carrierOf(std::size_t slot, double hair);
 
   private:
@@ -77,6 +76,7 @@ class BendReach {
                                              std::vector<double> *distances = nullptr) const;
     std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;
 
+    Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
     std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
     std::vector<int> partOf;                                      ///< of each node of the surface, the connected part

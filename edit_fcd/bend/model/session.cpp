@@ -1,50 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/surface/read_surface.h> // before Qt
 
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
 #include "edit_fcd/bend/model/session.h"
 
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/marks.h>
+#include <layer_fcd/tag_sources.h>
 
 #include <algorithm>
 #include <cassert>
 #include <limits>
 
 using vcg::fcd::Error;
-using vcg::fcd::MotionStep;
 using vcg::fcd::ParallelFor;
 
-namespace {
-
-const std::size_t grain = 1 << 14;
-
-// From where a handle is mirrored, of the diagonal: the sides of a body are as different as that.
-const double farthestTwin = 0.05;
-
-/// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
-MotionStep mirroredStep(const MotionStep &step, const Eigen::Affine3d &mirror) {
-    MotionStep other = step;
-    switch (step.kind) {
-    case MotionStep::Translation: other.vector = mirror.linear() * step.vector; break;
-    case MotionStep::Rotation: other.vector = -(mirror.linear() * step.vector); break;
-    case MotionStep::Scaling: break;
-    case MotionStep::Matrix:
-        other.matrix = (mirror * Eigen::Affine3d(step.matrix) * mirror.inverse()).matrix();
-        other.matrix.row(3) << 0, 0, 0, 1;
-        break;
-    }
-    if (step.about)
-        other.about = mirror * *step.about;
-    return other;
-}
-
-} // namespace
-
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
-    : document(document), layer(layer), rest(layer), solver(document, layer) {
+    : document(document), layer(layer), rest(layer), reach([this] {
+          readSurface();
+          return std::make_pair(surface, Eigen::Matrix3d(rest.world().linear()));
+      }),
+      solver(document, layer) {
     if (layer.cm.vn == 0)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
-    now.marks = marksNow(layer);
+    data.state.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
     keepRest();
     updateTags();
@@ -53,50 +33,36 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
 void BendSession::keepRest() {
     rest.keep();
     surface.reset();
-    reachOfRest.clear();
+    reach.clear();
     solver.clear();
+    data.ground = {rest.positions().size(),
+                   rest.diagonal(),
+                   rest.world(),
+                   rest.middle(),
+                   [this](std::size_t i) { return rest.at(i); },
+                   [this](std::size_t i) { return toVector(rest.normals()[i]); },
+                   &reach};
 }
 
-// --- what is held ---
-
-std::vector<int> BendSession::handleTags() const {
-    std::vector<int> all;
-    all.reserve(center.size());
-    for (const auto &each : center)
-        all.push_back(int(each.first));
-    return all;
+/// The tags of a layer, null where nothing is tagged. A quality that is no tags counts as nothing.
+std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
+    HandleParam param;
+    param.source = HandleParam::Known;
+    auto present = std::make_shared<const BendTags>(readTags(layer, param));
+    return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
 }
 
-int BendSession::unusedTag() const {
-    int tag = 2;
-    while (center.count(tag))
-        ++tag;
-    return tag;
+bool BendSession::isUpToDate() const {
+    Eigen::Matrix4d present;
+    layer.cm.Tr.ToEigenMatrix(present);
+    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && rest.isAsKnown();
 }
 
-Eigen::Affine3d BendSession::mirror() const {
-    Eigen::Affine3d mirror = Eigen::Affine3d::Identity();
-    if (options.mirror >= 0) {
-        mirror.linear()(options.mirror, options.mirror) = -1;
-        mirror.translation()[options.mirror] = 2 * rest.middle()[options.mirror];
-    }
-    return rest.world() * mirror * rest.world().inverse();
-}
-
-int BendSession::mirrored(int tag) const {
-    if (options.mirror < 0 || !center.count(tag))
-        return 0;
-    const Eigen::Vector3d there = mirror() * (rest.world() * placeOf(tag));
-    int found = tag; // in the middle, it is its own
-    double least = std::min(farthestTwin * rest.diagonal(), (rest.world() * placeOf(tag) - there).norm());
-    for (const int other : handleTags()) {
-        const double distance = (rest.world() * placeOf(other) - there).norm();
-        if (other != tag && distance < least) {
-            least = distance;
-            found = other;
-        }
-    }
-    return found == tag ? 0 : found;
+bool BendSession::isAsLeft() const {
+    if (!isUpToDate())
+        return false;
+    const auto marks = marksNow(layer);
+    return marks && state().marks ? *marks == *state().marks : !marks && !state().marks;
 }
 
 namespace {
@@ -109,6 +75,7 @@ std::optional<std::size_t> nearestOf(std::size_t count, const Eigen::Vector3d &p
         double square = std::numeric_limits<double>::infinity();
         std::size_t slot = 0;
     };
+    const std::size_t grain = 1 << 14;
     std::vector<Found> found((count + grain - 1) / grain);
     ParallelFor(0, count, grain, [&](std::size_t first, std::size_t last) {
         Found here;
@@ -138,11 +105,12 @@ std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, do
     return slot;
 }
 
+/// The vertex on the other side of the mirror, at rest.
 std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
-    if (options.mirror < 0)
+    if (data.options.mirror < 0)
         return {};
     const vcg::fcd::SurfaceView view = surface->View();
-    const Eigen::Vector3d there = rest.world().inverse() * (mirror() * (rest.world() * rest.at(slot)));
+    const Eigen::Vector3d there = rest.world().inverse() * (mirrorOf(data) * (rest.world() * rest.at(slot)));
     return nearestOf(
         view.vertexSlots, there, [&](std::size_t i) { return view.IsDeleted(i); },
         [&](std::size_t i) { return rest.positions()[i]; });
@@ -166,13 +134,6 @@ void BendSession::readSurface() {
     facesOfSurface = faces;
 }
 
-void BendSession::expectReach() {
-    if (reachOfRest.isReady())
-        return;
-    readSurface();
-    reachOfRest.read(surface, rest.world().linear());
-}
-
 void BendSession::beginBeside() {
     readSurface();
     auto made = std::make_unique<Beside>();
@@ -180,8 +141,9 @@ void BendSession::beginBeside() {
         made->position.resize(rest.positions().size());
         forVertices(layer.cm, [&](std::size_t i) { made->position[i] = layer.cm.vert[i].cP(); });
     }
-    for (const vcg::fcd::NamedPose &each : namedPoses())
-        made->poses[each.motions] = inNumbers(each.motions);
+    if (state().poses)
+        for (const vcg::fcd::NamedPose &each : state().poses->pose)
+            made->poses[each.motions] = inNumbers(each.motions);
     besides = std::move(made);
 }
 
@@ -191,18 +153,12 @@ void BendSession::endBeside() {
         writePoses();
 }
 
-const std::vector<std::size_t> &BendSession::reach(const std::vector<std::size_t> &vertices, double radius) {
-    if (!reachOfRest.knows(vertices, radius))
-        expectReach();
-    return reachOfRest.of(vertices, radius);
-}
-
 // --- changes ---
 
 /// The state is another one.
 void BendSession::takeState() {
     crossApplies();
-    options.pose = now.pose;
+    data.options.pose = state().pose;
     updateTags();
     writeMarks();
     writePoses();
@@ -210,84 +166,114 @@ void BendSession::takeState() {
 
 void BendSession::undo() {
     forgetWhatIsGone();
-    if (history.undo(now))
+    if (history.undo(data.state))
         takeState();
 }
 
 void BendSession::redo() {
-    if (history.redo(now))
+    if (history.redo(data.state))
         takeState();
 }
 
 void BendSession::cancel() {
-    if (!history.cancel(now))
+    if (!history.cancel(data.state))
         return;
     marking.reset();
     marked.clear();
     takeState();
 }
 
-/// Whether a point could be made of a vertex.
-bool BendSession::canBecomePoint(std::size_t slot) const {
-    return isFree(slot) && ((*effective)[slot] < 2 || isAlong(slot));
+void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
+    if (!marking)
+        marking = state().marks ? std::make_shared<BendTags>(*state().marks)
+                                : std::make_shared<BendTags>(layer.cm.vert.size(), 1);
+    for (std::size_t i : vertices)
+        (*marking)[i] = tag;
+    marked.insert(marked.end(), vertices.begin(), vertices.end());
+}
+
+void BendSession::endMarks(double rim) {
+    if (!marking)
+        return;
+    const std::set<int> added = takeMarks(data.state, *marking, marked, rim, data.influence.center);
+    marking.reset();
+    marked.clear();
+    changeTags();
+    for (const int tag : added)
+        keepPlace(tag);
+    writeMarks();
+}
+
+void BendSession::clearMarks() {
+    data.state.marks.reset();
+    data.state.rims.reset();
+    data.state.points.clear();
+    motionByHand(data.state).clear();
+    updateTags();
+    writeMarks();
 }
 
 int BendSession::addPoint(std::size_t slot, double radius) {
-    const auto add = [&, rank = rankOfNew()](std::size_t at) {
-        assert(canBecomePoint(at));
-        const int tag = unusedTag();
-        now.points[tag] = {at, radius};
+    const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
+        assert(canBecomePoint(data, at));
+        const int tag = data.influence.unusedTag();
+        data.state.points[tag] = {at, radius};
         if (rank > 0)
-            now.rank[tag] = rank;
+            data.state.rank[tag] = rank;
         changeTagsOf(tag);
         return tag;
     };
-    expectReach();
-    if (const std::size_t carrier = reachOfRest.carrierOf(slot, usualGap()); canBecomePoint(carrier))
+    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
         slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
-    if (!other || (rest.at(*other) - rest.at(slot)).norm() <= 1e-3 * rest.diagonal())
-        return tag;
-    const Eigen::Vector3d there = mirror() * (rest.world() * rest.at(slot));
-    if ((rest.world() * rest.at(*other) - there).norm() < farthestTwin * rest.diagonal() && canBecomePoint(*other))
+    if (other && isTwin(data, slot, *other) && canBecomePoint(data, *other))
         add(*other);
     return tag;
 }
 
-void BendSession::setMotion(const std::map<int, std::vector<MotionStep>> &steps) {
-    for (const auto &[tag, here] : steps) {
-        if (const int other = mirrored(tag); other && steps.count(other) == 0) {
-            std::vector<MotionStep> there;
-            there.reserve(here.size());
-            for (const MotionStep &step : here)
-                there.push_back(mirroredStep(step, mirror()));
-            motionByHand()[other] = there;
-        }
-        motionByHand()[tag] = here;
+void BendSession::makeGrip(int tag) {
+    const auto point = data.state.points.find(tag);
+    if (point == state().points.end() || point->second.isGrip)
+        return;
+    const int other = mirrored(data, tag);
+    point->second.isGrip = true;
+    if (BendHandle changed = handleOf(state(), tag); !changed.pivot) {
+        changed.pivot = rest.world() * rest.at(point->second.slot);
+        setHandle(data.state, tag, std::move(changed));
     }
+    changeTagsOf(tag);
+    if (other)
+        makeGrip(other);
 }
 
-void BendSession::setMotions(const std::string &text) {
-    auto motion = vcg::fcd::ReadMotionText(text, "The motions");
-    for (const auto &[tag, steps] : motion) {
-        if (!center.count(tag))
-            throw Error("The motions move handle " + std::to_string(tag) + ", but no vertex has that tag.");
-        vcg::fcd::ToMotion(steps, rest.world() * center.at(tag)); // to say what is wrong with it
-    }
-    motionByHand() = std::move(motion);
+void BendSession::setRadius(int tag, double radius) {
+    const int other = mirrored(data, tag);
+    setRadiusOf(data.state, tag, radius);
+    if (other)
+        setRadiusOf(data.state, other, radius);
+    changeTags();
 }
 
-void BendSession::setPose(double percent) {
-    if (percent != now.pose)
-        now.weights.clear(); // a part of a blend is none
-    options.pose = now.pose = percent;
+void BendSession::setRimAt(std::size_t slot, double radius) {
+    const BendTags &marks = *state().marks;
+    std::vector<char> isFixed(marks.size());
+    for (std::size_t i = 0; i < isFixed.size(); ++i)
+        isFixed[i] = marks[i] == 0;
+    setRims(data.state, reach.piece(slot, isFixed), radius, marks.size());
+    changeTags();
+}
+
+void BendSession::removeHandle(int tag) {
+    freeHandle(data.state, tag);
+    changeTags();
+    writeMarks();
 }
 
 void BendSession::reset() {
-    motionByHand().clear();
-    if (now.poses || now.rank.empty())
+    motionByHand(data.state).clear();
+    if (state().poses || state().rank.empty())
         return; // what handles bend is the named poses', too
-    now.rank.clear();
+    data.state.rank.clear();
     changeTags();
 }

@@ -3,7 +3,7 @@
 #define FCD_BEND_STATE_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/deformer.h>
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
@@ -79,17 +79,6 @@ struct BendState {
     bool operator==(const BendState &other) const;
 };
 
-/// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
-std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
-
-/// Says in the steps where they turn and scale, which is the middle of their handle until then. \param center of the
-/// handle at rest, in the world \return whether any of them did not say it
-bool setPlaces(std::vector<vcg::fcd::MotionStep> &steps, const Eigen::Vector3d &center);
-
-/// A number in few digits, as people would write it; what is kept is what is written.
-double inFewDigits(double x);
-Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v);
-
 /// What the axes are that a handle is moved along and turned about. Those of the view are the tool's.
 enum class BendAxes { World, Layer, View, Surface };
 
@@ -108,24 +97,6 @@ struct BendOptions {
         return smoothness == other.smoothness && pose == other.pose && initialPatches == other.initialPatches &&
                weights == other.weights;
     }
-};
-
-/// The states before and after the present one. Each change begins with begin().
-class BendHistory {
-  public:
-    void begin(const BendState &now);
-    bool canUndo() const { return !before.empty(); }
-    bool canRedo() const { return !after.empty(); }
-    /// Each makes \p now another state. \return whether it did
-    bool undo(BendState &now);
-    bool redo(BendState &now);
-    /// Takes back what was done since the last begin(), without a redo.
-    bool cancel(BendState &now);
-    /// Forgets what was before so many applies.
-    void forget(std::size_t applies);
-
-  private:
-    std::vector<BendState> before, after;
 };
 
 #endif

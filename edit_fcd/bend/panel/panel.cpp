@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/panel.h"
 
-#include "edit_fcd/bend/tool/keys.h"
+#include "edit_fcd/bend/panel/actions.h"
 #include "edit_fcd/bend/model/state.h"
 #include "edit_fcd/view/stretch_colors.h"
 #include "edit_fcd/kit/tool_window.h"
@@ -69,19 +69,21 @@ void BendPanel::addModes(QBoxLayout &column) {
     };
     const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Line"};
     const QString tips[] = {
-        withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
-        withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
-        withKeys("Mark what is in a rectangle", BendAction::Rectangle),
-        withKeys("Mark what is in a polygon: click its corners, double-click the last", BendAction::Polyline),
-        withKeys("Straighten the layer along a line, or bend it along one: click points, or choose a layer",
-                 BendAction::Line)};
+        bendActions().withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
+        bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
+        bendActions().withKeys("Mark what is in a rectangle", BendAction::Rectangle),
+        bendActions().withKeys("Mark what is in a polygon: click its corners, double-click the last",
+                               BendAction::Polyline),
+        bendActions().withKeys(
+            "Straighten the layer along a line, or bend it along one: click points, or choose a layer",
+            BendAction::Line)};
     for (int i = 0; i < 5; ++i) {
         QToolButton *button = add(names[i], tips[i]);
         button->setCheckable(true);
         modes->addButton(button, i);
     }
     row->addStretch();
-    QToolButton *keys = add("?", withKeys("What the keys do", BendAction::Page));
+    QToolButton *keys = add("?", bendActions().withKeys("What the keys do", BendAction::Page));
     keys->setObjectName("keys");
     connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
     setMode(Bend);
@@ -100,9 +102,10 @@ void BendPanel::addMarking(QWidget &place) {
     role = withTip(new QComboBox, "What is marked becomes this (F, U, H, O)");
     role->addItems({"Fixed", "Free", "Handle", "Outside"});
     role->setCurrentIndex(Handle);
-    number = withTip(new QSpinBox, withKeys("Number of the handle; the next one", BendAction::NextHandle));
+    number =
+        withTip(new QSpinBox, bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
     number->setRange(2, 1000000);
-    through = withTip(new QCheckBox("through"), withKeys("Also what is hidden", BendAction::Through));
+    through = withTip(new QCheckBox("through"), bendActions().withKeys("Also what is hidden", BendAction::Through));
     row->addWidget(role);
     row->addWidget(number);
     row->addWidget(through);

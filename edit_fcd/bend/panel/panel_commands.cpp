@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/panel.h"
 
-#include "edit_fcd/bend/tool/keys.h"
+#include "edit_fcd/bend/panel/actions.h"
 #include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/parameters.h>
@@ -28,15 +28,15 @@ void BendPanel::addCommands(QBoxLayout &column) {
     };
     add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0);
     add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 1);
-    add("Undo", withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0);
-    add("Redo", withKeys("Redo", BendAction::Redo), Redo, 1, 1);
+    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0);
+    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 1);
     add("Apply in place",
-        withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace), ApplyInPlace,
-        2, 0);
+        bendActions().withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace),
+        ApplyInPlace, 2, 0);
     add("Apply to new layer",
-        withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer), ApplyToNewLayer,
-        2, 1);
-    add("Reset", withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
+        bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
+        ApplyToNewLayer, 2, 1);
+    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
     auto *folds = new QHBoxLayout;
     folds->addWidget(fold("poses_fold", "Poses", "Poses that have names, blended by sliders", poseBox));
     folds->addWidget(fold("more", "More", "What shapes a deformation, motions as text, graph layers", moreOptions));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/guide_line.h"
+
 #include <cmath>
 
 #include <QCursor>
@@ -19,7 +21,8 @@ void BendTool::say(const std::string &text, bool warning) {
 
 /// What is marked next to a handle that was moved is another handle, at rest.
 int BendTool::tagToMark() const {
-    return panel->tag() >= 2 && session->state().motion.count(panel->tag()) ? session->unusedTag() : panel->tag();
+    return panel->tag() >= 2 && session->state().motion.count(panel->tag()) ? session->model().influence.unusedTag()
+                                                                            : panel->tag();
 }
 
 void BendTool::takeNewHandle() {
@@ -78,7 +81,7 @@ void BendTool::showVertices(bool full) {
         }
     }
     display->updateShape(full || display->showsFaces());
-    if (session->isStretchShown())
+    if (colors->isStretch(*session))
         showOverlay();
     else
         overlay->move();
@@ -98,7 +101,7 @@ void BendTool::showChanged() {
 void BendTool::showOverlay() {
     if (!layer())
         return;
-    const std::vector<vcg::Color4b> color = session->overlay();
+    const std::vector<vcg::Color4b> color = colors->of(*session);
     if (color.empty())
         overlay->hide();
     else
@@ -109,9 +112,9 @@ void BendTool::showOverlay() {
 /// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
 void BendTool::showStretch() {
     const bool wanted = panel->showsStretch() && panel->mode() == BendPanel::Bend;
-    if (session->options.stretch == wanted)
+    if (session->edit().options.stretch == wanted)
         return;
-    session->options.stretch = wanted;
+    session->edit().options.stretch = wanted;
     showOverlay();
 }
 
@@ -159,7 +162,7 @@ void BendTool::drawOverlay() const {
     if (!panel || isSuspended)
         return;
     if (panel->mode() == BendPanel::Line)
-        drawLine(panel->line().lineLayer() < 0 ? session->line() : Eigen::Matrix3Xd(3, 0),
+        drawLine(panel->line().lineLayer() < 0 ? lineOf(*session) : Eigen::Matrix3Xd(3, 0),
                  linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag.get(), lit);

@@ -5,7 +5,8 @@
 #include "edit_fcd/bend/model/session.h" // before Qt
 
 #include "edit_fcd/bend/tool/drag.h"
-#include "edit_fcd/bend/tool/keys.h"
+#include "edit_fcd/bend/panel/actions.h"
+#include "edit_fcd/bend/tool/mark_colors.h"
 #include "edit_fcd/bend/tool/line_preview.h"
 #include "edit_fcd/bend/tool/mark_interaction.h"
 #include "edit_fcd/view/moving_part.h"
@@ -104,8 +105,8 @@ class BendTool : public LayerTool {
     void pressKeyWhileDragging(QKeyEvent *event);
     void dragByKey(BendDrag::Kind kind);
     void placePivot();
-    const BendKey *keyOf(const QKeyEvent &event) const;
-    void act(BendAction action);
+    const ActionTable::Row *keyOf(const QKeyEvent &event) const;
+    void act(BendAction::Id action);
     void setRole(BendPanel::Role which, int handle = 2);
     bool grab();
     int pointAt(const Eigen::Vector2d &window, double least = 12) const;
@@ -135,7 +136,7 @@ class BendTool : public LayerTool {
     };
     void beginDrag(const Grip &grip);
     void dragWhenPrepared();
-    void beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
+    void beside(const QString &what, const Job::Work &work, std::function<void()> done,
                 std::function<void()> stopped = {});
     void whenDone();
     void restFromPreparing();
@@ -166,19 +167,20 @@ class BendTool : public LayerTool {
     BendOptions usual;                                ///< what the next layer begins with: as the last one had it
     std::optional<std::pair<int, double>> usualSizes; ///< of brush and point, as the panel has them
     QPointer<MeshDocument> document;
-    BendView seen;
+    Camera seen;
     std::unique_ptr<BendDrag> drag;
-    std::unique_ptr<BendMoving> moving;  ///< while something is dragged, and the host does not draw the layer
-    Grip grip;                           ///< of what is dragged
-    Eigen::Vector3d gripped;             ///< where the mouse was then, window
-    double tookToPrepare = 0;            ///< milliseconds
-    bool isReleased = false;             ///< the button, before the layer was prepared
-    bool isClicked = false;              ///< what was begun last is a new handle, which was not moved
-    std::unique_ptr<BendWork> preparing; ///< while it is there, nothing else touches the session
+    std::unique_ptr<MovingPart> moving; ///< while something is dragged, and the host does not draw the layer
+    Grip grip;                          ///< of what is dragged
+    Eigen::Vector3d gripped;            ///< where the mouse was then, window
+    double tookToPrepare = 0;           ///< milliseconds
+    bool isReleased = false;            ///< the button, before the layer was prepared
+    bool isClicked = false;             ///< what was begun last is a new handle, which was not moved
+    std::unique_ptr<Job> preparing;     ///< while it is there, nothing else touches the session
     QString preparingWhat;
     std::function<void()> whenPrepared, whenStopped;
     std::size_t preparingNumber = 0; ///< of the last
     QTimer preparingTimer;           ///< to say how far that is
+    std::unique_ptr<MarkColors> colors;
     std::unique_ptr<BendMarking> marking;
     std::optional<std::size_t> linePoint;         ///< that is dragged
     std::unique_ptr<BendLinePreview> linePreview; ///< while a line is given

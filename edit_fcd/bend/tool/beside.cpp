@@ -8,7 +8,7 @@
 
 /// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says meanwhile
 /// \param stopped called instead of \p done when it is cancelled, or fails; may be empty
-void BendTool::beside(const QString &what, const BendWork::Work &work, std::function<void()> done,
+void BendTool::beside(const QString &what, const Job::Work &work, std::function<void()> done,
                       std::function<void()> stopped) {
     preparingWhat = what;
     whenPrepared = std::move(done);
@@ -47,8 +47,8 @@ void BendTool::beside(const QString &what, const BendWork::Work &work, std::func
             say("Something else has changed the layer meanwhile: what was begun is not done.", true);
         });
     };
-    preparing = std::make_unique<BendWork>(
-        work, [this, ended] { QMetaObject::invokeMethod(this, ended, Qt::QueuedConnection); });
+    preparing =
+        std::make_unique<Job>(work, [this, ended] { QMetaObject::invokeMethod(this, ended, Qt::QueuedConnection); });
     view->setCursor(Qt::BusyCursor);
     every(preparingTimer, [this] { refresh(); });
     preparingTimer.start(100);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/handles.h"
+
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/tagging.h>
 
@@ -40,23 +42,23 @@ void BendTool::makePanel() {
     }
     showOptions();
     dockPanel(*view, *panel);
-    if (session->isMarked())
-        panel->setRole(BendPanel::Handle, session->unusedTag());
+    if (session->state().marks)
+        panel->setRole(BendPanel::Handle, session->model().influence.unusedTag());
 }
 
 void BendTool::takeOptions() {
-    BendOptions &options = session->options;
+    BendOptions &options = session->edit().options;
     options.smoothness = panel->smoothness();
     options.initialPatches = panel->patches();
     options.weights = panel->weights();
     options.mirror = panel->mirror();
     options.axes = BendAxes(panel->axes());
-    session->setPose(panel->pose());
+    setPose(session->edit(), panel->pose());
 }
 
 /// The panel shows the options of the session, which has gone back to others.
 void BendTool::showOptions() {
-    const BendOptions &options = session->options;
+    const BendOptions &options = session->edit().options;
     panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.axes),
                     int(options.pose));
     panel->setStretch(options.stretch);
@@ -67,10 +69,10 @@ void BendTool::onOptions() {
         return;
     if (panel->mode() != BendPanel::Polyline)
         marking.reset();
-    const BendOptions before = session->options;
+    const BendOptions before = session->edit().options;
     takeOptions();
     showStretch();
-    if (!session->options.givesSameShape(before))
+    if (!session->edit().options.givesSameShape(before))
         solve(true);
     refresh();
     view->update();
@@ -82,7 +84,7 @@ void BendTool::setMode(BendPanel::Mode mode) {
 }
 
 void BendTool::beginApply() {
-    if (!session->moves())
+    if (!moves(session->model()))
         throw Error("Nothing was moved, so there is nothing to apply.");
     session->change();
     panel->setStretch(false);
@@ -120,7 +122,7 @@ void BendTool::onCommand(int which) {
         break;
     case BendPanel::TakeMotions:
         session->change();
-        session->setMotions(panel->motions().toStdString());
+        setMotions(session->edit(), panel->motions().toStdString());
         solve(true);
         view->setFocus();
         break;
@@ -196,14 +198,14 @@ void BendTool::editHandle(int tag, const QString &name, const QString &motion, b
         return;
     hint.clear();
     session->change();
-    BendHandle handle = session->handle(tag);
-    if (name.toStdString() != session->nameOf(tag))
+    BendHandle handle = handleOf(session->state(), tag);
+    if (name.toStdString() != nameOf(session->state(), tag))
         handle.name = name.toStdString();
     handle.isHidden = !isShown;
     handle.isLocked = isLocked;
-    session->setHandle(tag, handle);
-    if (motion.toStdString() != session->motionTextOf(tag)) {
-        session->setMotionText(tag, motion.toStdString());
+    setHandle(session->edit().state, tag, handle);
+    if (motion.toStdString() != motionTextOf(session->state(), tag)) {
+        setMotionText(session->edit(), tag, motion.toStdString());
         solve(true);
     }
     showOverlay();
@@ -214,7 +216,7 @@ namespace {
 /// The motion of a handle, as far as the list has room.
 QString shortTextOf(const BendSession &session, int tag) {
     QStringList words;
-    for (const MotionStep &step : session.motionOf(tag))
+    for (const MotionStep &step : motionOf(session.state(), tag))
         switch (step.kind) {
         case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
         case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
@@ -228,16 +230,16 @@ QString shortTextOf(const BendSession &session, int tag) {
 
 void BendTool::showHandles() {
     std::vector<BendHandleRow> rows;
-    for (const int tag : session->handleTags()) {
+    for (const int tag : session->model().influence.handles()) {
         const vcg::Color4b color = colorOfTag(tag);
         BendHandleRow row;
         row.tag = tag;
-        row.name = QString::fromStdString(session->nameOf(tag));
-        row.motion = QString::fromStdString(session->motionTextOf(tag));
+        row.name = QString::fromStdString(nameOf(session->state(), tag));
+        row.motion = QString::fromStdString(motionTextOf(session->state(), tag));
         row.shortMotion = shortTextOf(*session, tag);
         row.color = QColor(color[0], color[1], color[2]);
-        row.isShown = !session->handle(tag).isHidden;
-        row.isLocked = session->handle(tag).isLocked;
+        row.isShown = !handleOf(session->state(), tag).isHidden;
+        row.isLocked = handleOf(session->state(), tag).isLocked;
         row.isSelected = tag == selected();
         rows.push_back(row);
     }
@@ -249,7 +251,10 @@ void BendTool::showHandles() {
 /// What is marked becomes this.
 QString BendTool::roleText() const {
     const int tag = tagToMark();
-    return tag >= 2 ? QString::fromStdString(session->nameOf(tag)) : tag == 1 ? "free" : tag == 0 ? "fixed" : "outside";
+    return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
+           : tag == 1 ? "free"
+           : tag == 0 ? "fixed"
+                      : "outside";
 }
 
 /// What is to be done in a mode that marks.
@@ -277,29 +282,29 @@ QString BendTool::stateText() const {
     QString text;
     if (panel->mode() != BendPanel::Bend)
         text = markingText();
-    else if (session->handleTags().empty())
-        text = session->isMarked() ? "Mark a handle (red), then drag it."
-                                   : "Drag a point of the surface, or mark what is fixed and what is a handle.";
+    else if (session->model().influence.handles().empty())
+        text = session->state().marks ? "Mark a handle (red), then drag it."
+                                      : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     else if (drag)
-        text = QString::fromStdString(session->nameOf(drag->tag) + ": " + drag->text(seen));
+        text = QString::fromStdString(nameOf(session->state(), drag->tag) + ": " + drag->text(seen));
     else if (lit)
-        text = QString::fromStdString(session->nameOf(selected())) +
+        text = QString::fromStdString(nameOf(session->state(), selected())) +
                (lit->axis < 0
                     ? QString(": drag moves it in the view")
                     : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
                           .arg("xyz"[lit->axis]));
     else if (hovered)
-        text = QString::fromStdString(session->nameOf(hovered) + ": drag it, or press G, R or S.");
+        text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)
         text = "Drag this point, or press G, R or S.";
     else
         text = QString::fromStdString(
-            "Drag a handle (red), or a point of the surface. G, R, S: " + session->nameOf(selected()) + ".");
+            "Drag a handle (red), or a point of the surface. G, R, S: " + nameOf(session->state(), selected()) + ".");
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, but for locked ones.";
-    if (drag && session->isKeptApart(drag->tag))
+    if (drag && isKeptApart(session->model(), drag->tag))
         text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
-    else if (session->isLocal())
+    else if (session->model().influence.isLocal)
         text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
     if (session->nodes() > 0 && milliseconds > 0) {
         text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
@@ -319,10 +324,10 @@ void BendTool::refresh() {
                 : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing->percent()));
         return;
     }
-    if (!session->isHandle(hovered))
+    if (!session->model().influence.isHandle(hovered))
         hovered = 0; // it was undone, or removed, under the mouse
-    panel->setPose(int(session->options.pose));
-    panel->showMotions(QString::fromStdString(session->motionText()));
+    panel->setPose(int(session->edit().options.pose));
+    panel->showMotions(QString::fromStdString(vcg::fcd::WriteMotionText(session->state().motion)));
     showHandles();
     showPoses();
     showLines();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/drag.h"
 
+#include "edit_fcd/bend/model/steps.h"
+
 #include <vcg_ext/base/words.h>
 
 #include <algorithm>
@@ -39,7 +41,7 @@ std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &
 
 } // namespace
 
-void BendDrag::moveTo(const BendView &view, const Eigen::Vector3d &window) {
+void BendDrag::moveTo(const Camera &view, const Eigen::Vector3d &window) {
     const Eigen::Vector2d middle = view.toWindow(pivot).head<2>();
     const Eigen::Vector2d a = last.head<2>() - middle, b = window.head<2>() - middle;
     if (a.norm() > 1 && b.norm() > 1)
@@ -71,9 +73,9 @@ bool BendDrag::isRefused() const {
     return !typed.empty() && !readTyped(number);
 }
 
-bool BendDrag::isBeginning(const BendView &view) const { return modal && axis < 0 && typed.empty() && !step(view); }
+bool BendDrag::isBeginning(const Camera &view) const { return modal && axis < 0 && typed.empty() && !step(view); }
 
-std::optional<MotionStep> BendDrag::step(const BendView &view) const {
+std::optional<MotionStep> BendDrag::step(const Camera &view) const {
     const Eigen::Vector3d center = view.toWindow(pivot);
     const Eigen::Vector2d begun = from.head<2>(), to = last.head<2>(), middle = center.head<2>();
     double number = 0;
@@ -140,7 +142,7 @@ std::optional<MotionStep> BendDrag::step(const BendView &view) const {
     return {};
 }
 
-std::string BendDrag::text(const BendView &view) const {
+std::string BendDrag::text(const Camera &view) const {
     std::string text = kind == Move ? "move" : kind == Turn ? "turn" : "scale";
     if (axis >= 0)
         text += std::string(kind == Turn ? " about " : " along ") + "xyz"[axis];
@@ -165,7 +167,7 @@ std::string BendDrag::text(const BendView &view) const {
     return text;
 }
 
-std::map<int, BendDrag::Steps> BendDrag::motions(const BendView &view) const {
+std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
     std::map<int, Steps> all = carried;
     all[tag] = begin;
     const std::optional<MotionStep> added = step(view);

@@ -31,19 +31,19 @@ struct BendDrag {
     Steps begin;                  ///< the motion before it
     std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
 
-    void moveTo(const BendView &view, const Eigen::Vector3d &window);
+    void moveTo(const Camera &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
-    std::optional<vcg::fcd::MotionStep> step(const BendView &view) const;
+    std::optional<vcg::fcd::MotionStep> step(const Camera &view) const;
     /// Whether what was typed is no number, so that nothing moves.
     bool isRefused() const;
     /// What it does now, or what can be done where nothing was yet, as a person reads it.
-    std::string text(const BendView &view) const;
+    std::string text(const Camera &view) const;
     /// The motions with that, by tag. Numbers are as people would write them.
-    std::map<int, Steps> motions(const BendView &view) const;
+    std::map<int, Steps> motions(const Camera &view) const;
 
   private:
     bool readTyped(double &number) const;
-    bool isBeginning(const BendView &view) const;
+    bool isBeginning(const Camera &view) const;
 };
 
 #endif

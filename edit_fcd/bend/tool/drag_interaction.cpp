@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/handles.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -9,16 +11,16 @@
 
 /// The handle that keys move where none is under the mouse; 0 where there is none.
 int BendTool::selected() const {
-    if (session->isHandle(active))
+    if (session->model().influence.isHandle(active))
         return active;
-    const std::vector<int> handles = session->handleTags();
+    const std::vector<int> handles = session->model().influence.handles();
     return handles.empty() ? 0 : handles.front();
 }
 
 Eigen::Matrix3d BendTool::axesOf(int tag) const {
-    if (session->options.axes != BendAxes::View)
-        return session->axesOf(tag);
-    const Eigen::Vector3d at = session->pivotOf(tag), window = seen.toWindow(at);
+    if (session->edit().options.axes != BendAxes::View)
+        return ::axesOf(session->model(), tag);
+    const Eigen::Vector3d at = pivotOf(session->model(), tag), window = seen.toWindow(at);
     Eigen::Matrix3d axes;
     axes.col(0) = (seen.toWorld({window[0] + 1, window[1], window[2]}) - at).normalized();
     axes.col(2) = seen.towardsEye(at);
@@ -29,19 +31,19 @@ Eigen::Matrix3d BendTool::axesOf(int tag) const {
 /// That of the selected handle.
 std::optional<Gizmo> BendTool::gizmo() const {
     const int tag = drag ? drag->tag : selected();
-    if (!tag || session->handle(tag).isHidden || session->handle(tag).isLocked)
+    if (!tag || handleOf(session->state(), tag).isHidden || handleOf(session->state(), tag).isLocked)
         return {};
-    return Gizmo{session->pivotOf(tag), drag ? drag->axes : axesOf(tag)};
+    return Gizmo{pivotOf(session->model(), tag), drag ? drag->axes : axesOf(tag)};
 }
 
 /// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside the
 /// window.
 void BendTool::beginDrag(const Grip &what) {
-    if (what.tag && session->handle(what.tag).isLocked)
-        throw vcg::fcd::Error(session->nameOf(what.tag) + " is locked: the list of handles unlocks it.");
+    if (what.tag && handleOf(session->state(), what.tag).isLocked)
+        throw vcg::fcd::Error(nameOf(session->state(), what.tag) + " is locked: the list of handles unlocks it.");
     session->change();
-    if (session->options.pose != 100) { // a drag says where that is
-        session->setPose(100);
+    if (session->edit().options.pose != 100) { // a drag says where that is
+        setPose(session->edit(), 100);
         panel->setPose(100);
         solve(true);
     }
@@ -75,17 +77,17 @@ void BendTool::dragWhenPrepared() {
     drag->kind = grip.part.kind;
     drag->axis = grip.part.axis;
     drag->modal = grip.modal;
-    drag->pivot = session->pivotOf(tag);
-    drag->isAbout = session->handle(tag).pivot.has_value();
+    drag->pivot = pivotOf(session->model(), tag);
+    drag->isAbout = handleOf(session->state(), tag).pivot.has_value();
     drag->axes = axesOf(tag);
     drag->from = drag->last = gripped;
     frame = 0;
     sinceDraw.invalidate();
-    drag->begin = session->motionOf(tag);
-    for (const int other : session->carriedBy(tag))
-        drag->carried[other] = session->motionOf(other);
+    drag->begin = motionOf(session->state(), tag);
+    for (const int other : carriedBy(session->model(), tag))
+        drag->carried[other] = motionOf(session->state(), other);
     try {
-        if (tookToPrepare > 0 && session->moves())
+        if (tookToPrepare > 0 && moves(session->model()))
             solve(false);
         if (std::getenv("FCD_TRACE"))
             std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
@@ -95,8 +97,8 @@ void BendTool::dragWhenPrepared() {
         throw;
     }
     showOverlay(); // a grip is seen
-    if (!session->isStretchShown())
-        moving = BendMoving::of(*view, *model, session->tags(), session->overlay());
+    if (!colors->isStretch(*session))
+        moving = MovingPart::of(*view, *model, session->tags(), colors->of(*session));
     drag->moveTo(seen, mouseInWindow());
     if (isReleased && !grip.modal)
         endDrag(true);
@@ -129,7 +131,7 @@ void BendTool::endDrag(bool keep) {
     if (!keep)
         session->cancel();
     else if (layer())
-        session->setMotion(motions); // solved below, to the end
+        setMotion(session->edit(), motions); // solved below, to the end
     drag.reset();
     if (moving)
         overlay->move();
@@ -159,7 +161,7 @@ void BendTool::step() {
     isStepWanted = false;
     if (!drag || !layer())
         return;
-    session->setMotion(drag->motions(seen));
+    setMotion(session->edit(), drag->motions(seen));
     solve(false);
     refresh();
 }
@@ -177,7 +179,7 @@ void BendTool::solve(bool full) {
         throw;
     }
     isLive = !full;
-    if (full && session->moves())
+    if (full && moves(session->model()))
         showChanged();
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);

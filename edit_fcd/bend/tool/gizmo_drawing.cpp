@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/gizmo_drawing.h"
 
+#include "edit_fcd/bend/model/handles.h"
+
 #include <layer_fcd/edit_host.h>
 
 #include <cmath>
@@ -44,7 +46,7 @@ void drawPoint(const Eigen::Vector3d &p, float size) {
 
 } // namespace
 
-std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
+std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
     const Eigen::Vector3d &center = gizmo.center;
     const auto flat = [&](const Eigen::Vector3d &p) { return Eigen::Vector2d(view.toWindow(p).head<2>()); };
     if ((flat(center) - window).norm() < 15) // rings that are seen from the side go through it
@@ -73,7 +75,7 @@ std::optional<GizmoPart> gizmoAt(const BendView &view, const Gizmo &gizmo, const
 
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     const FlatDrawing flat;
-    if (session.isLocal() && drag) { // some of the vertices
+    if (session.model().influence.isLocal && drag) { // some of the vertices
         const BendTags &tags = session.tags();
         glPointSize(2);
         glColor3ub(240, 197, 60);
@@ -85,17 +87,17 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
         glEnd();
     }
     for (const auto &point : session.state().points)
-        if (!session.handle(point.first).isHidden) {
+        if (!handleOf(session.state(), point.first).isHidden) {
             glColor3ub(210, 60, 50);
-            drawPoint(session.dotOf(point.first), dotPixels);
+            drawPoint(dotOf(session.model(), point.first), dotPixels);
         }
     if (lit) {
         glColor3ubv(litColor);
-        drawPoint(session.dotOf(lit), 12);
+        drawPoint(dotOf(session.model(), lit), 12);
     }
 }
 
-void drawGizmo(const BendView &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {
+void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {
     const FlatDrawing flat;
     const double pixel = view.pixelAt(gizmo.center);
     for (int axis = 0; axis < 3; ++axis) {
@@ -147,7 +149,7 @@ void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
     }
 }
 
-void drawOutline(const BendView &view, const std::vector<Eigen::Vector2d> &polygon) {
+void drawOutline(const Camera &view, const std::vector<Eigen::Vector2d> &polygon) {
     const FlatDrawing flat;
     glMatrixMode(GL_PROJECTION);
     glPushMatrix();

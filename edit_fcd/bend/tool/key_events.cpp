@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/handles.h"
+
 // The keys of the view.
 
 using vcg::fcd::Error;
 
 /// What a key does now, null where it is none of ours.
-const BendKey *BendTool::keyOf(const QKeyEvent &event) const {
-    const BendKey *key = bendKeyOf(event);
+const ActionTable::Row *BendTool::keyOf(const QKeyEvent &event) const {
+    const ActionTable::Row *key = bendActions().of(event);
     const bool isOfLines = key && key->action == BendAction::RemovePoint;
     return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
 }
@@ -30,7 +32,7 @@ bool BendTool::takesEvent(QEvent &event) {
         view->setFocus();                           // keys belong to what is under the mouse
     if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
         const auto &pressed = static_cast<QKeyEvent &>(event);
-        const BendKey *key = keyOf(pressed);
+        const ActionTable::Row *key = keyOf(pressed);
         // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
         if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
             event.accept();
@@ -73,8 +75,9 @@ void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
 
 /// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
 bool BendTool::beginsByKey(const Place &place) const {
-    const bool isOther = (isChosen && session->isHandle(active)) || (session->isMarked() && selected());
-    return place.slot && session->isFree(*place.slot) && !isOther;
+    const bool isOther =
+        (isChosen && session->model().influence.isHandle(active)) || (session->state().marks && selected());
+    return place.slot && isFree(session->state(), *place.slot) && !isOther;
 }
 
 /// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
@@ -96,12 +99,12 @@ void BendTool::placePivot() {
     findMouse();
     const int other = placeAtMouse().tag;
     const bool isOther = other != 0 && other != tag;
-    const std::optional<Eigen::Vector3d> place = isOther ? session->centerOf(other) : pick();
+    const std::optional<Eigen::Vector3d> place = isOther ? centerOf(session->model(), other) : pick();
     session->change();
-    session->setPivot(tag, place);
-    hint = QString::fromStdString(session->nameOf(tag)) +
+    setPivot(session->edit(), tag, place);
+    hint = QString::fromStdString(nameOf(session->state(), tag)) +
            (!place    ? QString(": turns about its middle again.")
-            : isOther ? ": turns about the middle of " + QString::fromStdString(session->nameOf(other)) + "."
+            : isOther ? ": turns about the middle of " + QString::fromStdString(nameOf(session->state(), other)) + "."
                       : QString(": turns about this place; P beside the mesh takes that back."));
 }
 
@@ -112,7 +115,7 @@ void BendTool::setRole(BendPanel::Role which, int handle) {
         hint = QString("What is marked from now on becomes %1. B, V or L mark, M bends.").arg(roleText());
 }
 
-void BendTool::act(BendAction action) {
+void BendTool::act(BendAction::Id action) {
     switch (action) {
     case BendAction::Move: dragByKey(BendDrag::Move); break;
     case BendAction::Turn: dragByKey(BendDrag::Turn); break;
@@ -127,8 +130,10 @@ void BendTool::act(BendAction action) {
     case BendAction::Fixed: setRole(BendPanel::Fixed); break;
     case BendAction::Free: setRole(BendPanel::Free); break;
     case BendAction::Outside: setRole(BendPanel::Outside); break;
-    case BendAction::Handle: setRole(BendPanel::Handle, selected() ? selected() : session->unusedTag()); break;
-    case BendAction::NextHandle: setRole(BendPanel::Handle, session->unusedTag()); break;
+    case BendAction::Handle:
+        setRole(BendPanel::Handle, selected() ? selected() : session->model().influence.unusedTag());
+        break;
+    case BendAction::NextHandle: setRole(BendPanel::Handle, session->model().influence.unusedTag()); break;
     case BendAction::Through: panel->toggleThrough(); break;
     case BendAction::Undo: onCommand(BendPanel::Undo); break;
     case BendAction::Redo: onCommand(BendPanel::Redo); break;
@@ -165,11 +170,11 @@ void BendTool::pressKey(QKeyEvent *event) {
         pressKeyWhileDragging(event);
         return;
     }
-    const BendKey *key = keyOf(*event);
+    const ActionTable::Row *key = keyOf(*event);
     if (!key)
         event->ignore();
     else if (isReady())
-        act(key->action);
+        act(BendAction::Id(key->action));
     if (!view) // an apply to a new layer ended all
         return;
     refresh();

@@ -68,9 +68,9 @@ void BendTool::open(MeshModel &newModel) {
     }
     if (!session) {
         session = std::make_unique<BendSession>(*view->md(), newModel);
-        session->options = usual;
-        session->setPose(100);
-        session->options.stretch = false;
+        session->edit().options = usual;
+        setPose(session->edit(), 100);
+        session->edit().options.stretch = false;
     }
     if (!session->takePoses())
         say("The layer '" + newModel.label().toStdString() +
@@ -78,6 +78,7 @@ void BendTool::open(MeshModel &newModel) {
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
     enterLayer(newModel);
+    colors = std::make_unique<MarkColors>(newModel);
     active = hovered = 0;
     isChosen = keysBegin = false;
     lit.reset();
@@ -98,7 +99,7 @@ void BendTool::leave() {
     guarded([&] { keepShown(); });
     display->rest();
     display->updateShape(true);
-    usual = session->options;
+    usual = session->edit().options;
     left[layerId] = std::move(session);
 }
 
@@ -119,7 +120,7 @@ void BendTool::close() {
     leave();
     isPainted = false;
     if (session)
-        usual = session->options;
+        usual = session->edit().options;
     session.reset();
     if (panel)
         usualSizes = {panel->brush(), panel->radius()};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/guide_line.h"
+
 #include "edit_fcd/view/layer_ray.h"
 
 #include <layer_fcd/layer_straightener.h>
@@ -27,7 +29,7 @@ BendLinePoint pointOf(const LayerHit &hit) {
 std::optional<std::size_t> BendTool::linePointAt(const Eigen::Vector2d &window) const {
     double least = 10; // pixels
     std::optional<std::size_t> found;
-    const Eigen::Matrix3Xd points = session->line();
+    const Eigen::Matrix3Xd points = lineOf(*session);
     for (Eigen::Index i = 0; i < points.cols(); ++i) {
         const double distance = (seen.toWindow(points.col(i)).head<2>() - window).norm();
         if (distance < least) {
@@ -55,7 +57,7 @@ bool BendTool::pressLine() {
     std::vector<BendLinePoint> line = session->state().line;
     linePoint = line.size();
     line.push_back(pointOf(*hit));
-    session->setLine(std::move(line));
+    session->edit().state.line = std::move(line);
     return true;
 }
 
@@ -66,7 +68,7 @@ void BendTool::dragLinePoint() {
     if (!hit || !linePoint || *linePoint >= line.size())
         return;
     line[*linePoint] = pointOf(*hit);
-    session->setLine(std::move(line));
+    session->edit().state.line = std::move(line);
     lookForLine();
     panel->showState(stateText());
     view->update();
@@ -81,7 +83,7 @@ void BendTool::removeLinePoint() {
     linePoint.reset();
     session->change();
     line.erase(line.begin() + std::ptrdiff_t(which));
-    session->setLine(std::move(line));
+    session->edit().state.line = std::move(line);
 }
 
 void BendTool::onLineCommand(int which) {
@@ -95,21 +97,21 @@ void BendTool::onLineCommand(int which) {
         if (file.isEmpty() || !isReady())
             return;
         session->change();
-        session->loadLine(file);
+        session->edit().state.line = loadLine(file);
         break;
     }
     case BendLineBox::Save: {
-        session->expectLine();
+        expectedLine(*session);
         const QString file = fileToSave(*view, "Save line", "Lists of points (*.csv)", {".csv"});
         if (file.isEmpty() || !isReady())
             return;
-        session->saveLine(file);
+        saveLine(*session, file);
         say("Saved the line as " + file.toStdString() + ".");
         break;
     }
     case BendLineBox::Clear:
         session->change();
-        session->setLine({});
+        session->edit().state.line.clear();
         break;
     case BendLineBox::Straighten: straighten(); return;
     }
@@ -139,9 +141,9 @@ void BendTool::lookForLine() {
     guarded([&] {
         vcg::fcd::LineGoal goal;
         const MeshModel *other = document->getMesh(panel->line().lineLayer());
-        goal.line = other ? readLine(*other) : session->line();
+        goal.line = other ? readLine(*other) : lineOf(*session);
         goal.middle = panel->line().isMiddle();
-        linePreview->look(*model, session->shape(), goal, StraightenMeshParam().bend);
+        linePreview->look(*model, session->restShape().known(), goal, StraightenMeshParam().bend);
     });
 }
 
@@ -152,8 +154,8 @@ void BendTool::straighten() {
     param.targetLayer = document->getMesh(panel->line().targetLayer());
     param.lineLayer = document->getMesh(panel->line().lineLayer());
     if (!param.lineLayer) {
-        session->expectLine();
-        param.line = session->line();
+        expectedLine(*session);
+        param.line = lineOf(*session);
     }
     const vcg::fcd::LineGoal goal = lineGoalOf(*model, param);
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
@@ -175,7 +177,7 @@ void BendTool::straighten() {
                     say(describe(made));
                     for (const std::string &warning : warningsOf(made))
                         say(warning, true);
-                    say("In a script: " + BendSession::straightenCall(param, made.line));
+                    say("In a script: " + straightenCall(param, made.line));
                 },
                 true);
         });

@@ -58,23 +58,23 @@ void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const Li
 }
 
 void BendLinePreview::begin() {
-    job = std::make_shared<Job>();
-    job->goal = asked;
-    job->surface = surface;
-    const auto find = [job = job, param = bend](const Progress &progress) {
-        if (!job->surface->prepared)
-            job->surface->prepare(param, progress.Slice(0, 0.7));
-        if (job->goal.line.cols() > 1) {
+    search = std::make_shared<Search>();
+    search->goal = asked;
+    search->surface = surface;
+    const auto find = [search = search, param = bend](const Progress &progress) {
+        if (!search->surface->prepared)
+            search->surface->prepare(param, progress.Slice(0, 0.7));
+        if (search->goal.line.cols() > 1) {
             vcg::fcd::StraightenReport report;
-            job->found = through(vcg::fcd::LineOf(job->goal, *job->surface->prepared->deformer, job->surface->world,
-                                                  progress.Slice(0.7, 1), &report),
-                                 job->goal.smoothing);
-            job->found.report = std::move(report);
+            search->found = through(vcg::fcd::LineOf(search->goal, *search->surface->prepared->deformer,
+                                                     search->surface->world, progress.Slice(0.7, 1), &report),
+                                    search->goal.smoothing);
+            search->found.report = std::move(report);
         }
     };
     const auto take = [this, which = ++number] { ended(which); };
     const auto done = [this, take] { QMetaObject::invokeMethod(this, take, Qt::QueuedConnection); };
-    work = std::make_unique<BendWork>(find, done);
+    work = std::make_unique<Job>(find, done);
 }
 
 void BendLinePreview::ended(std::size_t which) {
@@ -86,14 +86,14 @@ void BendLinePreview::ended(std::size_t which) {
     } catch (const vcg::fcd::Cancelled &) {
         isWhole = false;
     } catch (const std::exception &e) {
-        job->found = {};
-        job->found.error = e.what();
+        search->found = {};
+        search->found.error = e.what();
     }
     work.reset();
-    took = 1000 * job->watch.Seconds();
-    if (isWhole && job->surface == surface) {
-        found = std::move(job->found);
-        isLast = isSameLine(job->goal, asked);
+    took = 1000 * search->watch.Seconds();
+    if (isWhole && search->surface == surface) {
+        found = std::move(search->found);
+        isLast = isSameLine(search->goal, asked);
     }
     if (!isLast && asked.middle)
         try {

@@ -44,7 +44,7 @@ class BendLinePreview : public QObject {
     double milliseconds() const { return took; } ///< that finding it took
 
   private:
-    struct Job {
+    struct Search {
         vcg::fcd::LineGoal goal;
         std::shared_ptr<LineSurface> surface; ///< in use by the work as long as that runs
         Found found;
@@ -58,12 +58,12 @@ class BendLinePreview : public QObject {
     vcg::fcd::StraightenParam bend;
     std::uint64_t shapeOfSurface = 0;
     std::shared_ptr<LineSurface> surface; ///< as it was read; prepared by the first work that is not stopped before
-    std::shared_ptr<Job> job;             ///< that runs, or ran last
+    std::shared_ptr<Search> search;       ///< that runs, or ran last
     Found found;
     bool isLast = false;
     double took = 0;
-    std::size_t number = 0;         ///< of the last work
-    std::unique_ptr<BendWork> work; ///< last: it ends before all else
+    std::size_t number = 0;    ///< of the last work
+    std::unique_ptr<Job> work; ///< last: it ends before all else
 };
 
 #endif

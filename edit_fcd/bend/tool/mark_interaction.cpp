@@ -13,7 +13,7 @@ std::vector<Eigen::Vector2d> BendMarking::outline() const {
     return {};
 }
 
-std::vector<std::size_t> BendMarking::inside(const BendSession &session, const BendView &view) const {
+std::vector<std::size_t> BendMarking::inside(const BendSession &session, const Camera &view) const {
     QPolygonF polygon;
     for (const Eigen::Vector2d &corner : outline())
         polygon << QPointF(corner[0], corner[1]);
@@ -23,7 +23,7 @@ std::vector<std::size_t> BendMarking::inside(const BendSession &session, const B
 }
 
 std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double radius, const BendSession &session,
-                                               const BendView &view) {
+                                               const Camera &view) {
     const Eigen::Vector2d from = corners.empty() ? to : corners.back();
     corners = {to};
     return verticesIn([&](const Eigen::Vector2d &p) { return distanceToSegment(p, from, to) <= radius; }, session,
@@ -31,8 +31,8 @@ std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double
 }
 
 std::vector<std::size_t> BendMarking::verticesIn(const IsIn &isIn, const BendSession &session,
-                                                 const BendView &view) const {
-    const Eigen::Affine3d mirror = session.mirror();
+                                                 const Camera &view) const {
+    const Eigen::Affine3d mirror = mirrorOf(session.model());
     const double hair = 0.005 * session.diagonal();
     const auto isSeen = [&](const Eigen::Vector3d &p, const Eigen::Vector3d &window) {
         const Eigen::Vector3d eye = view.towardsEye(p);
@@ -54,10 +54,10 @@ std::vector<std::size_t> BendMarking::verticesIn(const IsIn &isIn, const BendSes
     return vcg::fcd::CollectInOrder<std::size_t>(
         vcg::fcd::Progress(), "Marking", Index(session.tags().size()), [&](Index i, std::vector<std::size_t> &found) {
             const auto slot = std::size_t(i);
-            if (session.isDeleted(slot))
+            if (session.restShape().isDeleted(slot))
                 return;
             const Eigen::Vector3d p = session.positionOf(slot);
-            if (isMarked(p) || (session.options.mirror >= 0 && isMarked(mirror * p)))
+            if (isMarked(p) || (session.model().options.mirror >= 0 && isMarked(mirror * p)))
                 found.push_back(slot);
         });
 }

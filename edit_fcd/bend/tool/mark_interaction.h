@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_MARKING_H
-#define FCD_BEND_MARKING_H
+#ifndef FCD_MARK_INTERACTION_H
+#define FCD_MARK_INTERACTION_H
 
 #include "edit_fcd/bend/model/session.h"
 #include "edit_fcd/view/camera.h"
@@ -18,14 +18,14 @@ struct BendMarking {
     /// The polygon that is marked; of a brush none.
     std::vector<Eigen::Vector2d> outline() const;
     /// Vertices inside of the outline, and those on the other side of the mirror.
-    std::vector<std::size_t> inside(const BendSession &session, const BendView &view) const;
+    std::vector<std::size_t> inside(const BendSession &session, const Camera &view) const;
     /// Moves the brush. \return vertices, as above, within \p radius of its way
     std::vector<std::size_t> strokeTo(const Eigen::Vector2d &to, double radius, const BendSession &session,
-                                      const BendView &view);
+                                      const Camera &view);
 
   private:
     using IsIn = std::function<bool(const Eigen::Vector2d &)>;
-    std::vector<std::size_t> verticesIn(const IsIn &isIn, const BendSession &session, const BendView &view) const;
+    std::vector<std::size_t> verticesIn(const IsIn &isIn, const BendSession &session, const Camera &view) const;
 };
 
 #endif

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/named_poses.h"
+
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/save_files.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +25,7 @@ void BendTool::connectPoses() {
     });
     when(list, &BendPoseList::weighted, [this](int row, double percent) {
         changePoses([&] {
-            std::vector<double> weights = session->weightsOfPoses();
+            std::vector<double> weights = weightsOfPoses(session->state());
             weights[std::size_t(row)] = percent;
             showBlend(weights);
         });
@@ -28,7 +33,7 @@ void BendTool::connectPoses() {
     when(list, &BendPoseList::chosen, [this](int row) {
         changePoses([&] {
             session->change();
-            std::vector<double> weights(session->weightsOfPoses().size(), 0);
+            std::vector<double> weights(weightsOfPoses(session->state()).size(), 0);
             weights[std::size_t(row)] = 100;
             showBlend(weights);
         });
@@ -49,22 +54,24 @@ void BendTool::connectPoses() {
     when(frames, &BendKeyList::chosen, [this](int row) {
         changePoses([&] {
             session->change();
-            showBlend(session->keyFrames()[std::size_t(row)].weight);
+            showBlend(keyFrames(session->state())[std::size_t(row)].weight);
         });
     });
     when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
         changePoses([&] {
             session->change();
-            vcg::fcd::KeyFrame frame = session->keyFrames()[std::size_t(row)];
-            frame.time = time;
-            frame.easing = vcg::fcd::Easing(easing);
-            session->setKeyFrame(std::size_t(row), std::move(frame));
+            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
+            frames[std::size_t(row)].time = time;
+            frames[std::size_t(row)].easing = vcg::fcd::Easing(easing);
+            session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
         });
     });
     when(frames, &BendKeyList::removed, [this](int row) {
         changePoses([&] {
             session->change();
-            session->removeKeyFrame(std::size_t(row));
+            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
+            frames.erase(frames.begin() + row);
+            session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
         });
     });
 }
@@ -85,19 +92,19 @@ void BendTool::changePoses(const std::function<void()> &change) {
 
 /// A pose gets a name. If another one has it, that can be replaced, which undo takes back.
 void BendTool::renamePose(std::size_t number, const std::string &name) {
-    const std::optional<std::size_t> other = session->poseOfName(name, number);
+    const std::optional<std::size_t> other = poseOfName(session->state(), name, number);
     if (!other) {
         session->change();
-        session->renamePose(number, name);
+        session->setPoses(renamed(*session->state().poses, number, name));
         return;
     }
-    const std::size_t poses = session->namedPoses().size();
+    const auto poses = session->state().poses;
     const bool isWanted =
         QMessageBox::question(view->window(), "Replace pose",
                               "There is a pose '" + QString::fromStdString(name) +
                                   "' already. Does this one take its place?",
                               QMessageBox::Yes | QMessageBox::No, QMessageBox::Yes) == QMessageBox::Yes;
-    if (!isReady() || session->namedPoses().size() != poses)
+    if (!isReady() || session->state().poses != poses)
         return;
     if (!isWanted)
         throw vcg::fcd::Error("The name '" + name + "' is that of another pose, which stays.");
@@ -139,17 +146,17 @@ void BendTool::onPoseCommand(int which) {
         break;
     }
     case BendPoseBox::Save: {
-        session->expectPoses();
+        const vcg::fcd::PoseSequence poses = expectPoses(session->state());
         const QString file = fileToSave(*view, "Save poses", kinds, {".csv"});
         if (file.isEmpty() || !isReady())
             return;
-        session->savePoses(file);
+        saveFiles({{file, PoseSequenceText(poses)}});
         say("Saved the poses as " + file.toStdString() + ".");
         break;
     }
     case BendPoseBox::KeyFrame:
         session->change();
-        session->addKeyFrame();
+        session->setPoses(withKeyFrame(session->state(), moves(session->model())));
         refresh();
         break;
     case BendPoseBox::Play:
@@ -214,15 +221,15 @@ void BendTool::stopPlaying() {
 }
 
 void BendTool::showPoses() {
-    const std::vector<vcg::fcd::NamedPose> poses = session->namedPoses();
-    const std::vector<double> weights = session->weightsOfPoses();
+    const auto poses = session->state().poses ? session->state().poses->pose : std::vector<vcg::fcd::NamedPose>();
+    const std::vector<double> weights = weightsOfPoses(session->state());
     std::vector<BendPoseRow> rows;
     rows.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i)
         rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
     panel->poses().list().showRows(rows);
     std::vector<BendKeyRow> frames;
-    for (const vcg::fcd::KeyFrame &each : session->keyFrames()) {
+    for (const vcg::fcd::KeyFrame &each : keyFrames(session->state())) {
         QStringList shown;
         for (std::size_t i = 0; i < each.weight.size(); ++i)
             if (each.weight[i] != 0)

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/model/marks.h"
+
+#include "edit_fcd/bend/model/handles.h"
+
 #include "edit_fcd/view/layer_ray.h"
 
 #include <algorithm>
@@ -168,7 +172,7 @@ void BendTool::release(QMouseEvent *event) {
 void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
     if (drag && session) {
-        panel->setRadius(session->radiusOf(drag->tag) / session->diagonal() * std::pow(1.1, steps));
+        panel->setRadius(radiusOf(session->model(), drag->tag) / session->diagonal() * std::pow(1.1, steps));
         session->setRadius(drag->tag, panel->radius() * session->diagonal());
         requestStep();
     } else if (panel && panel->mode() == BendPanel::Bend && event->modifiers() == Qt::ControlModifier && isReady() &&
@@ -198,7 +202,7 @@ bool BendTool::changeRim(double times) {
         session->change();
     sinceRim.start();
     const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
-    const double before = tag ? session->radiusOf(tag) : session->rimAt(slot),
+    const double before = tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()),
                  rim = std::min(std::max(before * times, least), most);
     if (tag)
         session->setRadius(tag, rim);
@@ -208,7 +212,7 @@ bool BendTool::changeRim(double times) {
     const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
     hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
                            : "%1: nothing else is held within %2 % of the diagonal.")
-               .arg(tag ? QString::fromStdString(session->nameOf(tag)) : QString("What is fixed here"))
+               .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("What is fixed here"))
                .arg(isPoint ? percent : gapOfRadius * percent, 0, 'f', 1);
     showOverlay();
     solve(true);
@@ -220,8 +224,8 @@ bool BendTool::changeRim(double times) {
 int BendTool::pointAt(const Eigen::Vector2d &window, double least) const {
     int tag = 0;
     for (const auto &point : session->state().points) {
-        const double d = (seen.toWindow(session->dotOf(point.first)).head<2>() - window).norm();
-        if (d < least && !session->handle(point.first).isHidden) {
+        const double d = (seen.toWindow(dotOf(session->model(), point.first)).head<2>() - window).norm();
+        if (d < least && !handleOf(session->state(), point.first).isHidden) {
             least = d;
             tag = point.first;
         }
@@ -244,7 +248,7 @@ BendTool::Place BendTool::placeAtMouse() const {
     if (!slot)
         return {};
     const int tag = session->tags()[*slot];
-    return tag >= 2 && !session->isAlong(*slot) ? Place{tag, {}} : Place{0, slot};
+    return tag >= 2 && !isAlong(session->model(), *slot) ? Place{tag, {}} : Place{0, slot};
 }
 
 /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
@@ -278,7 +282,7 @@ bool BendTool::grab() {
     const Place place = placeAtMouse();
     if (!place.tag && !place.slot)
         return false;
-    if (place.slot && !session->isFree(*place.slot)) {
+    if (place.slot && !isFree(session->state(), *place.slot)) {
         hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
         return false;
     }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/fit/fit_start.h> // before Qt
 
-#include "edit_fcd/view/distance_colors.h"
 #include "edit_fcd/fit/model/session.h"
+#include "edit_fcd/shape/applies.h"
 
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/marks.h>
 #include <layer_fcd/pose_in_place.h>
-#include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tag_sources.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
@@ -56,46 +55,20 @@ Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
 
 // --- changes ---
 
-void FitSession::change() {
-    if (before.empty() || !(before.back() == now))
-        before.push_back(now);
-    after.clear();
-}
-
 bool FitSession::undo() {
-    while (!before.empty() && before.back() == now)
-        before.pop_back();
-    if (before.empty())
+    const FitState from = now;
+    if (!history.undo(now) || now.applies == from.applies)
+        return !(now == from);
+    // The rest shape of then; what led beyond it is gone.
+    restore();
+    history.forgetUndone();
+    if (!goBackTo(layer, applied[now.applies])) {
+        now = from;
+        history.forget([](const FitState &) { return true; });
         return false;
-    const FitState to = before.back();
-    before.pop_back();
-    if (to.applies < now.applies) { // the rest shape of then; what led beyond it is gone
-        restore();
-        RestShape shapes(layer);
-        const std::vector<std::uint64_t> kept = shapes.shapes();
-        const auto place = std::find(kept.begin(), kept.end(), applied[to.applies]);
-        if (place == kept.end()) {
-            before.clear();
-            return false;
-        }
-        shapes.backTo(std::size_t(place - kept.begin()));
-        shapes.restore();
-        applied.resize(to.applies);
-        after.clear();
-        keepRest();
-    } else {
-        after.push_back(now);
     }
-    now = to;
-    return true;
-}
-
-bool FitSession::redo() {
-    if (after.empty())
-        return false;
-    before.push_back(now);
-    now = after.back();
-    after.pop_back();
+    applied.resize(now.applies);
+    keepRest();
     return true;
 }
 
@@ -260,16 +233,4 @@ void FitSession::restore() {
     rest.restore();
     shownPull.reset();
     know();
-}
-
-std::vector<vcg::Color4b> FitSession::distances(const MeshModel &target, double &most) const {
-    const FittedSurface *fitted = pulled(target);
-    std::vector<vcg::Color4b> colors;
-    if (!fitted)
-        return colors;
-    most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond that nothing is a counterpart
-    colors.resize(fitted->distance.size());
-    for (std::size_t i = 0; i < colors.size(); ++i)
-        colors[i] = fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart();
-    return colors;
 }

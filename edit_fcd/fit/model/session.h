@@ -4,6 +4,7 @@
 
 #include "edit_fcd/shape/rest_guard.h" // these before Qt
 #include "edit_fcd/fit/model/pairs.h"
+#include "edit_fcd/kit/history.h"
 
 #include <layer_fcd/layer_fitter.h>
 
@@ -65,9 +66,9 @@ class FitSession {
 
     // --- changes; each begins with change(), which undo() takes back ---
 
-    void change();
+    void change() { history.begin(now); }
     bool undo(); ///< \return whether there was something
-    bool redo();
+    bool redo() { return history.redo(now); }
     void addPair(std::size_t slot);
     /// \throw vcg::fcd::Error another pair is at that vertex
     void setSource(std::size_t pair, std::size_t slot);
@@ -102,10 +103,6 @@ class FitSession {
     /// The rest shape, to the bit.
     void restore();
 
-    /// What is drawn over the layer: how far it is from the target, grey where nothing of that is its counterpart.
-    /// Empty unless it is pulled. \param most the distance that is red
-    std::vector<vcg::Color4b> distances(const MeshModel &target, double &most) const;
-
     // --- what stays ---
 
     /// The layer keeps the shape that it shows. It stays a pose of the rest shape, which FCD: Reset Pose gives back,
@@ -131,14 +128,14 @@ class FitSession {
 
     MeshDocument &document;
     MeshModel &layer;
-    BendRest rest;
+    RestGuard rest;
     std::uint64_t shapeAtRest = 0; ///< as shapeOf tells it
     bool isLeft = false;           ///< the layer has what leave() gave it
     bool isFree = true;            ///< nothing is fixed, and there is no handle
     bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
-    std::vector<FitState> before, after;
+    History<FitState> history{1000};    // each is some pairs
     std::vector<std::uint64_t> applied; ///< the rest shapes of before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs

@@ -4,7 +4,6 @@
 #include "edit_fcd/view/layer_ray.h"
 
 #include <QFileDialog>
-#include <QKeySequence>
 
 // Mouse, keys, and what the panel is told.
 
@@ -133,36 +132,14 @@ void FitTool::dragTo() {
 
 // --- the keys ---
 
-std::optional<FitTool::Key> FitTool::keyOf(const QKeyEvent &event) {
-    static const std::pair<const char *, Key> all[] = {{"Ctrl+Z", Key::Undo},
-                                                       {"Ctrl+Shift+Z", Key::Redo},
-                                                       {"Del", Key::Remove},
-                                                       {"Backspace", Key::Reset},
-                                                       {"P", Key::Pull},
-                                                       {"Esc", Key::Cancel},
-                                                       {"1", Key::InTurn},
-                                                       {"2", Key::Both},
-                                                       {"3", Key::Source},
-                                                       {"4", Key::Target},
-                                                       {"Ctrl+Return", Key::ApplyInPlace},
-                                                       {"Ctrl+Enter", Key::ApplyInPlace},
-                                                       {"Ctrl+Shift+Return", Key::ApplyToNew},
-                                                       {"Ctrl+Shift+Enter", Key::ApplyToNew}};
-    const QKeySequence pressed(event.key() | int(event.modifiers() & ~Qt::KeypadModifier));
-    for (const auto &[keys, key] : all)
-        if (pressed == QKeySequence(keys))
-            return key;
-    return {};
-}
-
 bool FitTool::takesEvent(QEvent &event) {
     if (!session || view->suspendedEditor)
         return false;
     if (event.type() == QEvent::Enter)
         view->setFocus();                           // keys belong to what is under the mouse
     if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
-        const std::optional<Key> key = keyOf(static_cast<QKeyEvent &>(event));
-        if (key && (*key != Key::Cancel || work)) { // Esc is the host's where there is nothing to cancel
+        const ActionTable::Row *key = fitActions().of(static_cast<QKeyEvent &>(event));
+        if (key && (key->action != FitAction::Cancel || work)) { // Esc is the host's where there is nothing to cancel
             event.accept();
             return true;
         }
@@ -174,7 +151,7 @@ bool FitTool::takesEvent(QEvent &event) {
 }
 
 void FitTool::pressKey(QKeyEvent *event) {
-    const std::optional<Key> key = keyOf(*event);
+    const ActionTable::Row *key = fitActions().of(*event);
     if (!key || !layer() || !panel) {
         event->ignore();
         return;
@@ -182,24 +159,24 @@ void FitTool::pressKey(QKeyEvent *event) {
     event->accept();
     hint.clear();
     if (!dragged)
-        act(*key);
+        act(key->action);
     refresh();
     if (view)
         view->update();
 }
 
-void FitTool::act(Key key) {
+void FitTool::act(int key) {
     switch (key) {
-    case Key::Undo: onCommand(FitPanel::Undo); break;
-    case Key::Redo: onCommand(FitPanel::Redo); break;
-    case Key::Cancel: onCommand(FitPanel::Cancel); break;
-    case Key::ApplyInPlace: onCommand(FitPanel::ApplyInPlace); break;
-    case Key::ApplyToNew: onCommand(FitPanel::ApplyToNewLayer); break;
-    case Key::InTurn: setSeen(FitPanel::InTurn); break;
-    case Key::Both: setSeen(FitPanel::Both); break;
-    case Key::Source: setSeen(FitPanel::Source); break;
-    case Key::Target: setSeen(FitPanel::Target); break;
-    case Key::Remove:
+    case FitAction::Undo: onCommand(FitPanel::Undo); break;
+    case FitAction::Redo: onCommand(FitPanel::Redo); break;
+    case FitAction::Cancel: onCommand(FitPanel::Cancel); break;
+    case FitAction::ApplyInPlace: onCommand(FitPanel::ApplyInPlace); break;
+    case FitAction::ApplyToNew: onCommand(FitPanel::ApplyToNewLayer); break;
+    case FitAction::InTurn: setSeen(FitPanel::InTurn); break;
+    case FitAction::Both: setSeen(FitPanel::Both); break;
+    case FitAction::Source: setSeen(FitPanel::Source); break;
+    case FitAction::Target: setSeen(FitPanel::Target); break;
+    case FitAction::Remove:
         if (!isReady() || selected < 0 || selected >= int(session->state().pairs.size()))
             break;
         session->change();
@@ -208,13 +185,13 @@ void FitTool::act(Key key) {
         reshape(true);
         showLayers();
         break;
-    case Key::Reset:
-    case Key::Pull:
+    case FitAction::Reset:
+    case FitAction::Pull:
         if (!isReady())
             break;
         session->change();
-        session->setShape(key == Key::Reset ? FitShape::Rest : FitShape::Pulled);
-        if (key == Key::Pull && panel->seen() == FitPanel::InTurn)
+        session->setShape(key == FitAction::Reset ? FitShape::Rest : FitShape::Pulled);
+        if (key == FitAction::Pull && panel->seen() == FitPanel::InTurn)
             setSeen(FitPanel::Both);
         reshape(true);
         break;
@@ -302,14 +279,13 @@ void FitTool::apply(bool inPlace) {
     const auto tell = [this](const std::string &call) { say("In a script: " + call); };
     session->expectFitted(onto);
     stopWork(); // that would go on with the shape of before
+    session->change();
     if (inPlace) {
-        session->change();
         tell(session->applyInPlace(onto));
         showVertices(true);
         showDistances();
         return;
     }
-    session->change();
     wasVisible.erase(layerId); // the new layer is seen in its place
     const Remark remark = [this](const std::string &line) { say(line); };
     applyToNewLayer([&] { tell(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
+#include "edit_fcd/view/distance_colors.h"
+
+#include <algorithm>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -77,8 +81,12 @@ void FitTool::showDistances() {
         return;
     double most = 0;
     std::vector<vcg::Color4b> colors;
-    if (panel->showsDistance() && target() && !dragged)
-        colors = session->distances(*target(), most);
+    const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
+    if (fitted) {
+        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond, nothing is a counterpart
+        for (std::size_t i = 0; i < fitted->distance.size(); ++i)
+            colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
+    }
     if (colors.empty())
         overlay->hide();
     else
@@ -142,18 +150,18 @@ void FitTool::refresh() {
 
 // --- work beside the window ---
 
-void FitTool::begin(BendWork::Work what, std::function<void()> done) {
+void FitTool::begin(Job::Work what, std::function<void()> done) {
     stopWork();
     workDone = std::move(done);
     const std::size_t number = ++workNumber;
-    work = std::make_unique<BendWork>(std::move(what), [this, number] {
+    work = std::make_unique<Job>(std::move(what), [this, number] {
         QMetaObject::invokeMethod(
             this,
             [this, number] {
                 if (!work || number != workNumber)
                     return; // it was stopped
                 guarded([&] {
-                    const std::unique_ptr<BendWork> ended = std::move(work);
+                    const std::unique_ptr<Job> ended = std::move(work);
                     progressTimer.stop();
                     try {
                         ended->finish();

@@ -6,6 +6,7 @@
 
 #include "edit_fcd/kit/job.h"
 #include "edit_fcd/fit/tool/overlay.h"
+#include "edit_fcd/fit/panel/actions.h"
 #include "edit_fcd/fit/panel/panel.h"
 #include "edit_fcd/kit/layer_tool.h"
 #include "edit_fcd/kit/tool_window.h"
@@ -39,7 +40,6 @@ class FitTool : public LayerTool {
 
   private:
     bool takesEvent(QEvent &event) override;
-    enum class Key { Undo, Redo, Remove, Reset, Pull, Cancel, InTurn, Both, Source, Target, ApplyInPlace, ApplyToNew };
 
     MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
     MeshModel *target() const; ///< null when there is none
@@ -54,8 +54,7 @@ class FitTool : public LayerTool {
     void onOptions();
     void onCommand(int which);
     void apply(bool inPlace);
-    static std::optional<Key> keyOf(const QKeyEvent &event);
-    void act(Key key);
+    void act(int key);
 
     void chooseFiles(bool load);
     void click();
@@ -68,7 +67,7 @@ class FitTool : public LayerTool {
     void reshape(bool full);
     void follow(bool full);
     void whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted);
-    void begin(BendWork::Work work, std::function<void()> done);
+    void begin(Job::Work work, std::function<void()> done);
     void stopWork();
 
     void showVertices(bool full) override;
@@ -85,7 +84,7 @@ class FitTool : public LayerTool {
     QPointer<MeshDocument> document;
     std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
 
-    BendView seen;
+    Camera seen;
     QPointF mouse, pressed;
     std::optional<FitEnd> dragged;
     int selected = -1; ///< pair
@@ -93,7 +92,7 @@ class FitTool : public LayerTool {
     QString hint; ///< what could not be done, until the next press or key
     bool isSuspended = false;
     bool isPainted = true, isStepWanted = false;
-    std::unique_ptr<BendWork> work;
+    std::unique_ptr<Job> work;
     std::function<void()> workDone;
     std::size_t workNumber = 0;  ///< of the last work that was begun
     bool isFollowWanted = false; ///< once the layer is prepared

@@ -179,7 +179,7 @@ void FitTool::makePanel() {
     when(list, &FitPairList::removed, [this](int row) {
         selected = row;
         later([this] {
-            guarded([&] { act(Key::Remove); });
+            guarded([&] { act(FitAction::Remove); });
             refresh();
         });
     });

@@ -19,7 +19,7 @@ void drawEnd(const Eigen::Vector3d &p, const GLubyte *color, bool isSelected) {
 
 } // namespace
 
-std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const BendView &view,
+std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const Camera &view,
                             const Eigen::Vector2d &window) {
     double least = 10; // pixels
     std::optional<FitEnd> found;

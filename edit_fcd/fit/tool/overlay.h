@@ -18,7 +18,7 @@ struct FitEnd {
 };
 
 /// The end of a pair that is drawn at a place of the window; of two at one place, that on the target.
-std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const BendView &view,
+std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const Camera &view,
                             const Eigen::Vector2d &window);
 
 /// Draws the pairs over what is there: their ends on the layer blue, those on the target orange, and lines between.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/session.h"
 
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/shape/applies.h"
+
 #include <layer_fcd/marks.h>
-#include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
@@ -13,7 +15,7 @@ HandleParam BendSession::handleParam() const {
     HandleParam param;
     param.source = HandleParam::Attribute;
     param.tagAttribute = QString::fromStdString(appliedTags(document, layer));
-    param.transforms = QString::fromStdString(motionText());
+    param.transforms = QString::fromStdString(vcg::fcd::WriteMotionText(state().motion));
     return param;
 }
 
@@ -27,16 +29,16 @@ void BendSession::writeAppliedTags() {
     TagTarget target;
     target.attribute = QString::fromStdString(appliedTags(document, layer));
     target.colorize = false;
-    writeTags(document, layer, *effective, target);
+    writeTags(document, layer, tags(), target);
 }
 
 /// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
 LayerDeformer BendSession::applying(const Remark &remark) {
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
-    if (!now.weights.empty())
-        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(),
-                          weights = now.weights](const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param,
-                                                 const vcg::fcd::Progress &progress) {
+    if (!state().weights.empty())
+        deformer.solveBy([poses = motionsOfPoses(), world = rest.world(), weights = state().weights](
+                             const vcg::fcd::Deformer &of, const vcg::fcd::DeformationParam &param,
+                             const vcg::fcd::Progress &progress) {
             return vcg::fcd::SequenceSolver(of, world, poses, param).Go(weights, progress);
         });
     return deformer;
@@ -46,7 +48,7 @@ LayerDeformer BendSession::applying(const Remark &remark) {
 std::string BendSession::poseByFilter(const Remark &remark) {
     PoseParam param;
     param.handles = handleParam();
-    param.deformation = deformationOf(options);
+    param.deformation = deformationOf(data.options);
     handOver();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
@@ -60,9 +62,9 @@ std::string BendSession::poseByFilter(const Remark &remark) {
 
 std::string BendSession::leave(const Remark &remark) {
     std::string calls;
-    if (!moves()) {
+    if (!moves(data)) {
         restore();
-        if (now.poses)
+        if (state().poses)
             writeAppliedTags(); // for them
     } else if (!isLeft) {
         calls = poseByFilter(remark);
@@ -72,14 +74,13 @@ std::string BendSession::leave(const Remark &remark) {
     }
     solver.clear();
     surface.reset();
-    reachOfRest.clear();
-    stretch.reset();
+    reach.clear();
     return calls;
 }
 
 std::string BendSession::applyInPlace(const Remark &remark) {
     restore();
-    const Applied what{now, options, rest.known()};
+    const Applied what{state(), data.options, rest.known()};
     const std::string calls = poseByFilter(remark);
     applied.resize(applies);
     applied.push_back(what);
@@ -88,69 +89,60 @@ std::string BendSession::applyInPlace(const Remark &remark) {
     return calls;
 }
 
+/// What was moved rests.
+void BendSession::forgetMotions() {
+    motionByHand(data.state).clear();
+    if (!state().marks && !state().poses)
+        data.state.points.clear();
+    updateTags();
+}
+
 /// The present shape is the rest shape of another apply.
 void BendSession::beginAnew() {
-    for (auto &[tag, each] : now.handles)
+    for (auto &[tag, each] : data.state.handles)
         if (each.pivot)
-            each.pivot = motionAt(tag) * *each.pivot; // where it is now is where it rests
+            each.pivot = motionAt(data, tag) * *each.pivot; // where it is now is where it rests
     keepRest();
-    now.applies = ++applies;
-    motionByHand().clear();
-    if (!now.marks && !now.poses)
-        now.points.clear();
-    updateTags();
-    if (now.poses)
-        setPoses(*now.poses); // which are of this rest shape from now on
+    data.state.applies = ++applies;
+    forgetMotions();
+    if (state().poses)
+        setPoses(*state().poses); // which are of this rest shape from now on
 }
 
 /// Makes the rest shape that of the state, whose number of applies is another one.
 void BendSession::crossApplies() {
-    const BendState to = now;
+    const BendState to = state();
     if (to.applies < applies) {
-        RestShape shapes(layer);
-        const std::vector<std::uint64_t> kept = shapes.shapes();
-        const auto place = std::find(kept.begin(), kept.end(), applied[to.applies].rest);
-        shapes.backTo(std::size_t(place - kept.begin()));
-        shapes.restore();
+        goBackTo(layer, applied[to.applies].rest);
         applies = to.applies;
-        options = applied[applies].options;
+        data.options = applied[applies].options;
         keepRest();
     }
     while (applies < to.applies) {
-        now = applied[applies].state;
-        options = applied[applies].options;
+        data.state = applied[applies].state;
+        data.options = applied[applies].options;
         restore();
         updateTags();
         poseByFilter({});
         beginAnew();
     }
-    now = to;
+    data.state = to;
 }
 
 /// Forgets what led to shapes that the layer does not keep.
 void BendSession::forgetWhatIsGone() {
-    if (applies == 0)
-        return;
-    std::size_t first = applies;
-    if (RestShape::exists(layer)) {
-        const std::vector<std::uint64_t> kept = RestShape(layer).shapes();
-        while (first > 0 && std::find(kept.begin(), kept.end(), applied[first - 1].rest) != kept.end())
-            --first;
-    }
-    history.forget(first);
+    const std::size_t first = firstKept(layer, applies, [&](std::size_t i) { return applied[i].rest; });
+    history.forget([&](const BendState &before) { return before.applies < first; });
 }
 
 std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark) {
     DeformMeshParam param;
     param.handles = handleParam();
-    param.deformation = deformationOf(options);
+    param.deformation = deformationOf(data.options);
     param.graphLayers = graphLayers;
     const std::string call = callToNewLayer(graphLayers);
     handOver();
     applying(remark).deform(std::move(param), false, vcg::fcd::Progress());
-    motionByHand().clear();
-    if (!now.marks && !now.poses)
-        now.points.clear();
-    updateTags();
+    forgetMotions();
     return call;
 }

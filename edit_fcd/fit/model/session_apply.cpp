@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/words.h> // before Qt
-
 #include "edit_fcd/fit/model/session.h"
+
+#include "edit_fcd/shape/script_call.h"
 
 #include <layer_fcd/marks.h>
 #include <layer_fcd/tag_sources.h>
@@ -29,20 +29,19 @@ std::shared_ptr<const FittedSurface> FitSession::fittedNow(const MeshModel &targ
 
 std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) const {
     const FitMeshParam defaults, param = paramFor(target, now.shape == FitShape::Landmarks);
-    std::string call = "ms.apply_filter('generate_fcd_fitted_mesh', target_layer=" + std::to_string(target.id());
+    const Scalarm stiffness = Scalarm(param.fit.stiffness), largest = Scalarm(param.fit.largestDistance);
+    ScriptCall call("generate_fcd_fitted_mesh");
+    call.with("target_layer", target.id());
     if (!now.pairs.empty())
-        call += ", landmarks_file='pairs.csv'"; // as 'Save pairs' writes them
+        call.with("landmarks_file", std::string("pairs.csv")); // as 'Save pairs' writes them
     if (mayHaveTags(layer) && !hasTags(layer))
-        call += ", handles=4"; // none
-    if (param.landmarksOnly)
-        call += ", landmarks_only=True";
-    if (param.fit.start != defaults.fit.start)
-        call += ", start=" + std::to_string(int(param.fit.start));
-    if (param.fit.stiffness != defaults.fit.stiffness)
-        call += ", stiffness=" + vcg::fcd::detail::ToText(Scalarm(param.fit.stiffness));
+        call.with("handles", 4); // none
+    call.with("landmarks_only", param.landmarksOnly, false)
+        .with("start", int(param.fit.start), int(defaults.fit.start))
+        .with("stiffness", stiffness, Scalarm(defaults.fit.stiffness));
     if (!param.landmarksOnly && now.options.largestDistance > 0)
-        call += ", largest_distance=" + vcg::fcd::detail::ToText(Scalarm(param.fit.largestDistance));
-    return call + (graphLayers ? ")" : ", graph_layers=False)") +
+        call.with("largest_distance", largest);
+    return call.with("graph_layers", graphLayers, true).end() +
            (now.pairs.empty() ? "" : ", once 'Save pairs' has written pairs.csv");
 }
 
@@ -52,7 +51,7 @@ bool FitSession::leave() {
     now.shape = shownPull ? FitShape::Pulled : rest.isPosed() ? FitShape::Landmarks : FitShape::Rest;
     if (!rest.isPosed() || isLeft)
         return false;
-    const BendRest::Shown shown = rest.shown();
+    const RestGuard::Shown shown = rest.shown();
     const std::shared_ptr<const FittedSurface> pull = shownPull;
     restore();
     if (pull)

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/tool/keys.h"
+#include "edit_fcd/bend/panel/actions.h"
 
-#include <QKeySequence>
-#include <QStringList>
-
-const std::vector<BendKey> &bendKeys() {
-    static const std::vector<BendKey> all = {
+const ActionTable &bendActions() {
+    static const ActionTable all = {
         {BendAction::Bend, "M", "bend: drag a handle, or a point of the surface"},
         {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
         {BendAction::Rectangle, "V", "mark what is in a rectangle"},
@@ -39,45 +36,13 @@ const std::vector<BendKey> &bendKeys() {
     return all;
 }
 
-const BendKey *bendKeyOf(const QKeyEvent &event) {
-    const QKeySequence pressed(event.key() | int(event.modifiers() & ~Qt::KeypadModifier));
-    for (const BendKey &each : bendKeys())
-        for (const QString &keys : QString(each.keys).split('|'))
-            if (pressed == QKeySequence(keys))
-                return &each;
-    return nullptr;
-}
-
-namespace {
-
-QString shown(const BendKey &key) { return QString(key.keys).section('|', 0, 0).replace("Return", "Enter"); }
-
-} // namespace
-
-QString withKeys(const QString &tip, BendAction action) {
-    for (const BendKey &each : bendKeys())
-        if (each.action == action)
-            return tip + " (" + shown(each) + ")";
-    return tip;
-}
-
 QString bendKeyPage() {
-    QStringList rows;
-    const auto add = [&](const QString &keys, const QString &text) {
-        rows += "<tr><td><b>" + keys + "</b>&nbsp;&nbsp;</td><td>" + text + "</td></tr>";
-    };
-    for (const BendKey &each : bendKeys())
-        add(shown(each), each.text);
-    add("while moving", "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
-                        "under the mouse; "
-                        "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels");
-    add("Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held");
-    add("camera", "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place");
-    // Side by side, since small screens are wide and not high.
-    const auto column = [&](int begin, int count) {
-        return "<td width='50%'><table>" + rows.mid(begin, count).join("") + "</table></td>";
-    };
-    const int left = (rows.size() + 1) / 2;
-    return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table width='100%'><tr>" +
-           column(0, left) + column(left, -1) + "</tr></table>";
+    return bendActions().page(
+        {{"while moving",
+          "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
+          "under the mouse; "
+          "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels"},
+         {"Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held"},
+         {"camera",
+          "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place"}});
 }
