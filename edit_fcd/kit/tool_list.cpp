@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <string>
 
-#include <QHeaderView>
 #include <QResizeEvent>
 #include <QScrollArea>
 
@@ -20,27 +19,6 @@ std::optional<double> typedNumber(const QString &text) {
     if (!vcg::fcd::detail::ToNumber(word.data(), word.data() + word.size(), number) || !std::isfinite(number))
         return {};
     return number;
-}
-
-void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns) {
-    list.setColumnCount(int(columns.size()));
-    list.verticalHeader()->hide();
-    list.verticalHeader()->setDefaultSectionSize(22);
-    list.setSelectionBehavior(QTableWidget::SelectRows);
-    list.setSelectionMode(QTableWidget::SingleSelection);
-    list.setEditTriggers(QTableWidget::DoubleClicked);
-    list.setFocusPolicy(Qt::NoFocus); // keys stay with the view, but for what is edited
-    list.setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    QHeaderView &header = *list.horizontalHeader();
-    header.setMinimumSectionSize(16);
-    for (int i = 0; i < list.columnCount(); ++i) {
-        const ListColumn &column = columns[std::size_t(i)];
-        list.setHorizontalHeaderItem(i, new QTableWidgetItem(column.title));
-        list.horizontalHeaderItem(i)->setToolTip(column.tip);
-        header.setSectionResizeMode(i, column.width ? QHeaderView::Fixed : QHeaderView::Stretch);
-        if (column.width)
-            list.setColumnWidth(i, column.width);
-    }
 }
 
 PanelState::PanelState(int height) : least(height) {

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <optional>
-#include <vector>
 
 #include <QDockWidget>
 #include <QDoubleSpinBox>
@@ -12,16 +11,9 @@
 #include <QLocale>
 #include <QSlider>
 #include <QString>
-#include <QTableWidget>
 
 /// \file
-/// What the panels of the tools, and the lists in them, have in common.
-
-/// A column of a list.
-struct ListColumn {
-    QString title, tip;
-    int width; ///< pixels; 0: what the others leave
-};
+/// What the panels of the tools have in common.
 
 /// A number that a person has typed, with a point or a comma before its decimals; none where it is not one.
 std::optional<double> typedNumber(const QString &text);
@@ -34,9 +26,6 @@ class NumberBox : public QDoubleSpinBox {
         return QDoubleSpinBox::validate(input.replace(',', '.'), place);
     }
 };
-
-/// The looks of a list in a panel: one row is selected, a double click edits.
-void setUpList(QTableWidget &list, const std::vector<ListColumn> &columns);
 
 /// What a panel says of its tool's state. It keeps the height of the longest text that it had, so that what stands
 /// below it does not move under the mouse while the text changes.

@@ -3,10 +3,6 @@
 
 #include "edit_fcd/kit/tool_list.h"
 
-#include <cmath>
-
-#include <QSignalBlocker>
-
 namespace {
 
 const char *const easings[] = {"linear", "smooth", "hold"}; // in the order of Easing
@@ -14,20 +10,18 @@ const int easingCount = 3;
 
 } // namespace
 
-BendKeyList::BendKeyList(QWidget *parent) : QTableWidget(parent) {
-    setUpList(*this,
-              {{"time, s", "When it is reached; double click to type", 56},
-               {"then",
-                "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one", 62},
-               {"key frame", "The poses that it has; a click shows it", 0},
-               {"", "Removes the key frame", 22}});
-    setFixedHeight(100);
-    connect(this, &QTableWidget::cellChanged, this, [this](int row, int column) {
-        const BendKeyRow before = shown[std::size_t(row)];
-        shown[std::size_t(row)].time = std::nan(""); // until it is said what it is
-        emit edited(row, typedNumber(item(row, column)->text()).value_or(before.time), before.easing);
+BendKeyList::BendKeyList(QWidget *parent)
+    : CellList({{"time, s", "When it is reached; double click to type", 56},
+                {"then",
+                 "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one", 62},
+                {"key frame", "The poses that it has; a click shows it", 0},
+                {"", "Removes the key frame", 22}},
+               100, parent) {
+    connect(this, &CellList::cellEdited, this, [this](int row, int, const QString &text) {
+        const BendKeyRow &at = shown[std::size_t(row)];
+        emit edited(row, typedNumber(text).value_or(at.time), at.easing);
     });
-    connect(this, &QTableWidget::cellClicked, this, [this](int row, int column) {
+    connect(this, &CellList::cellClicked, this, [this](int row, int column) {
         const BendKeyRow &at = shown[std::size_t(row)];
         if (column == Remove)
             emit removed(row);
@@ -38,25 +32,18 @@ BendKeyList::BendKeyList(QWidget *parent) : QTableWidget(parent) {
     });
 }
 
-void BendKeyList::showRows(const std::vector<BendKeyRow> &rows) {
-    if (rows == shown || state() == EditingState)
-        return;
-    const QSignalBlocker blocked(this);
-    shown = rows;
-    setRowCount(int(rows.size()));
-    for (int i = 0; i < rowCount(); ++i) {
-        const BendKeyRow &row = rows[std::size_t(i)];
-        const QString texts[] = {QString::number(row.time, 'g', 6), easings[row.easing], row.weights,
-                                 QString(QChar(0xd7))};
-        for (int column = Time; column <= Remove; ++column) {
-            if (!item(i, column))
-                setItem(i, column, new QTableWidgetItem);
-            item(i, column)->setText(texts[column]);
-            item(i, column)->setToolTip(texts[column]);
-            item(i, column)->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable |
-                                      (column == Time ? Qt::ItemIsEditable : Qt::ItemFlags()));
-        }
+void BendKeyList::show(const std::vector<BendKeyRow> &keys) {
+    std::vector<Row> rows;
+    for (const BendKeyRow &each : keys) {
+        Row row;
+        for (const QString &text :
+             {QString::number(each.time, 'g', 6), QString(easings[each.easing]), each.weights, QString(QChar(0xd7))})
+            row.push_back({text, text, {}, {}, {}, false});
+        row[Time].typed = row[Time].text;
+        rows.push_back(std::move(row));
     }
+    if (showRows(std::move(rows)))
+        shown = keys;
 }
 
 #include "edit_fcd/bend/panel/moc_key_list.cpp" // NOLINT(bugprone-suspicious-include)

@@ -2,29 +2,22 @@
 #ifndef FCD_BEND_KEY_LIST_H
 #define FCD_BEND_KEY_LIST_H
 
-#include <vector>
-
-#include <QString>
-#include <QTableWidget>
+#include "edit_fcd/kit/cell_list.h"
 
 /// A key frame as the list shows it.
 struct BendKeyRow {
     double time = 0; ///< seconds
     int easing = 0;  ///< as vcg::fcd::Easing
     QString weights;
-
-    bool operator==(const BendKeyRow &other) const {
-        return time == other.time && easing == other.easing && weights == other.weights;
-    }
 };
 
-/// The list of key frames: shows rows, and tells what a person does with one.
-class BendKeyList : public QTableWidget {
+/// The list of key frames.
+class BendKeyList : public CellList {
     Q_OBJECT
 
   public:
     explicit BendKeyList(QWidget *parent = nullptr);
-    void showRows(const std::vector<BendKeyRow> &rows);
+    void show(const std::vector<BendKeyRow> &keys);
 
   signals:
     void chosen(int row);

@@ -64,7 +64,7 @@ class BendPanel : public QDockWidget {
 
     /// Shows the handles' motions, unless they are being typed.
     void showMotions(const QString &text);
-    void showHandles(const std::vector<BendHandleRow> &rows) { list->showRows(rows); }
+    void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
     void showState(const QString &text) { state->say(text); }
     void showKeys();
     BendHandleList &handles() { return *list; }

@@ -88,7 +88,7 @@ class BendTool : public LayerTool {
     void lookForLine();
     void straighten();
 
-    void editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked);
+    void editHandle(const BendHandleRow &to);
     QString roleText() const;
     QString markingText() const;
     QString stateText() const;

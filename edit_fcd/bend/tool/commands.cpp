@@ -182,30 +182,29 @@ void BendTool::connectHandles() {
         showOverlay();
         solve(true);
     });
-    when(list, &BendHandleList::edited,
-         [this](int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
-             later([this] {
-                 if (view)
-                     view->setFocus();
-                 refresh();
-             });
-             editHandle(tag, name, motion, isShown, isLocked);
-         });
+    when(list, &BendHandleList::edited, [this](const BendHandleRow &to) {
+        later([this] {
+            if (view)
+                view->setFocus();
+            refresh();
+        });
+        editHandle(to);
+    });
 }
 
-void BendTool::editHandle(int tag, const QString &name, const QString &motion, bool isShown, bool isLocked) {
+void BendTool::editHandle(const BendHandleRow &to) {
     if (!isReady() || drag)
         return;
     hint.clear();
     session->change();
-    BendHandle handle = handleOf(session->state(), tag);
-    if (name.toStdString() != nameOf(session->state(), tag))
-        handle.name = name.toStdString();
-    handle.isHidden = !isShown;
-    handle.isLocked = isLocked;
-    setHandle(session->edit().state, tag, handle);
-    if (motion.toStdString() != motionTextOf(session->state(), tag)) {
-        setMotionText(session->edit(), tag, motion.toStdString());
+    BendHandle handle = handleOf(session->state(), to.tag);
+    if (to.name.toStdString() != nameOf(session->state(), to.tag))
+        handle.name = to.name.toStdString();
+    handle.isHidden = !to.isShown;
+    handle.isLocked = to.isLocked;
+    setHandle(session->edit().state, to.tag, handle);
+    if (to.motion.toStdString() != motionTextOf(session->state(), to.tag)) {
+        setMotionText(session->edit(), to.tag, to.motion.toStdString());
         solve(true);
     }
     showOverlay();

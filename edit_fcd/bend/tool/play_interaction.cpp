@@ -227,7 +227,7 @@ void BendTool::showPoses() {
     rows.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i)
         rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
-    panel->poses().list().showRows(rows);
+    panel->poses().list().show(rows);
     std::vector<BendKeyRow> frames;
     for (const vcg::fcd::KeyFrame &each : keyFrames(session->state())) {
         QStringList shown;
@@ -236,5 +236,5 @@ void BendTool::showPoses() {
                 shown << rows[i].name + (each.weight[i] == 100 ? "" : QString(" %1 %").arg(each.weight[i], 0, 'g', 4));
         frames.push_back({each.time, int(each.easing), shown.empty() ? "at rest" : shown.join(", ")});
     }
-    panel->poses().keys().showRows(frames);
+    panel->poses().keys().show(frames);
 }

@@ -2,28 +2,21 @@
 #ifndef FCD_FIT_PAIR_LIST_H
 #define FCD_FIT_PAIR_LIST_H
 
-#include <vector>
-
-#include <QTableWidget>
+#include "edit_fcd/kit/cell_list.h"
 
 /// A row of the list of pairs.
 struct FitPairRow {
     QString name;
-    bool hasSource = false, hasTarget = false, isSelected = false;
-
-    bool operator==(const FitPairRow &other) const {
-        return name == other.name && hasSource == other.hasSource && hasTarget == other.hasTarget &&
-               isSelected == other.isSelected;
-    }
+    bool hasSource = false, hasTarget = false;
 };
 
-/// The list of pairs of landmarks: shows rows, and tells what a person does with one.
-class FitPairList : public QTableWidget {
+/// The list of pairs of landmarks.
+class FitPairList : public CellList {
     Q_OBJECT
 
   public:
     explicit FitPairList(QWidget *parent = nullptr);
-    void showRows(const std::vector<FitPairRow> &rows);
+    void show(const std::vector<FitPairRow> &pairs, int selected);
 
   signals:
     void selected(int row);
@@ -32,7 +25,6 @@ class FitPairList : public QTableWidget {
 
   private:
     enum Column { Name, Source, Target, Remove };
-    std::vector<FitPairRow> shown;
 };
 
 #endif

@@ -143,9 +143,8 @@ void FitTool::refresh() {
     const std::vector<FitPair> &pairs = session->state().pairs;
     rows.reserve(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
-        rows.push_back({QString::fromStdString(pairs[i].name), pairs[i].slot.has_value(), pairs[i].place.has_value(),
-                        int(i) == selected});
-    panel->pairs().showRows(rows);
+        rows.push_back({QString::fromStdString(pairs[i].name), pairs[i].slot.has_value(), pairs[i].place.has_value()});
+    panel->pairs().show(rows, selected);
 }
 
 // --- work beside the window ---
