@@ -4,7 +4,8 @@
     python3 tests/rooms.py
 
 In vcg_ext each folder includes what stands before it in FLOORS, or is its own; only the doors, the headers at the top, include all
-of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other. What the window's loop calls of a tool is guarded. The method takes sine,
+of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. layer_fcd and filter_fcd have floors, PLUGIN_FLOORS, and edit_fcd
+rooms, TOOL_ROOMS. filter_fcd and edit_fcd do not include each other. What the window's loop calls of a tool is guarded. The method takes sine,
 exponential and the like from base/elementary.h, for the same bits everywhere."""
 import re
 import sys
@@ -28,6 +29,23 @@ TOOL_ROOMS = {
     "fit/panel": ["kit", "view/distance_colors.h", "fit/model/session.h"],
     "fit/tool": ["view", "kit", "shape", "fit/model", "fit/panel"],
     "": ["bend/tool", "fit/tool"],
+}
+# The floors of the other two, from below: a file includes what is on its own or a lower one.
+PLUGIN_FLOORS = {
+    "layer_fcd": [
+        "meshlab_host edit_host filter_host parameters affine_map angle_normals contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
+        " layer_normals picked_points save_files straighten_texts",
+        "layer_state prepared_layers kept_deformation kept_scan inherited_scan marks session_format layer_contents rest_shape kept_aside"
+        " results session_file",  # the state of a layer, which the document keeps
+        "line_sources line_surface motion_sources point_sources tag_sources weight_sources",
+        "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_deformer"
+        " layer_sequence",
+    ],
+    "filter_fcd": [
+        "filter_reports filter_parameters common_parameters",
+        "bending_parameters fit_parameters handle_parameters sequence_parameters straighten_parameters tag_parameters fit_reports dialogs",
+        "filter_fcd filter_texts session_filters",
+    ],
 }
 UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")
 LONGEST = 350
@@ -71,8 +89,22 @@ def tool_rooms():
                 yield f"{name}:1: error: defines a function of {found[1]}, which is edit_fcd/{home[found[1]]}'s"
 
 
+def plugin_floors():
+    """What in layer_fcd and filter_fcd includes a higher floor."""
+    for folder, floors in PLUGIN_FLOORS.items():
+        floor = {name: number for number, names in enumerate(floors) for name in names.split()}
+        for path in sorted([*(ROOT / folder).glob("*.h"), *(ROOT / folder).glob("*.cpp")]):
+            if path.stem not in floor:
+                yield f"{folder}/{path.name}:1: error: tests/rooms.py knows no floor for it"
+                continue
+            for line, included in includes(path):
+                other = Path(included).stem
+                if (path.parent / Path(included).name).exists() and floor.get(other, 0) > floor[path.stem]:
+                    yield f"{folder}/{path.name}:{line}: error: {included} is on a higher floor"
+
+
 def main():
-    faults = list(tool_rooms())
+    faults = [*tool_rooms(), *plugin_floors()]
     for path in sorted([*ROOT.glob("vcg_ext/**/*.h"), *ROOT.glob("vcg_ext/**/*.cpp")]):
         name = str(path.relative_to(ROOT / "vcg_ext"))
         if name.startswith("unity/"):

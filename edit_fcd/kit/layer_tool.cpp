@@ -13,6 +13,51 @@ void LayerTool::every(QTimer &timer, const std::function<void()> &work) {
     });
 }
 
+void LayerTool::say(const std::string &text, bool warning) {
+    if (!view)
+        return;
+    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER,
+              (action->text().toStdString() + ": " + plainForLog(text)).c_str());
+    if (!warning)
+        return;
+    hint = QString::fromStdString(text);
+    showHint();
+}
+
+void LayerTool::requestStep() {
+    isStepWanted = true;
+    if (isPainted)
+        takeStep();
+}
+
+void LayerTool::takeStep() {
+    if (!isStepWanted)
+        return;
+    isStepWanted = false;
+    step();
+}
+
+void LayerTool::beginDraw() {
+    isPainted = true;
+    if (view && view->suspendedEditor != isSuspended) {
+        isSuspended = view->suspendedEditor;
+        later([this] { refresh(); });
+    }
+    seen = viewNow();
+    if (isStepWanted)
+        later([this] { takeStep(); });
+}
+
+void LayerTool::enterDocument(MeshDocument &newDocument, GLArea *area) {
+    close();
+    isEnding = false;
+    view = area;
+    if (document == &newDocument)
+        return;
+    document = &newDocument;
+    when(document.data(), &QObject::destroyed, [this](QObject *) { forgetDocument(); });
+}
+
 bool LayerTool::eventFilter(QObject *object, QEvent *event) {
     bool isTaken = false;
     if (view && object == view)

@@ -5,12 +5,15 @@
 #include <layer_fcd/edit_host.h> // before Qt
 
 #include "edit_fcd/view/display_state.h"
+#include "edit_fcd/kit/tool_window.h"
 #include "edit_fcd/view/layer_overlay.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 
 #include <QDockWidget>
+#include <QPointF>
 #include <QPointer>
 #include <QTimer>
 
@@ -21,6 +24,8 @@ class LayerTool : public HostEditTool {
   public:
     explicit LayerTool(QAction *action) : action(action) {}
     void end() override { close(); }
+    /// What is a warning is the panel's hint, too.
+    void say(const std::string &text, bool warning = false) final;
     /// Takes keys before the host's shortcuts do.
     bool eventFilter(QObject *object, QEvent *event) final;
 
@@ -43,6 +48,15 @@ class LayerTool : public HostEditTool {
     /// What was begun is taken back or kept, as the tool has it, and leaveView() called.
     virtual void close() = 0;
     virtual void showVertices(bool full) = 0;
+    virtual void refresh() = 0; ///< the panel shows what there is
+    virtual void showHint() = 0;
+    virtual void forgetDocument() = 0; ///< which is gone, with all that was left of its layers
+    /// A step of what moves with the mouse: one a painted frame, since the mouse moves more often.
+    virtual void step() = 0;
+    void requestStep();
+    void takeStep();
+    /// What is shown is painted, and seen as it is now.
+    void beginDraw();
 
     /// The tool gets what happens to the view, and ends with it. \pre it has entered a layer
     void enterView();
@@ -52,13 +66,31 @@ class LayerTool : public HostEditTool {
     /// Calls \p apply, which adds layers, and ends. \param goesOn with the new layer
     void applyToNewLayer(const std::function<void()> &apply, bool goesOn);
 
+    /// The tool has a view of a document, and lets go of what it had of another one.
+    void enterDocument(MeshDocument &newDocument, GLArea *area);
+    /// Of layers that were left, by their number, those that are gone take what was done to them along.
+    template <class Session>
+    void forgetGone(std::map<int, Session> &left) const {
+        for (auto each = left.begin(); each != left.end();)
+            each = document->getMesh(each->first) ? std::next(each) : left.erase(each);
+    }
+    Eigen::Vector3d windowOfMouse() const { return windowOf(*view, seen, mouse); }
+
     QAction *action;
+    QPointer<MeshDocument> document;
     QPointer<GLArea> view;
     int layerId = -1;
     MeshModel *model = nullptr; ///< of the session; may be gone
     std::unique_ptr<DisplayState> display;
     std::unique_ptr<LayerOverlay> overlay;
     bool isEnding = false; ///< done, and about to be told so
+    Camera seen;
+    QPointF mouse;
+    QString hint;             ///< what could not be done, until the next press or key
+    bool isSuspended = false; ///< the mouse is the camera's until Esc
+    bool isCamera = false;    ///< a button is held that is the camera's
+    bool isPainted = true;    ///< what the layer shows
+    bool isStepWanted = false;
 };
 
 #endif

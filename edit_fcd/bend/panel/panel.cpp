@@ -19,9 +19,16 @@
 #include <QPushButton>
 #include <QScreen>
 #include <QScrollArea>
+#include <QSettings>
 #include <QTimer>
 #include <QVBoxLayout>
 #include <QWindow>
+
+namespace {
+
+const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/bend/radius";
+
+} // namespace
 
 BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     setObjectName("fcdBendPanel");
@@ -113,7 +120,7 @@ void BendPanel::addMarking(QWidget &place) {
     brushPixels = withTip(new QSpinBox, "How far the brush marks around the mouse (wheel)");
     brushPixels->setObjectName("brush");
     brushPixels->setRange(2, 500);
-    brushPixels->setValue(20);
+    brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
     form->addRow("Brush radius", brushPixels);
     radiusPercent = withTip(
@@ -121,7 +128,7 @@ void BendPanel::addMarking(QWidget &place) {
         "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
         "of the bounding box; a fifth of it is left free between marks (wheel while dragging)");
     radiusPercent->setRange(0.5, 400);
-    radiusPercent->setValue(100 * usualRadius);
+    radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
     form->addRow("Point radius", radiusPercent);
     auto *frame = new QHBoxLayout;
@@ -246,6 +253,12 @@ void BendPanel::setRole(Role which, int handle) {
     role->setCurrentIndex(which);
     if (which == Handle)
         number->setValue(handle);
+}
+
+void BendPanel::keepSizes() const {
+    QSettings settings;
+    settings.setValue(brushSetting, brushPixels->value());
+    settings.setValue(radiusSetting, radiusPercent->value());
 }
 
 void BendPanel::setPose(int percent) {

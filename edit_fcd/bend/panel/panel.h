@@ -46,6 +46,7 @@ class BendPanel : public QDockWidget {
     void setRadius(double fraction) { radiusPercent->setValue(100 * fraction); }
     int brush() const { return brushPixels->value(); } ///< radius
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
+    void keepSizes() const; ///< for the next panel, also of another day
     double smoothness() const { return smoothnessValue->value(); }
     int patches() const { return patchCount->value(); }
     vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }

@@ -17,7 +17,7 @@ void BendTool::makePanel() {
     panel = new BendPanel(view->window());
     when(panel.data(), &BendPanel::optionsChanged, [this] { onOptions(); });
     when(panel.data(), &BendPanel::poseBegins, [this] {
-        if (session && !drag && !preparing)
+        if (session && !drag() && !preparing)
             session->change();
     });
     for (const auto signal : {&BendPanel::modeChosen, &BendPanel::left})
@@ -36,10 +36,6 @@ void BendTool::makePanel() {
     });
     when(panel.data(), &BendPanel::command, [this](int which) { onCommand(which); });
     panel->allowStretch(model->cm.fn > 0);
-    if (usualSizes) {
-        panel->setBrush(usualSizes->first);
-        panel->setRadius(usualSizes->second);
-    }
     showOptions();
     dockPanel(*view, *panel);
     if (session->state().marks)
@@ -65,10 +61,10 @@ void BendTool::showOptions() {
 }
 
 void BendTool::onOptions() {
-    if (!isReady() || drag)
+    if (!isForPanel())
         return;
     if (panel->mode() != BendPanel::Polyline)
-        marking.reset();
+        going.reset(); // what was being marked
     const BendOptions before = session->edit().options;
     takeOptions();
     showStretch();
@@ -83,18 +79,34 @@ void BendTool::setMode(BendPanel::Mode mode) {
     showStretch();
 }
 
-void BendTool::beginApply() {
+void BendTool::apply(bool inPlace) {
     if (!moves(session->model()))
         throw Error("Nothing was moved, so there is nothing to apply.");
     session->change();
     panel->setStretch(false);
     showStretch();
+    const Remark remark = [this](const std::string &line) { say(line); };
+    if (!inPlace) {
+        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
+        return;
+    }
+    try {
+        say(session->applyInPlace(remark));
+    } catch (...) {
+        showVertices(true);
+        throw;
+    }
+    active = 0;
+    showVertices(true);
+    showChanged();
+    showOverlay();
 }
 
+bool BendTool::isForPanel() { return isReady() && !(going && going->holdsPanel()); }
+
 void BendTool::onCommand(int which) {
-    if (!isReady() || drag)
+    if (!isForPanel())
         return;
-    const Remark remark = [this](const std::string &line) { say(line); };
     switch (which) {
     case BendPanel::MarkSelection: {
         std::vector<char> chosen = onSelectedFaces(*model);
@@ -107,11 +119,7 @@ void BendTool::onCommand(int which) {
         session->change();
         takeNewHandle();
         session->mark(all, panel->tag());
-        session->endMarks(panel->radius() * session->diagonal());
-        if (panel->tag() >= 2)
-            active = panel->tag();
-        showOverlay();
-        solve(true);
+        takeMarks();
         break;
     }
     case BendPanel::ClearMarks:
@@ -142,23 +150,10 @@ void BendTool::onCommand(int which) {
         solve(true);
         break;
     case BendPanel::ApplyInPlace:
-        beginApply();
-        try {
-            say(session->applyInPlace(remark));
-        } catch (...) {
-            showVertices(true);
-            throw;
-        }
-        active = 0;
-        showVertices(true);
-        showChanged();
-        showOverlay();
-        break;
-    case BendPanel::ApplyToNewLayer:
-        beginApply();
-        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
-        return;
+    case BendPanel::ApplyToNewLayer: apply(which == BendPanel::ApplyInPlace); break;
     }
+    if (!view) // an apply to a new layer ended all
+        return;
     refresh();
     view->update();
 }
@@ -175,7 +170,7 @@ void BendTool::connectHandles() {
     });
     when(list, &BendHandleList::removed, [this](int tag) {
         later([this] { refresh(); });
-        if (!isReady() || drag)
+        if (!isForPanel())
             return;
         session->change();
         session->removeHandle(tag);
@@ -193,7 +188,7 @@ void BendTool::connectHandles() {
 }
 
 void BendTool::editHandle(const BendHandleRow &to) {
-    if (!isReady() || drag)
+    if (!isForPanel())
         return;
     hint.clear();
     session->change();
@@ -243,93 +238,4 @@ void BendTool::showHandles() {
         rows.push_back(row);
     }
     panel->showHandles(rows);
-}
-
-// --- what the panel says ---
-
-/// What is marked becomes this.
-QString BendTool::roleText() const {
-    const int tag = tagToMark();
-    return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
-           : tag == 1 ? "free"
-           : tag == 0 ? "fixed"
-                      : "outside";
-}
-
-/// What is to be done in a mode that marks.
-QString BendTool::markingText() const {
-    const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
-    switch (panel->mode()) {
-    case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
-    case BendPanel::Polyline:
-        return QString("Click the corners of a polygon; Enter or a double click ends it: %1 becomes %2.")
-            .arg(what, role);
-    default:
-        return QString("Drag over the surface: what the brush meets becomes %1. Its size is on the wheel.").arg(role);
-    }
-}
-
-QString BendTool::stateText() const {
-    if (isSuspended)
-        return "The mouse is the camera's: Esc gives it back.";
-    if (playing.isActive())
-        return "Playing the key frames: Esc, or a click, ends it.";
-    if (!hint.isEmpty())
-        return hint;
-    if (panel->mode() == BendPanel::Line)
-        return lineText();
-    QString text;
-    if (panel->mode() != BendPanel::Bend)
-        text = markingText();
-    else if (session->model().influence.handles().empty())
-        text = session->state().marks ? "Mark a handle (red), then drag it."
-                                      : "Drag a point of the surface, or mark what is fixed and what is a handle.";
-    else if (drag)
-        text = QString::fromStdString(nameOf(session->state(), drag->tag) + ": " + drag->text(seen));
-    else if (lit)
-        text = QString::fromStdString(nameOf(session->state(), selected())) +
-               (lit->axis < 0
-                    ? QString(": drag moves it in the view")
-                    : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
-                          .arg("xyz"[lit->axis]));
-    else if (hovered)
-        text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
-    else if (keysBegin)
-        text = "Drag this point, or press G, R or S.";
-    else
-        text = QString::fromStdString(
-            "Drag a handle (red), or a point of the surface. G, R, S: " + nameOf(session->state(), selected()) + ".");
-    if (drag && !drag->carried.empty())
-        text += "\nHandles beyond it go along, but for locked ones.";
-    if (drag && isKeptApart(session->model(), drag->tag))
-        text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
-    else if (session->model().influence.isLocal)
-        text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
-    if (session->nodes() > 0 && milliseconds > 0) {
-        text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
-        if (frame > 0)
-            text += QString(", drawn %1/s").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
-    }
-    return text;
-}
-
-void BendTool::refresh() {
-    if (!panel || !session)
-        return;
-    if (preparing) {
-        panel->showState(
-            preparing->cancelled()
-                ? "Stopping ..."
-                : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing->percent()));
-        return;
-    }
-    if (!session->model().influence.isHandle(hovered))
-        hovered = 0; // it was undone, or removed, under the mouse
-    panel->setPose(int(session->edit().options.pose));
-    panel->showMotions(QString::fromStdString(vcg::fcd::WriteMotionText(session->state().motion)));
-    showHandles();
-    showPoses();
-    showLines();
-    lookForLine();
-    panel->showState(stateText());
 }

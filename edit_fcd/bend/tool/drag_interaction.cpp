@@ -1,196 +1,215 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/tool/bend_tool.h"
+#include "edit_fcd/bend/tool/drag_interaction.h"
 
 #include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/view/layer_ray.h"
 
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
-// The drag of a handle: what is gripped, how the layer is prepared for it, and its steps.
-
-/// The handle that keys move where none is under the mouse; 0 where there is none.
-int BendTool::selected() const {
-    if (session->model().influence.isHandle(active))
-        return active;
-    const std::vector<int> handles = session->model().influence.handles();
-    return handles.empty() ? 0 : handles.front();
-}
-
-Eigen::Matrix3d BendTool::axesOf(int tag) const {
-    if (session->edit().options.axes != BendAxes::View)
-        return ::axesOf(session->model(), tag);
-    const Eigen::Vector3d at = pivotOf(session->model(), tag), window = seen.toWindow(at);
-    Eigen::Matrix3d axes;
-    axes.col(0) = (seen.toWorld({window[0] + 1, window[1], window[2]}) - at).normalized();
-    axes.col(2) = seen.towardsEye(at);
-    axes.col(1) = axes.col(2).cross(axes.col(0)).normalized();
-    return axes;
-}
-
-/// That of the selected handle.
-std::optional<Gizmo> BendTool::gizmo() const {
-    const int tag = drag ? drag->tag : selected();
-    if (!tag || handleOf(session->state(), tag).isHidden || handleOf(session->state(), tag).isLocked)
-        return {};
-    return Gizmo{pivotOf(session->model(), tag), drag ? drag->axes : axesOf(tag)};
-}
-
-/// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside the
-/// window.
-void BendTool::beginDrag(const Grip &what) {
-    if (what.tag && handleOf(session->state(), what.tag).isLocked)
-        throw vcg::fcd::Error(nameOf(session->state(), what.tag) + " is locked: the list of handles unlocks it.");
-    session->change();
-    if (session->edit().options.pose != 100) { // a drag says where that is
-        setPose(session->edit(), 100);
-        panel->setPose(100);
-        solve(true);
+void DragInteraction::begin(const Grip &what) {
+    BendSession &session = *stage.session;
+    session.change();
+    if (session.model().options.pose != 100) { // a drag says where that is
+        setPose(session.edit(), 100);
+        stage.panel->setPose(100);
+        stage.solve(true);
     }
     grip = what;
     grip.isNew = !what.tag;
-    gripped = mouseInWindow();
+    gripped = stage.mouseInWindow();
     isReleased = false;
-    const double radius = panel->radius() * session->diagonal();
-    const auto prepare = [this, radius](const vcg::fcd::Progress &progress) {
-        if (!grip.tag)
-            grip.tag = session->addPoint(grip.slot, radius);
-        if (grip.part.kind != BendDrag::Move)
-            session->makeGrip(grip.tag);
-        tookToPrepare = session->prepare(progress);
-    };
-    beside(
-        "Preparing the layer", prepare, [this] { dragWhenPrepared(); },
+    const double radius = stage.panel->radius() * session.diagonal();
+    stage.beside(
+        "Preparing the layer",
+        [this, radius](const vcg::fcd::Progress &progress) {
+            if (!grip.tag)
+                grip.tag = stage.session->addPoint(grip.slot, radius);
+            if (grip.part.kind != BendDrag::Move)
+                stage.session->makeGrip(grip.tag);
+            tookToPrepare = stage.session->prepare(progress);
+        },
+        [this] { beginPrepared(); },
         [this] { // the layer has the shape of before
-            session->cancel();
-            showOverlay();
+            stage.session->cancel();
+            stage.showOverlay();
+            stage.ended();
         });
 }
 
-void BendTool::dragWhenPrepared() {
+void DragInteraction::beginPrepared() {
+    const BendSession &session = *stage.session;
+    const BendModel &model = session.model();
     const int tag = grip.tag;
-    isChosen = isChosen && tag == active;
-    active = tag;
-    drag = std::make_unique<BendDrag>();
-    drag->tag = tag;
-    display->move();
-    drag->kind = grip.part.kind;
-    drag->axis = grip.part.axis;
-    drag->modal = grip.modal;
-    drag->pivot = pivotOf(session->model(), tag);
-    drag->isAbout = handleOf(session->state(), tag).pivot.has_value();
-    drag->axes = axesOf(tag);
-    drag->from = drag->last = gripped;
-    frame = 0;
+    stage.isChosen = stage.isChosen && tag == stage.active;
+    stage.active = tag;
+    stage.display->move();
+    BendDrag begun;
+    begun.tag = tag;
+    begun.kind = grip.part.kind;
+    begun.axis = grip.part.axis;
+    begun.modal = grip.modal;
+    begun.pivot = pivotOf(model, tag);
+    begun.isAbout = handleOf(model.state, tag).pivot.has_value();
+    begun.axes = stage.axesOf(tag);
+    begun.from = begun.last = gripped;
+    begun.begin = motionOf(model.state, tag);
+    for (const int other : carriedBy(model, tag))
+        begun.carried[other] = motionOf(model.state, other);
+    now = std::move(begun);
+    stage.frame = 0;
     sinceDraw.invalidate();
-    drag->begin = motionOf(session->state(), tag);
-    for (const int other : carriedBy(session->model(), tag))
-        drag->carried[other] = motionOf(session->state(), other);
     try {
-        if (tookToPrepare > 0 && moves(session->model()))
-            solve(false);
+        if (tookToPrepare > 0 && moves(model))
+            stage.solve(false);
         if (std::getenv("FCD_TRACE"))
             std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
-                         model->cm.vn, tookToPrepare, double(sinceEvent.nsecsElapsed()) / 1e6);
+                         stage.model->cm.vn, tookToPrepare, double(stage.sinceEvent.nsecsElapsed()) / 1e6);
     } catch (...) {
-        endDrag(false);
+        end(false);
         throw;
     }
-    showOverlay(); // a grip is seen
-    if (!colors->isStretch(*session))
-        moving = MovingPart::of(*view, *model, session->tags(), colors->of(*session));
-    drag->moveTo(seen, mouseInWindow());
+    stage.showOverlay(); // a grip is seen
+    if (!stage.colors->isStretch(session))
+        stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
+    now->moveTo(stage.seen, stage.mouseInWindow());
     if (isReleased && !grip.modal)
-        endDrag(true);
-    else if (model->cm.vn > preparedAtOnce)
-        requestStep();
+        end(true);
+    else if (stage.model->cm.vn > preparedAtOnce)
+        stage.requestStep();
 }
 
 /// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
 /// prepared anew.
-void BendTool::changeKind(BendDrag::Kind kind) {
-    const auto point = session->state().points.find(drag->tag);
-    if (kind == BendDrag::Move || point == session->state().points.end() || point->second.isGrip) {
-        drag->kind = kind;
+void DragInteraction::changeKind(BendDrag::Kind kind) {
+    const BendState &state = stage.session->state();
+    if (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag)) {
+        now->kind = kind;
         return;
     }
     Grip again = grip;
     again.tag = grip.isNew ? 0 : grip.tag;
-    again.part = {kind, drag->axis};
-    endDrag(false);
-    beginDrag(again);
+    again.part = {kind, now->axis};
+    stop(false);
+    stage.comeToRest();
+    begin(again);
 }
 
-void BendTool::endDrag(bool keep) {
-    if (!drag)
-        return;
-    const auto motions = drag->motions(seen);
-    const bool isClick = keep && !drag->step(seen);
-    isClicked = isClick && grip.isNew;
-    isChosen = isClick || (isChosen && drag->modal);
+void DragInteraction::stop(bool keep) {
+    const auto motions = now->motions(stage.seen);
+    const bool isClick = keep && !now->step(stage.seen);
+    stage.isClicked = isClick && grip.isNew;
+    stage.isChosen = isClick || (stage.isChosen && now->modal);
     if (!keep)
-        session->cancel();
-    else if (layer())
-        setMotion(session->edit(), motions); // solved below, to the end
-    drag.reset();
-    if (moving)
-        overlay->move();
-    moving.reset();
-    isStepWanted = false;
-    sinceEvent.start();
-    if (layer())
-        comeToRest();
+        stage.session->cancel();
+    else if (stage.layer())
+        setMotion(stage.session->edit(), motions); // solved to the end when it has come to rest
+    now.reset();
+    if (stage.moving)
+        stage.overlay->move();
+    stage.moving.reset();
+    stage.isStepWanted = false;
+    stage.sinceEvent.start();
 }
 
-/// What has moved step by step is solved to the end. \pre there is a layer
-void BendTool::comeToRest() {
-    display->rest();
-    solve(true);
-    refresh();
-    view->update();
+void DragInteraction::end(bool keep) {
+    stop(keep);
+    stage.ended();
+    if (stage.layer())
+        stage.comeToRest();
 }
 
-/// One step a painted frame: the mouse moves more often.
-void BendTool::requestStep() {
-    isStepWanted = true;
-    if (isPainted)
-        step();
+void DragInteraction::cancel() {
+    if (now && stage.layer())
+        end(false);
+    else
+        stage.ended();
 }
 
-void BendTool::step() {
-    isStepWanted = false;
-    if (!drag || !layer())
+void DragInteraction::move(QMouseEvent &event) {
+    if (!now)
         return;
-    setMotion(session->edit(), drag->motions(seen));
-    solve(false);
-    refresh();
+    if (!now->modal && !(event.buttons() & Qt::LeftButton)) { // it was released elsewhere, over a question of the host
+        end(true);
+        return;
+    }
+    const Eigen::Vector3d window = stage.mouseInWindow();
+    now->snap = event.modifiers() & Qt::ControlModifier;
+    now->onto.reset();
+    if (event.modifiers() & Qt::ShiftModifier)
+        now->onto = hitOthers(*stage.view->md(), *stage.model, stage.seen, window.head<2>());
+    now->moveTo(stage.seen, window);
+    stage.requestStep();
 }
 
-void BendTool::solve(bool full) {
-    QElapsedTimer watch;
-    watch.start();
-    BendSession::Times times;
-    try {
-        times = session->pose(full, display->showsFaces());
-    } catch (...) {
-        session->restore();
-        isLive = false;
-        showVertices(true);
-        throw;
+void DragInteraction::release() {
+    if (!now)
+        isReleased = true;
+    else if (!now->modal)
+        end(true);
+}
+
+bool DragInteraction::press(QMouseEvent &event) {
+    if (now)
+        end(event.button() == Qt::LeftButton);
+    return true;
+}
+
+bool DragInteraction::pressKey(QKeyEvent &event) {
+    const QString text = event.text();
+    switch (const int key = event.key()) {
+    case Qt::Key_Escape:
+    case Qt::Key_Return:
+    case Qt::Key_Enter:
+        if (key == Qt::Key_Escape || !now->isRefused()) // else the panel says why
+            end(key != Qt::Key_Escape);
+        return true;
+    case Qt::Key_X:
+    case Qt::Key_Y:
+    case Qt::Key_Z: now->axis = now->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
+    case Qt::Key_G: changeKind(BendDrag::Move); break;
+    case Qt::Key_R: changeKind(BendDrag::Turn); break;
+    case Qt::Key_S: changeKind(BendDrag::Scale); break;
+    case Qt::Key_Backspace:
+        if (!now->typed.empty())
+            now->typed.pop_back();
+        break;
+    default:
+        if (text.size() == 1 && text[0].isPrint() && !text[0].isSpace())
+            now->typed += QString(text).replace(',', '.').toStdString();
     }
-    isLive = !full;
-    if (full && moves(session->model()))
-        showChanged();
-    const double solved = double(watch.nsecsElapsed()) / 1e6;
-    showVertices(full);
-    const double took = double(watch.nsecsElapsed()) / 1e6;
-    if (!full)
-        milliseconds = took; // of a step
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(
-            stderr,
-            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
-            "since the event %.1f ms\n",
-            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
-            took - solved, took, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+    stage.requestStep();
+    return true;
+}
+
+bool DragInteraction::turnWheel(double steps) {
+    if (!now)
+        return false;
+    BendSession &session = *stage.session;
+    stage.panel->setRadius(radiusOf(session.model(), now->tag) / session.diagonal() * std::pow(1.1, steps));
+    session.setRadius(now->tag, stage.panel->radius() * session.diagonal());
+    stage.requestStep();
+    return true;
+}
+
+void DragInteraction::step() {
+    if (!now || !stage.layer())
+        return;
+    setMotion(stage.session->edit(), now->motions(stage.seen));
+    stage.solve(false);
+    stage.refresh();
+}
+
+void DragInteraction::beforeDraw() {
+    if (!now)
+        return;
+    const double past = sinceDraw.isValid() ? double(sinceDraw.nsecsElapsed()) / 1e6 : 0;
+    stage.frame = stage.frame > 0 ? 0.8 * stage.frame + 0.2 * past : past; // of about the last five
+    sinceDraw.start();
+}
+
+QString DragInteraction::text() const {
+    return now ? QString::fromStdString(nameOf(stage.session->state(), now->tag) + ": " + now->text(stage.seen))
+               : QString();
 }

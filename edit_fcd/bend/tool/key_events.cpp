@@ -34,7 +34,8 @@ bool BendTool::takesEvent(QEvent &event) {
         const auto &pressed = static_cast<QKeyEvent &>(event);
         const ActionTable::Row *key = keyOf(pressed);
         // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
-        if (drag || preparing || playing.isActive() || (key && (key->action != BendAction::Cancel || marking))) {
+        const bool isOurs = key && (key->action != BendAction::Cancel || (going && going->isCancelledByEsc()));
+        if (preparing || isOurs || (going && going->takesAllKeys())) {
             event.accept();
             return true;
         }
@@ -45,32 +46,6 @@ bool BendTool::takesEvent(QEvent &event) {
         return false;
     guarded([&] { doubleClick(static_cast<QMouseEvent *>(&event)); });
     return true;
-}
-
-void BendTool::pressKeyWhileDragging(QKeyEvent *event) {
-    const QString text = event->text();
-    switch (const int key = event->key()) {
-    case Qt::Key_Escape:
-    case Qt::Key_Return:
-    case Qt::Key_Enter:
-        if (key == Qt::Key_Escape || !drag->isRefused()) // else the panel says why
-            endDrag(key != Qt::Key_Escape);
-        return;
-    case Qt::Key_X:
-    case Qt::Key_Y:
-    case Qt::Key_Z: drag->axis = drag->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
-    case Qt::Key_G: changeKind(BendDrag::Move); break;
-    case Qt::Key_R: changeKind(BendDrag::Turn); break;
-    case Qt::Key_S: changeKind(BendDrag::Scale); break;
-    case Qt::Key_Backspace:
-        if (!drag->typed.empty())
-            drag->typed.pop_back();
-        break;
-    default:
-        if (text.size() == 1 && text[0].isPrint() && !text[0].isSpace())
-            drag->typed += QString(text).replace(',', '.').toStdString();
-    }
-    requestStep();
 }
 
 /// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
@@ -139,15 +114,12 @@ void BendTool::act(BendAction::Id action) {
     case BendAction::Redo: onCommand(BendPanel::Redo); break;
     case BendAction::Reset: onCommand(BendPanel::Reset); break;
     case BendAction::Cancel:
-        if (marking) {
-            marking.reset();
-            session->cancel();
-            showOverlay();
-        }
+        if (going && going->isCancelledByEsc())
+            going->cancel();
         break;
     case BendAction::End:
-        if (marking && marking->kind == BendMarking::Polygon)
-            endMarking();
+        if (going)
+            going->doubleClick();
         break;
     case BendAction::ApplyInPlace: onCommand(BendPanel::ApplyInPlace); break;
     case BendAction::ApplyToNewLayer: onCommand(BendPanel::ApplyToNewLayer); break;
@@ -163,11 +135,11 @@ void BendTool::pressKey(QKeyEvent *event) {
     isClicked = false;
     if (preparing) {
         if (event->key() == Qt::Key_Escape)
-            preparing->cancel();
+            preparing.cancel();
         return;
     }
-    if (drag) {
-        pressKeyWhileDragging(event);
+    if (drag()) {
+        going->pressKey(*event);
         return;
     }
     const ActionTable::Row *key = keyOf(*event);

@@ -3,26 +3,9 @@
 
 // Which layer the tool works on, from when to when, and what it leaves of it.
 
-MeshModel *BendTool::layer() const {
-    if (!view || !view->md() || !session)
-        return nullptr;
-    MeshModel *found = view->md()->getMesh(layerId);
-    return found == model && session->fits() ? found : nullptr;
-}
-
 bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
-    close();
-    isEnding = false;
-    view = area;
-    if (document != &newDocument) {
-        document = &newDocument;
-        when(document.data(), &QObject::destroyed, [this](QObject *) {
-            preparing.reset(); // waits for it
-            session.reset();
-            left.clear();
-        });
-    }
-    forgetLayers();
+    enterDocument(newDocument, area);
+    forgetGone(left);
     if (!newDocument.mm())
         return false;
     try {
@@ -50,10 +33,11 @@ void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
         start(newDocument, area);
 }
 
-/// Those that are gone take what was done to them along.
-void BendTool::forgetLayers() {
-    for (auto each = left.begin(); each != left.end();)
-        each = document && document->getMesh(each->first) ? std::next(each) : left.erase(each);
+void BendTool::forgetDocument() {
+    preparing.stop(); // waits for it
+    going.reset();
+    session.reset();
+    left.clear();
 }
 
 /// Begins with a layer, or goes on where it was left.
@@ -106,15 +90,10 @@ void BendTool::leave() {
 void BendTool::close() {
     if (preparing)
         stopPreparing();
-    stopPlaying();
-    if (drag && layer())
-        endDrag(false);
-    drag.reset();
+    if (going)
+        going->cancel();
+    going.reset();
     moving.reset();
-    if (marking && layer())
-        session->cancel();
-    marking.reset();
-    linePoint.reset();
     linePreview.reset();
     isStepWanted = false;
     leave();
@@ -123,7 +102,7 @@ void BendTool::close() {
         usual = session->edit().options;
     session.reset();
     if (panel)
-        usualSizes = {panel->brush(), panel->radius()};
+        panel->keepSizes();
     leaveView(panel);
     panel = nullptr;
 }
@@ -132,7 +111,8 @@ void BendTool::close() {
 bool BendTool::isReady() {
     if (!view || !view->md() || preparing)
         return false;
-    stopPlaying();
+    if (going && going->isEndedByAll())
+        going->cancel();
     MeshModel *current = view->md()->getMesh(layerId);
     if (!current || !session) {
         session.reset(); // it was deleted

@@ -33,7 +33,7 @@ void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const Li
     if (isOther) {
         surface.reset();
         if (work)
-            work->cancel();
+            work.cancel();
     } else if (isSameLine(goal, asked) && (isLast || work))
         return;
     asked = goal;
@@ -72,24 +72,20 @@ void BendLinePreview::begin() {
             search->found.report = std::move(report);
         }
     };
-    const auto take = [this, which = ++number] { ended(which); };
-    const auto done = [this, take] { QMetaObject::invokeMethod(this, take, Qt::QueuedConnection); };
-    work = std::make_unique<Job>(find, done);
+    work.begin(find, [this](const std::exception_ptr &thrown) { ended(thrown); });
 }
 
-void BendLinePreview::ended(std::size_t which) {
-    if (!work || which != number)
-        return; // it was stopped
+void BendLinePreview::ended(const std::exception_ptr &thrown) {
     bool isWhole = true;
     try {
-        work->finish();
+        if (thrown)
+            std::rethrow_exception(thrown);
     } catch (const vcg::fcd::Cancelled &) {
         isWhole = false;
     } catch (const std::exception &e) {
         search->found = {};
         search->found.error = e.what();
     }
-    work.reset();
     took = 1000 * search->watch.Seconds();
     if (isWhole && search->surface == surface) {
         found = std::move(search->found);
@@ -108,7 +104,7 @@ void BendLinePreview::ended(std::size_t which) {
 
 KnownLine BendLinePreview::stop(const LineGoal &goal) {
     KnownLine known;
-    work.reset(); // waits for it
+    work.stop(); // waits for it
     if (surface && surface->prepared)
         known.surface = surface;
     if (isLast && goal.middle && isSameLine(goal, asked)) {

@@ -4,7 +4,7 @@
 
 #include <layer_fcd/layer_straightener.h> // before Qt
 
-#include "edit_fcd/kit/job.h"
+#include "edit_fcd/kit/job_runner.h"
 
 #include <cstdint>
 #include <functional>
@@ -51,7 +51,7 @@ class BendLinePreview : public QObject {
         vcg::fcd::Stopwatch watch;
     };
     void begin();
-    void ended(std::size_t which);
+    void ended(const std::exception_ptr &thrown);
 
     std::function<void()> changed;
     vcg::fcd::LineGoal asked;
@@ -62,8 +62,7 @@ class BendLinePreview : public QObject {
     Found found;
     bool isLast = false;
     double took = 0;
-    std::size_t number = 0;    ///< of the last work
-    std::unique_ptr<Job> work; ///< last: it ends before all else
+    JobRunner work{this}; ///< last: it ends before all else
 };
 
 #endif

@@ -1,63 +1,94 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/mark_interaction.h"
 
-#include <QPolygonF>
-
-using vcg::fcd::Index;
-
-std::vector<Eigen::Vector2d> BendMarking::outline() const {
-    if (kind == Polygon)
-        return corners;
-    if (kind == Rectangle && corners.size() == 2)
-        return {corners[0], {corners[1][0], corners[0][1]}, corners[1], {corners[0][0], corners[1][1]}};
-    return {};
+MarkInteraction::MarkInteraction(BendStage &stage, BendMarking::Kind kind) : BendInteraction(stage) {
+    marking.kind = kind;
+    stage.session->change();
+    stage.takeNewHandle();
+    if (stage.panel->isThrough())
+        return;
+    const Camera &seen = stage.seen;
+    marking.depth.resize(std::size_t(seen.width) * std::size_t(seen.height), 1);
+    stage.view->makeCurrent();
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, seen.width, seen.height, GL_DEPTH_COMPONENT, GL_FLOAT, marking.depth.data());
 }
 
-std::vector<std::size_t> BendMarking::inside(const BendSession &session, const Camera &view) const {
-    QPolygonF polygon;
-    for (const Eigen::Vector2d &corner : outline())
-        polygon << QPointF(corner[0], corner[1]);
-    return verticesIn(
-        [&](const Eigen::Vector2d &p) { return polygon.containsPoint(QPointF(p[0], p[1]), Qt::OddEvenFill); }, session,
-        view);
+void MarkInteraction::begin() {
+    const Eigen::Vector2d corner = stage.mouseInWindow().head<2>();
+    if (marking.kind == BendMarking::Brush)
+        brush();
+    else
+        marking.corners.assign(marking.kind == BendMarking::Rectangle ? 2 : 1, corner);
 }
 
-std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double radius, const BendSession &session,
-                                               const Camera &view) {
-    const Eigen::Vector2d from = corners.empty() ? to : corners.back();
-    corners = {to};
-    return verticesIn([&](const Eigen::Vector2d &p) { return distanceToSegment(p, from, to) <= radius; }, session,
-                      view);
+void MarkInteraction::brush() {
+    const double radius = stage.panel->brush() * stage.view->devicePixelRatioF();
+    stage.session->mark(marking.strokeTo(stage.mouseInWindow().head<2>(), radius, *stage.session, stage.seen),
+                        stage.panel->tag());
+    stage.showOverlay();
+    stage.view->update();
 }
 
-std::vector<std::size_t> BendMarking::verticesIn(const IsIn &isIn, const BendSession &session,
-                                                 const Camera &view) const {
-    const Eigen::Affine3d mirror = mirrorOf(session.model());
-    const double hair = 0.005 * session.diagonal();
-    const auto isSeen = [&](const Eigen::Vector3d &p, const Eigen::Vector3d &window) {
-        const Eigen::Vector3d eye = view.towardsEye(p);
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const int x = int(window[0]) + dx, y = int(window[1]) + dy;
-                if (x < 0 || y < 0 || x >= view.width || y >= view.height)
-                    continue;
-                const double there = depth[std::size_t(y) * std::size_t(view.width) + std::size_t(x)];
-                if (there < 1 && (view.toWorld({x + 0.5, y + 0.5, there}) - p).dot(eye) < hair)
-                    return true;
-            }
+void MarkInteraction::end() {
+    stage.ended();
+    if (!stage.layer())
+        return;
+    if (marking.kind != BendMarking::Brush) {
+        const std::vector<std::size_t> found = marking.inside(*stage.session, stage.seen);
+        if (!found.empty())
+            stage.session->mark(found, stage.panel->tag());
+    }
+    stage.takeMarks();
+    stage.refresh();
+}
+
+void MarkInteraction::cancel() {
+    stage.ended();
+    if (!stage.layer())
+        return;
+    stage.session->cancel();
+    stage.showOverlay();
+}
+
+void MarkInteraction::move(QMouseEvent &event) {
+    const bool isHeld = event.buttons() & Qt::LeftButton;
+    if (marking.kind != BendMarking::Polygon && !isHeld)
+        end(); // it was released elsewhere
+    else if (marking.kind == BendMarking::Brush)
+        brush();
+    else if (isHeld)
+        marking.corners.back() = stage.mouseInWindow().head<2>();
+}
+
+void MarkInteraction::release() {
+    if (marking.kind != BendMarking::Polygon)
+        end();
+}
+
+/// Another corner of a polygon, or its end.
+bool MarkInteraction::press(QMouseEvent &event) {
+    if (marking.kind != BendMarking::Polygon)
         return false;
-    };
-    const auto isMarked = [&](const Eigen::Vector3d &p) {
-        const Eigen::Vector3d window = view.toWindow(p);
-        return window[2] <= 1 && isIn(window.head<2>()) && (depth.empty() || isSeen(p, window));
-    };
-    return vcg::fcd::CollectInOrder<std::size_t>(
-        vcg::fcd::Progress(), "Marking", Index(session.tags().size()), [&](Index i, std::vector<std::size_t> &found) {
-            const auto slot = std::size_t(i);
-            if (session.restShape().isDeleted(slot))
-                return;
-            const Eigen::Vector3d p = session.positionOf(slot);
-            if (isMarked(p) || (session.model().options.mirror >= 0 && isMarked(mirror * p)))
-                found.push_back(slot);
-        });
+    if (stage.isPlain(event) && stage.panel->mode() == BendPanel::Polyline && stage.isReady())
+        marking.corners.emplace_back(stage.mouseInWindow().head<2>());
+    else if (event.button() == Qt::RightButton)
+        end();
+    else
+        return false;
+    stage.refresh();
+    stage.view->update();
+    return true;
+}
+
+bool MarkInteraction::doubleClick() {
+    if (marking.kind != BendMarking::Polygon)
+        return false;
+    end();
+    return true;
+}
+
+void MarkInteraction::draw() const {
+    if (marking.kind != BendMarking::Brush)
+        drawOutline(stage.seen, marking.outline());
 }

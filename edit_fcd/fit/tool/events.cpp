@@ -16,7 +16,7 @@ void FitTool::press(QMouseEvent *event) {
     mouse = pressed = event->localPos();
     const bool plain = event->button() == Qt::LeftButton && event->modifiers() == Qt::NoModifier && !isCamera;
     if (plain && isReady()) {
-        dragged = endAt(*session, marks(), seen, windowOf(*view, seen, mouse).head<2>());
+        dragged = endAt(*session, marks(), seen, windowOfMouse().head<2>());
         if (dragged) {
             session->change();
             selected = int(dragged->pair);
@@ -38,9 +38,7 @@ void FitTool::move(QMouseEvent *event) {
             isClick = false;
         toCamera(*view, event);
     } else if (dragged) {
-        isStepWanted = true; // one a painted frame: the mouse moves more often
-        if (isPainted)
-            step();
+        requestStep();
     }
 }
 
@@ -54,7 +52,6 @@ void FitTool::release(QMouseEvent *event) {
         isClick = false;
     } else if (dragged) {
         const std::size_t pair = dragged->pair;
-        isStepWanted = true;
         guarded([&] { dragTo(); });
         const bool isWhole = session->state().pairs[pair].isWhole();
         dragged.reset();
@@ -69,8 +66,8 @@ void FitTool::release(QMouseEvent *event) {
 }
 
 /// Gives one end of a pair the place that is seen there. \return whether there is one \throw vcg::fcd::Error
-bool FitTool::place(bool isTarget, const QPointF &at) {
-    const Eigen::Vector2d window = windowOf(*view, seen, at).head<2>();
+bool FitTool::place(bool isTarget) {
+    const Eigen::Vector2d window = windowOfMouse().head<2>();
     const MeshModel &on = isTarget ? expectedTarget() : *model;
     const std::optional<LayerHit> hit = hitLayer(on, seen, window);
     if (!hit) {
@@ -95,7 +92,7 @@ void FitTool::click() {
     const bool isTarget = isTurnOfTarget();
     if (!isTarget)
         expectedTarget();
-    if (!place(isTarget, mouse))
+    if (!place(isTarget))
         return;
     selected = int(session->state().pairs.size()) - 1;
     if (isTarget) {
@@ -118,12 +115,11 @@ void FitTool::step() {
 
 /// The end that is dragged is where the mouse is; beside its layer, it stays where it was.
 void FitTool::dragTo() {
-    if (!isStepWanted || !dragged || !layer())
+    if (!dragged || !layer())
         return;
-    isStepWanted = false;
     const FitEnd which = *dragged;
     const FitPair before = session->state().pairs[which.pair];
-    if (!place(which.isTarget, mouse) || session->state().pairs[which.pair] == before)
+    if (!place(which.isTarget) || session->state().pairs[which.pair] == before)
         return;
     if (session->state().pairs[which.pair].isWhole())
         reshape(false);

@@ -17,14 +17,9 @@ FitTool::FitTool(QAction *action) : LayerTool(action) {
     every(optionsTimer, [this] { reshape(true); });
 }
 
-void FitTool::say(const std::string &text, bool warning) {
-    if (!view)
-        return;
-    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER, ("FCD: Fit: " + plainForLog(text)).c_str());
-    if (panel && warning) {
-        hint = QString::fromStdString(text);
+void FitTool::showHint() {
+    if (panel)
         panel->showState(hint);
-    }
 }
 
 // --- what is seen ---
@@ -96,14 +91,7 @@ void FitTool::showDistances() {
 }
 
 void FitTool::draw() {
-    isPainted = true;
-    if (view && view->suspendedEditor != isSuspended) {
-        isSuspended = view->suspendedEditor;
-        later([this] { refresh(); });
-    }
-    seen = viewNow();
-    if (isStepWanted)
-        later([this] { step(); });
+    beginDraw();
     if (!layer())
         return;
     if (marks().showsSource)
@@ -136,7 +124,7 @@ QString FitTool::stateText() const {
 void FitTool::refresh() {
     if (!panel || !session)
         return;
-    panel->showProgress(work ? work->percent() : -1);
+    panel->showProgress(work ? work.percent() : -1);
     panel->showState(stateText());
     panel->showShape(session->state().shape);
     std::vector<FitPairRow> rows;
@@ -151,34 +139,24 @@ void FitTool::refresh() {
 
 void FitTool::begin(Job::Work what, std::function<void()> done) {
     stopWork();
-    workDone = std::move(done);
-    const std::size_t number = ++workNumber;
-    work = std::make_unique<Job>(std::move(what), [this, number] {
-        QMetaObject::invokeMethod(
-            this,
-            [this, number] {
-                if (!work || number != workNumber)
-                    return; // it was stopped
-                guarded([&] {
-                    const std::unique_ptr<Job> ended = std::move(work);
-                    progressTimer.stop();
-                    try {
-                        ended->finish();
-                        const std::function<void()> done = std::move(workDone); // which may begin other work
-                        done();
-                    } catch (const vcg::fcd::Cancelled &) { // nothing has changed
-                    }
-                });
-                guarded([&] { refresh(); });
-            },
-            Qt::QueuedConnection);
+    work.begin(std::move(what), [this, done = std::move(done)](const std::exception_ptr &thrown) {
+        progressTimer.stop();
+        guarded([&] {
+            try {
+                if (thrown)
+                    std::rethrow_exception(thrown);
+                done();                             // which may begin other work
+            } catch (const vcg::fcd::Cancelled &) { // nothing has changed
+            }
+        });
+        guarded([&] { refresh(); });
     });
     progressTimer.start(100);
     refresh();
 }
 
 void FitTool::stopWork() {
-    work.reset(); // waits for it
+    work.stop(); // waits for it
     progressTimer.stop();
     isFollowWanted = false;
 }

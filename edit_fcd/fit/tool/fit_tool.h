@@ -4,7 +4,7 @@
 
 #include "edit_fcd/fit/model/session.h" // before Qt
 
-#include "edit_fcd/kit/job.h"
+#include "edit_fcd/kit/job_runner.h"
 #include "edit_fcd/fit/tool/overlay.h"
 #include "edit_fcd/fit/panel/actions.h"
 #include "edit_fcd/fit/panel/panel.h"
@@ -36,10 +36,13 @@ class FitTool : public LayerTool {
     void release(QMouseEvent *event) override;
     void turnWheel(QWheelEvent *event) override { toHost(*view, event); }
     void pressKey(QKeyEvent *event) override;
-    void say(const std::string &text, bool warning = false) override;
 
   private:
     bool takesEvent(QEvent &event) override;
+    void refresh() override;
+    void showHint() override;
+    void forgetDocument() override { left.clear(); }
+    void step() override;
 
     MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
     MeshModel *target() const; ///< null when there is none
@@ -58,9 +61,8 @@ class FitTool : public LayerTool {
 
     void chooseFiles(bool load);
     void click();
-    void step();
     void dragTo();
-    bool place(bool isTarget, const QPointF &at);
+    bool place(bool isTarget);
     bool isTurnOfTarget() const;
     FitMarks marks() const;
 
@@ -74,27 +76,19 @@ class FitTool : public LayerTool {
     void showDistances();
     void showLayers();
     void setSeen(FitPanel::Seen which);
-    void refresh();
     QString stateText() const;
 
     QPointer<FitPanel> panel;
     int targetId = -1;
     std::unique_ptr<FitSession> session;
     std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
-    QPointer<MeshDocument> document;
-    std::map<int, bool> wasVisible; ///< of the layers that are shown or hidden here, by their number
+    std::map<int, bool> wasVisible;                  ///< of the layers that are shown or hidden here, by their number
 
-    Camera seen;
-    QPointF mouse, pressed;
+    QPointF pressed;
     std::optional<FitEnd> dragged;
     int selected = -1; ///< pair
-    bool isCamera = false, isClick = false;
-    QString hint; ///< what could not be done, until the next press or key
-    bool isSuspended = false;
-    bool isPainted = true, isStepWanted = false;
-    std::unique_ptr<Job> work;
-    std::function<void()> workDone;
-    std::size_t workNumber = 0;  ///< of the last work that was begun
+    bool isClick = false;
+    JobRunner work{this};
     bool isFollowWanted = false; ///< once the layer is prepared
     QTimer progressTimer, optionsTimer;
 };

@@ -25,15 +25,8 @@ MeshModel &FitTool::expectedTarget() const {
 }
 
 bool FitTool::start(MeshDocument &newDocument, GLArea *area) {
-    close();
-    isEnding = false;
-    view = area;
-    if (document != &newDocument) {
-        document = &newDocument;
-        when(document.data(), &QObject::destroyed, [this](QObject *) { left.clear(); });
-    }
-    for (auto each = left.begin(); each != left.end();) // what is gone takes its pairs along
-        each = newDocument.getMesh(each->first) ? std::next(each) : left.erase(each);
+    enterDocument(newDocument, area);
+    forgetGone(left);
     if (!newDocument.mm() || newDocument.mm()->cm.vn == 0)
         return false;
     try {
