@@ -21,6 +21,6 @@ struct Camera {
 /// How far \p p is from the way from \p a to \p b.
 double distanceToSegment(const Eigen::Vector2d &p, const Eigen::Vector2d &a, const Eigen::Vector2d &b);
 
-const double degree = EIGEN_PI / 180;
+const double oneDegree = EIGEN_PI / 180;
 
 #endif

@@ -42,7 +42,7 @@ class Maker {
     void holdBeyond(BendTags &made);
     void hold(BendTags &made);
     void holdGrip(BendTags &made, int tag, double radius);
-    double gap() const { return usualGap(ground.diagonal); }
+    double usual() const { return usualGap(ground.diagonal); }
 
     const BendState &now;
     const BendGround &ground;
@@ -65,7 +65,7 @@ void Maker::bendAround(BendTags &made) {
     for (const auto &[rank, handles] : around)
         if (bendAround(handles, rank, isNear))
             all.apart.insert(rank);
-    for (const std::size_t i : reachOfRest.looseAmong(isNear, gap()))
+    for (const std::size_t i : reachOfRest.looseAmong(isNear, usual()))
         isNear[i] = 1;
     for (std::size_t i = 0; i < made.size(); ++i)
         if (made[i] == 1 && !isNear[i])
@@ -88,7 +88,7 @@ void Maker::findExtents(const BendTags &made) {
     for (const auto &[tag, vertices] : handles) {
         if (!all.isLocal && now.points.count(tag) == 0)
             continue; // what is marked where something is fixed moves alone
-        all.extents[tag] = reachOfRest.whole(vertices, radiusOf(now, tag, ground.diagonal), gap());
+        all.extents[tag] = reachOfRest.whole(vertices, radiusOf(now, tag, ground.diagonal), usual());
     }
     for (const auto &[tag, own] : all.extents) {
         const auto lies = [&whole = own->beyond](const std::vector<std::size_t> &part) {
@@ -109,7 +109,7 @@ void Maker::findExtents(const BendTags &made) {
 /// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
 /// where a handle is at the edge of that, all bend together. \return whether they bend less for it
 bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
-    const double gap = this->gap();
+    const double gap = usual();
     const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
     std::vector<std::size_t> middle;
     for (const Around &each : handles)
@@ -260,11 +260,11 @@ BendInfluence influenceOf(const BendState &state, const BendGround &ground,
 }
 
 std::vector<int> BendInfluence::handles() const {
-    std::vector<int> tags;
-    tags.reserve(center.size());
+    std::vector<int> found;
+    found.reserve(center.size());
     for (const auto &each : center)
-        tags.push_back(int(each.first));
-    return tags;
+        found.push_back(int(each.first));
+    return found;
 }
 
 int BendInfluence::unusedTag() const {

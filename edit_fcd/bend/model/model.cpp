@@ -128,7 +128,7 @@ std::map<vcg::fcd::Index, vcg::fcd::Motion> motionsOf(const BendModel &model) {
     return motions;
 }
 
-bool moves(const BendModel &model) {
+bool isMoved(const BendModel &model) {
     const auto motions = motionsOf(model);
     return model.options.pose != 0 && std::any_of(motions.begin(), motions.end(), [](const auto &each) {
                return !each.second.matrix.isIdentity(0) || !each.second.turn.isZero(0);

@@ -47,7 +47,7 @@ double radiusOf(const BendModel &model, int tag); ///< world units
 
 /// Motions of the handles.
 std::map<vcg::fcd::Index, vcg::fcd::Motion> motionsOf(const BendModel &model);
-bool moves(const BendModel &model); ///< whether anything leads away from rest
+bool isMoved(const BendModel &model); ///< whether anything leads away from rest
 /// Of some handles, and of those on the other side of the mirror.
 void setMotion(BendModel &model, const std::map<int, std::vector<vcg::fcd::MotionStep>> &steps);
 /// \throw vcg::fcd::Error when it is not the text of a motion

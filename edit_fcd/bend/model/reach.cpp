@@ -95,13 +95,13 @@ const float largestTip = 0.5;
 
 std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
     wait();
-    const vcg::fcd::Index begin = surface->nodeOf[slot];
-    if (begin < 0)
+    const vcg::fcd::Index first = surface->nodeOf[slot];
+    if (first < 0)
         return {slot};
     const std::vector<char> isNodeIn = nodesOf(isIn);
     const int met = 2;
     std::vector<int> label(isNodeIn.begin(), isNodeIn.end());
-    relabel(surface->graph, begin, met, label);
+    relabel(surface->graph, first, met, label);
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
@@ -214,12 +214,12 @@ BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
     for (std::size_t u = 0; u < isIn.size(); ++u) {
         if (!isIn[u])
             continue;
-        for (const vcg::fcd::Index begin : graph.adjacency[vcg::fcd::Index(u)]) {
-            if (pieces.of[std::size_t(begin)] != unknown)
+        for (const vcg::fcd::Index first : graph.adjacency[vcg::fcd::Index(u)]) {
+            if (pieces.of[std::size_t(first)] != unknown)
                 continue;
             const int which = int(pieces.area.size());
             pieces.area.push_back(0);
-            for (const vcg::fcd::Index v : relabel(graph, begin, which, pieces.of))
+            for (const vcg::fcd::Index v : relabel(graph, first, which, pieces.of))
                 pieces.area.back() += surface->nodeArea[std::size_t(v)];
         }
     }

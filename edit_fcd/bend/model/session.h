@@ -199,8 +199,6 @@ class BendSession {
     History<BendState> history{32};    // each may hold tags of its own
     std::vector<Applied> applied;      ///< also what has been undone
     std::size_t applies = 0;           ///< that led to the present rest shape
-    bool isMarkedHere = false;         ///< the layer has marks, not other tags
-    bool isLeft = false;               ///< the layer has what leave() gave it
     std::shared_ptr<BendTags> marking; ///< the marks, while they change
     std::vector<std::size_t> marked;   ///< where, then
 
@@ -216,7 +214,9 @@ class BendSession {
     std::unique_ptr<Beside> besides; ///< between beginBeside() and endBeside()
 
     PoseSolver solver;
-    bool isFresh = false; ///< prepared since a pose was written: what others have moved, this one may not move
+    bool isMarkedHere = false; ///< the layer has marks, not other tags
+    bool isLeft = false;       ///< the layer has what leave() gave it
+    bool isFresh = false;      ///< prepared since a pose was written: what others have moved, this one may not move
 };
 
 #endif

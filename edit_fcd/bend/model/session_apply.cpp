@@ -62,7 +62,7 @@ std::string BendSession::poseByFilter(const Remark &remark) {
 
 std::string BendSession::leave(const Remark &remark) {
     std::string calls;
-    if (!moves(data)) {
+    if (!isMoved(data)) {
         restore();
         if (state().poses)
             writeAppliedTags(); // for them

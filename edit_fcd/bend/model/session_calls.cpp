@@ -88,7 +88,7 @@ std::string BendSession::blendCall() const {
 
 std::string BendSession::callInPlace() const {
     const Call own = callOfPose();
-    const std::string call = filterCall("apply_coord_fcd_deformation", own, true);
+    std::string call = filterCall("apply_coord_fcd_deformation", own, true);
     if (own.isExact)
         return call;
     const std::string exact = blendCall();
@@ -98,7 +98,7 @@ std::string BendSession::callInPlace() const {
 
 std::string BendSession::callToNewLayer(bool graphLayers) const {
     const Call own = callOfPose();
-    const std::string call = filterCall("generate_fcd_deformed_mesh", own, graphLayers);
+    std::string call = filterCall("generate_fcd_deformed_mesh", own, graphLayers);
     if (own.isExact)
         return call;
     const std::string exact = blendCall();

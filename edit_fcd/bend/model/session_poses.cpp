@@ -115,7 +115,7 @@ void BendSession::writePoses() {
 }
 
 std::string BendSession::keepPose() {
-    if (!moves(data))
+    if (!isMoved(data))
         throw Error("Nothing was moved, so there is no pose to keep.");
     std::map<int, std::vector<MotionStep>> motion = state().motion;
     if (const double percent = data.options.pose; percent != 100)

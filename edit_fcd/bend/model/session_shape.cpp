@@ -38,7 +38,7 @@ void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
 
 BendSession::Times BendSession::pose(bool full, bool faces) {
     Times times;
-    if (!moves(data)) {
+    if (!isMoved(data)) {
         restore();
         return times;
     }

@@ -30,10 +30,10 @@ BendHandleList::BendHandleList(QWidget *parent)
 
 void BendHandleList::show(const std::vector<BendHandleRow> &handles) {
     std::vector<Row> rows;
-    int selected = -1;
+    int chosen = -1;
     for (const BendHandleRow &each : handles) {
         if (each.isSelected)
-            selected = int(rows.size());
+            chosen = int(rows.size());
         ListCell name = ListCell::edited(each.name), isShown, isLocked;
         name.color = each.color;
         isShown.isChecked = each.isShown;
@@ -44,7 +44,7 @@ void BendHandleList::show(const std::vector<BendHandleRow> &handles) {
                         {each.shortMotion, each.motion, each.motion, {}, {}, false},
                         {QString(QChar(0xd7)), {}, {}, {}, {}, false}});
     }
-    if (showRows(std::move(rows), selected))
+    if (showRows(std::move(rows), chosen))
         shown = handles;
 }
 

@@ -62,7 +62,8 @@ void BendTool::drawOverlay() const {
         const double radius = panel->brush() * view->devicePixelRatioF();
         std::vector<Eigen::Vector2d> circle(40, place);
         for (std::size_t i = 0; i < circle.size(); ++i)
-            circle[i] += radius * Eigen::Vector2d(std::cos(double(i) * 9 * degree), std::sin(double(i) * 9 * degree));
+            circle[i] +=
+                radius * Eigen::Vector2d(std::cos(double(i) * 9 * oneDegree), std::sin(double(i) * 9 * oneDegree));
         drawOutline(seen, circle);
     } else if (going) {
         going->draw();

@@ -80,7 +80,7 @@ void BendTool::setMode(BendPanel::Mode mode) {
 }
 
 void BendTool::apply(bool inPlace) {
-    if (!moves(session->model()))
+    if (!isMoved(session->model()))
         throw Error("Nothing was moved, so there is nothing to apply.");
     session->change();
     panel->setStretch(false);

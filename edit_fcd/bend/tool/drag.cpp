@@ -45,7 +45,7 @@ void BendDrag::moveTo(const Camera &view, const Eigen::Vector3d &window) {
     const Eigen::Vector2d middle = view.toWindow(pivot).head<2>();
     const Eigen::Vector2d a = last.head<2>() - middle, b = window.head<2>() - middle;
     if (a.norm() > 1 && b.norm() > 1)
-        angle += std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 360 * degree) / degree;
+        angle += std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 360 * oneDegree) / oneDegree;
     last = window;
 }
 

@@ -57,11 +57,11 @@ void DragInteraction::beginPrepared() {
     begun.begin = motionOf(model.state, tag);
     for (const int other : carriedBy(model, tag))
         begun.carried[other] = motionOf(model.state, other);
-    now = std::move(begun);
+    now = std::make_unique<BendDrag>(std::move(begun));
     stage.frame = 0;
     sinceDraw.invalidate();
     try {
-        if (tookToPrepare > 0 && moves(model))
+        if (tookToPrepare > 0 && isMoved(model))
             stage.solve(false);
         if (std::getenv("FCD_TRACE"))
             std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
@@ -157,7 +157,7 @@ bool DragInteraction::press(QMouseEvent &event) {
 }
 
 bool DragInteraction::pressKey(QKeyEvent &event) {
-    const QString text = event.text();
+    const QString typed = event.text();
     switch (const int key = event.key()) {
     case Qt::Key_Escape:
     case Qt::Key_Return:
@@ -176,8 +176,8 @@ bool DragInteraction::pressKey(QKeyEvent &event) {
             now->typed.pop_back();
         break;
     default:
-        if (text.size() == 1 && text[0].isPrint() && !text[0].isSpace())
-            now->typed += QString(text).replace(',', '.').toStdString();
+        if (typed.size() == 1 && typed[0].isPrint() && !typed[0].isSpace())
+            now->typed += QString(typed).replace(',', '.').toStdString();
     }
     stage.requestStep();
     return true;

@@ -26,9 +26,9 @@ class DragInteraction : public BendInteraction {
     bool press(QMouseEvent &event) override;
     bool pressKey(QKeyEvent &event) override;
     bool turnWheel(double steps) override;
-    bool takesAllKeys() const override { return now.has_value(); }
-    bool holdsPanel() const override { return now.has_value(); }
-    const BendDrag *drag() const override { return now ? &*now : nullptr; }
+    bool takesAllKeys() const override { return now != nullptr; }
+    bool holdsPanel() const override { return now != nullptr; }
+    const BendDrag *drag() const override { return now.get(); }
     void step() override;
     void beforeDraw() override;
     QString text() const override;
@@ -39,7 +39,7 @@ class DragInteraction : public BendInteraction {
     void stop(bool keep);
     void end(bool keep);
 
-    std::optional<BendDrag> now; ///< once the layer is prepared
+    std::unique_ptr<BendDrag> now; ///< once the layer is prepared
     Grip grip;
     Eigen::Vector3d gripped;  ///< where the mouse was then, window
     double tookToPrepare = 0; ///< milliseconds

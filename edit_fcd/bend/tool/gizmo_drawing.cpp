@@ -15,7 +15,7 @@ const GLubyte litColor[] = {255, 225, 60};
 
 /// A point of the ring that turns about an axis. \param part of ringParts
 Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
-    const double angle = part * (360.0 / ringParts) * degree;
+    const double angle = part * (360.0 / ringParts) * oneDegree;
     return gizmo.center + radius * (std::cos(angle) * gizmo.axes.col((axis + 1) % 3) +
                                     std::sin(angle) * gizmo.axes.col((axis + 2) % 3));
 }

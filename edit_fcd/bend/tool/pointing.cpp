@@ -81,9 +81,9 @@ Eigen::Matrix3d BendStage::axesOf(int tag) const {
 
 /// That of the selected handle.
 std::optional<Gizmo> BendStage::gizmo() const {
-    const BendDrag *drag = this->drag();
-    const int tag = drag ? drag->tag : selected();
+    const BendDrag *dragged = drag();
+    const int tag = dragged ? dragged->tag : selected();
     if (!tag || handleOf(session->state(), tag).isHidden || handleOf(session->state(), tag).isLocked)
         return {};
-    return Gizmo{pivotOf(session->model(), tag), drag ? drag->axes : axesOf(tag)};
+    return Gizmo{pivotOf(session->model(), tag), dragged ? dragged->axes : axesOf(tag)};
 }

@@ -153,7 +153,7 @@ void BendTool::onPoseCommand(int which) {
     }
     case BendPoseBox::KeyFrame:
         session->change();
-        session->setPoses(withKeyFrame(session->state(), moves(session->model())));
+        session->setPoses(withKeyFrame(session->state(), isMoved(session->model())));
         refresh();
         break;
     case BendPoseBox::Play:

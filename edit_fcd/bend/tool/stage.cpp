@@ -28,7 +28,7 @@ int BendStage::tagToMark() const {
                                                                             : panel->tag();
 }
 
-void BendStage::takeNewHandle() {
+void BendStage::takeNewHandle() const {
     if (const int tag = tagToMark(); tag != panel->tag())
         panel->setRole(BendPanel::Handle, tag);
 }
@@ -104,7 +104,7 @@ void BendStage::solve(bool full) {
         throw;
     }
     isLive = !full;
-    if (full && moves(session->model()))
+    if (full && isMoved(session->model()))
         showChanged();
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);

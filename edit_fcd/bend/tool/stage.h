@@ -85,9 +85,9 @@ class BendStage : public LayerTool {
     void showChanged();
     void showOverlay(); ///< the marks, or the stretch
 
-    int tagToMark() const; ///< what is marked next to a handle that was moved is another handle, at rest
-    void takeNewHandle();  ///< which the panel shows
-    void takeMarks();      ///< what was marked is
+    int tagToMark() const;      ///< what is marked next to a handle that was moved is another handle, at rest
+    void takeNewHandle() const; ///< which the panel shows
+    void takeMarks();           ///< what was marked is
 
     using LayerTool::display;
     using LayerTool::every;

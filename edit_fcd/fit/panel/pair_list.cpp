@@ -18,6 +18,7 @@ FitPairList::FitPairList(QWidget *parent)
 
 void FitPairList::show(const std::vector<FitPairRow> &pairs, int selected) {
     std::vector<Row> rows;
+    rows.reserve(pairs.size());
     const auto centered = [](const QString &text) { return ListCell{text, {}, {}, {}, {}, true}; };
     for (const FitPairRow &each : pairs)
         rows.push_back({ListCell::edited(each.name), centered(each.hasSource ? "\u2713" : ""),

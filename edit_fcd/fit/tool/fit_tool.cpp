@@ -130,8 +130,8 @@ void FitTool::refresh() {
     std::vector<FitPairRow> rows;
     const std::vector<FitPair> &pairs = session->state().pairs;
     rows.reserve(pairs.size());
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-        rows.push_back({QString::fromStdString(pairs[i].name), pairs[i].slot.has_value(), pairs[i].place.has_value()});
+    for (const FitPair &each : pairs)
+        rows.push_back({QString::fromStdString(each.name), each.slot.has_value(), each.place.has_value()});
     panel->pairs().show(rows, selected);
 }
 
