@@ -247,7 +247,7 @@ TEST(BendModel, AHandleTurnsAboutItsPivot) {
     EXPECT_EQ(pivotOf(bent.model, 2), dotOf(bent.model, 2));
     bent.model.state.weights = {100};
     setPose(bent.model, 0);
-    EXPECT_FALSE(moves(bent.model));
+    EXPECT_FALSE(isMoved(bent.model));
     EXPECT_TRUE(bent.model.state.weights.empty());
     EXPECT_THROW(setMotions(bent.model, "9: scale 2"), Error);
     EXPECT_THROW(setMotionText(bent.model, 2, "foo"), Error);
