@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd.h"
 
-#include "bend_tool.h"
-#include "fit_tool.h"
+#include "edit_fcd/bend/tool/bend_tool.h"
+#include "edit_fcd/fit/tool/fit_tool.h"
 
 #include <cmath>
 

@@ -194,28 +194,6 @@ def tip_of_a_limb(window, tmp_path):
     return w, points
 
 
-def test_a_pull_takes_along_what_lies_on_it(window, tmp_path):
-    """A small part that is not connected, as nails of a hand are; but nothing that lies elsewhere, or is large. So does a pull at it."""
-    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
-    small, small_faces = tube_of(np.linspace(-0.06, 0.06, 9), 16, 0.025)
-    parts = [points] + [small + np.float32(place) for place in ([0.5, 0.105, 0], [-0.5, 0.105, 0])] + [points + np.float32([0, 0.5, 0])]
-    all_faces, count = [], 0
-    for part, own in zip(parts, (faces, small_faces, small_faces, faces)):
-        all_faces.append(own + count)
-        count += len(part)
-    w = window(write_ply(tmp_path / "limb.ply", np.vstack(parts), np.vstack(all_faces).astype(np.int32)))
-    w.start_tool()
-    for name, y in (("tube", Y + 66), ("small", Y + 40)): # where they lie in the view
-        w.drag((X + 130, y), (X + 130, y + 60))
-        w.shot(name)
-        off = np.linalg.norm(load(w.save(f"{name}.ply"))[0] - np.vstack(parts), axis=1)
-        moved = np.split(off, np.cumsum([len(part) for part in parts])[:-1])
-        below = moved[0][abs(points[:, 0] - 0.5) < 0.05].mean()
-        assert below > 0.1 and abs(moved[1].mean() - below) < 0.4 * below
-        assert not moved[2].any() and not moved[3].any()
-        w.key("ctrl+z")
-
-
 def turned_by(points, now):
     """How far points were turned, at best (Kabsch), in degrees."""
     a, b = points - points.mean(0), now - now.mean(0)
@@ -248,24 +226,20 @@ def test_a_point_that_is_turned_takes_the_tip_along(window, tmp_path):
     assert np.array_equal(load(w.save("applied.ply"))[0], turned)
 
 
-@pytest.mark.parametrize("place", [-20, 60, 230])
-def test_a_new_handle_leaves_what_is_posed(window, tmp_path, place):
-    """Beside what others bend, at its edge, and within; and it begins where it is seen."""
+def test_a_new_handle_leaves_what_is_posed(window, tmp_path):
+    """At the edge of what others bend; and it begins where it is seen. (The rest of it: BendModel.ANewHandleLeavesWhatOthersBend.)"""
     w, points = tip_of_a_limb(window, tmp_path)
     w.drag((X + 110, Y), (X + 110, Y - 60))
     pulled = load(w.save("pulled.ply"))[0]
-    y = Y - 82 if place == 230 else Y # the end has turned upwards
-    w.do("mousemove", X + place, y, "click", 1)
+    w.do("mousemove", X + 60, Y, "click", 1)
     w.shot("new")
     full = load(w.save("new.ply"))[0]
     far = np.linalg.norm(pulled - points, axis=1).max()
     assert np.linalg.norm(full - pulled, axis=1).max() < 0.05 * far
-    w.drag((X + place + 1, y), (X + place, y + 40))
+    w.drag((X + 61, Y), (X + 60, Y + 40))
     w.shot("moved")
     both = load(w.save("both.ply"))[0]
     assert np.linalg.norm(both - full, axis=1).max() > 0.1
-    if place == -20:
-        assert np.linalg.norm(both - full, axis=1)[points[:, 0] > 0.3].max() < 1e-3
 
 
 def test_what_lies_beyond_a_handle_goes_along(window, tmp_path):
@@ -529,18 +503,6 @@ def test_the_page_of_keys_fits_a_small_screen(window, tmp_path):
     assert text_width <= width and text_height <= height # nothing to scroll
 
 
-def test_a_pull_takes_a_tip_along(window, tmp_path):
-    """What lies beyond the pulled part of a limb goes along, and is not left behind."""
-    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
-    w = window(write_ply(tmp_path / "limb.ply", points, faces))
-    w.start_tool()
-    w.drag((X + 110, Y), (X + 110, Y - 60))
-    w.shot("pulled")
-    moved = np.linalg.norm(load(w.save("pulled.ply"))[0] - points, axis=1)
-    assert moved[points[:, 0] > 0.9].min() > 0.5 * moved.max() > 0.05
-    assert not moved[points[:, 0] < 0].any()
-
-
 def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     """A pull that is over before the layer is prepared is made then."""
     points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
@@ -688,42 +650,6 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
         assert np.array_equal(cells(), before)
         assert said in w.text().rpartition("trace: says: ")[2]
     assert "The motion" not in w.text().rpartition("trace: says: ")[2] # what was refused is said until something else is done
-
-
-def be_symmetric(w):
-    """In x."""
-    axes = w.box("axes")
-    w.do("mousemove", axes[0] - 120, axes[1] + 8, "click", 5) # the wheel
-
-
-def test_a_handle_in_the_middle_has_no_twin(window, tmp_path):
-    """Though another one is near."""
-    w, points, _ = open_tube(window, tmp_path)
-    w.start_tool()
-    w.drag((X, Y), (X, Y - 10))
-    w.drag((X - 14, Y + 14), (X - 14, Y + 24))
-    be_symmetric(w)
-    before = load(w.save("before.ply"))[0]
-    upper, lower = (before - points)[:, 1].argmax(), (before - points)[:, 1].argmin()
-    w.do("mousemove", X, Y - 10)
-    w.key("g", "z", "1", "Return")
-    w.shot("moved")
-    moved = load(w.save("moved.ply"))[0] - before
-    assert np.abs(moved[upper] - [0, 0, 1]).max() < 1e-5 and np.abs(moved[lower]).max() < 1e-5
-
-
-def test_a_lopsided_layer_gets_no_stray_handles(window, tmp_path):
-    points, faces = tube_of(np.linspace(-1, 1, 80), 64, 0.25)
-    points[:, 1] *= np.where(points[:, 0] > 0, 3, 1).astype(points.dtype)
-    w = window(write_ply(tmp_path / "lopsided.ply", points, faces))
-    w.start_tool()
-    be_symmetric(w)
-    w.drag((X + 120, Y - 130), (X + 120, Y - 150))
-    assert np.abs(load(w.save("moved.ply"))[0] - points).max() > 0.05
-    w.shot("one")
-    x, y, width, _ = w.box("handles")
-    rows = np.asarray(w.picture().convert("L"))[y + 26:y + 68, x + 4:x + width - 4]
-    assert np.ptp(rows[:20]) > 50 > np.ptp(rows[24:]) # one handle
 
 
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):

@@ -3,6 +3,7 @@
 filters, documents. Windows and mice as in host_edit.py, with the same environment."""
 import os
 import random
+import re
 import time
 
 import numpy as np
@@ -199,15 +200,31 @@ def load_after(w, name, points):
 
 
 def test_the_brush_is_seen_before_it_marks(window, tmp_path):
+    """As wide as it was left."""
     w, _, _ = open_tube(window, tmp_path)
     w.start_tool()
     w.key("b")
-    for place in ((X - 100, Y - 200), (X + 100, Y - 220)): # on the dark ground above the tube
+
+    def circle(w, place):
         w.do("mousemove", *place)
-        light = w.seen()[300 + place[1] - Y - 30:300 + place[1] - Y + 30, 270 + place[0] - X - 30:270 + place[0] - X + 30].min(-1) > 200
+        light = w.seen()[300 + place[1] - Y - 60:300 + place[1] - Y + 60, 270 + place[0] - X - 60:270 + place[0] - X + 60].min(-1) > 200
         rows, columns = np.nonzero(light)
-        assert len(rows) > 60 and abs(rows.mean() - 30) < 3 and abs(columns.mean() - 30) < 3
+        assert len(rows) > 60 and abs(rows.mean() - 60) < 3 and abs(columns.mean() - 60) < 3
+        return np.ptp(columns)
+
+    for place in ((X - 100, Y - 200), (X + 100, Y - 220)): # on the dark ground above the tube
+        width = circle(w, place)
     w.shot("brush")
+    w.do("click", 4, "click", 4, "click", 4) # the wheel
+    wider = circle(w, place)
+    assert wider > width + 5
+    w.toggle_tool()
+    time.sleep(1)
+    kept = next((tmp_path / ".config").rglob("*.conf")).read_text(encoding="utf-8")
+    assert int(re.search(r"bend\\brush=(\d+)", kept)[1]) > 20 # which another MeshLab begins with
+    w.start_tool()
+    w.key("b")
+    assert circle(w, place) == wider
 
 
 def write_textured(folder, points, faces):

@@ -4,7 +4,8 @@
     python3 tests/rooms.py
 
 In vcg_ext each folder includes what stands before it in FLOORS, or is its own; only the doors, the headers at the top, include all
-of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. filter_fcd and edit_fcd do not include each other. What the window's loop calls of a tool is guarded. The method takes sine,
+of them. Qt and MeshLab are for the plugins alone, VCG for the places in VCG. layer_fcd and filter_fcd have floors, PLUGIN_FLOORS, and edit_fcd
+rooms, TOOL_ROOMS. filter_fcd and edit_fcd do not include each other. What the window's loop calls of a tool is guarded. The method takes sine,
 exponential and the like from base/elementary.h, for the same bits everywhere."""
 import re
 import sys
@@ -16,6 +17,36 @@ FLOORS = ["shape_constants.h", "base", "warp", "line", "handles", "surface", "co
 SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "straightener.cpp": "straighten.h", "symmetrizer.cpp": "symmetrize.h"}  # of a door, at its floor
 VCG = {"centroidal_deformation.h": "reads VCG meshes"}
 # Of a tool, what the window's loop calls is guarded: by LayerTool's when(), later() and every().
+# The rooms of edit_fcd: what each may include of the others, but for its own. What is a folder's alone is defined in it.
+TOOL_ROOMS = {
+    "view": [],
+    "kit": ["view"],
+    "shape": [],
+    "bend/model": ["shape", "kit/history.h"],
+    "bend/panel": ["kit", "view/stretch_colors.h", "bend/model/state.h"],
+    "bend/tool": ["view", "kit", "shape", "bend/model", "bend/panel"],
+    "fit/model": ["shape", "kit/history.h"],
+    "fit/panel": ["kit", "view/distance_colors.h", "fit/model/session.h"],
+    "fit/tool": ["view", "kit", "shape", "fit/model", "fit/panel"],
+    "": ["bend/tool", "fit/tool"],
+}
+# The floors of the other two, from below: a file includes what is on its own or a lower one.
+PLUGIN_FLOORS = {
+    "layer_fcd": [
+        "meshlab_host edit_host filter_host parameters affine_map angle_normals contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
+        " layer_normals picked_points save_files straighten_texts",
+        "layer_state prepared_layers kept_deformation kept_scan inherited_scan marks session_format layer_contents rest_shape kept_aside"
+        " results session_file",  # the state of a layer, which the document keeps
+        "line_sources line_surface motion_sources point_sources tag_sources weight_sources",
+        "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_deformer"
+        " layer_sequence",
+    ],
+    "filter_fcd": [
+        "filter_reports filter_parameters common_parameters",
+        "bending_parameters fit_parameters handle_parameters sequence_parameters straighten_parameters tag_parameters fit_reports dialogs",
+        "filter_fcd filter_texts session_filters",
+    ],
+}
 UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")
 LONGEST = 350
 # What libraries compute each in their own way. (AngleAxis and the closed form for eigenvalues call them.)
@@ -36,8 +67,44 @@ def includes(path):
             yield number, found[1]
 
 
+def tool_rooms():
+    """What is in edit_fcd where it does not belong."""
+    paths = sorted(path for ending in ("h", "cpp") for path in (ROOT / "edit_fcd").glob(f"**/*.{ending}"))
+    room = {path: str(path.parent.relative_to(ROOT / "edit_fcd")).lstrip(".") for path in paths}
+    home = {name: room[path] for path in paths if path.suffix == ".h"
+            for name in re.findall(r"^(?:class|struct) (\w+)(?= [:{]| final)", path.read_text(), re.MULTILINE)}
+    for path in paths:
+        own, name = room[path], path.relative_to(ROOT)
+        if own not in TOOL_ROOMS:
+            yield f"{name}:1: error: tests/rooms.py knows no room edit_fcd/{own}"
+            continue
+        for line, included in includes(path):
+            if not included.startswith("edit_fcd/") or "/moc_" in included:
+                continue
+            to = included[len("edit_fcd/"):]
+            if to.rpartition("/")[0] != own and not any(to.startswith(each + "/") or to == each for each in TOOL_ROOMS[own]):
+                yield f"{name}:{line}: error: {included} is not for edit_fcd/{own}"
+        for found in re.finditer(r"^\S[^\n(=]*?\b(\w+)::~?\w+\(", path.read_text(), re.MULTILINE):
+            if home.get(found[1], own) != own:
+                yield f"{name}:1: error: defines a function of {found[1]}, which is edit_fcd/{home[found[1]]}'s"
+
+
+def plugin_floors():
+    """What in layer_fcd and filter_fcd includes a higher floor."""
+    for folder, floors in PLUGIN_FLOORS.items():
+        floor = {name: number for number, names in enumerate(floors) for name in names.split()}
+        for path in sorted([*(ROOT / folder).glob("*.h"), *(ROOT / folder).glob("*.cpp")]):
+            if path.stem not in floor:
+                yield f"{folder}/{path.name}:1: error: tests/rooms.py knows no floor for it"
+                continue
+            for line, included in includes(path):
+                other = Path(included).stem
+                if (path.parent / Path(included).name).exists() and floor.get(other, 0) > floor[path.stem]:
+                    yield f"{folder}/{path.name}:{line}: error: {included} is on a higher floor"
+
+
 def main():
-    faults = []
+    faults = [*tool_rooms(), *plugin_floors()]
     for path in sorted([*ROOT.glob("vcg_ext/**/*.h"), *ROOT.glob("vcg_ext/**/*.cpp")]):
         name = str(path.relative_to(ROOT / "vcg_ext"))
         if name.startswith("unity/"):
@@ -62,14 +129,14 @@ def main():
             faults.append(f"{name}:1: error: no source in vcg_ext/unity includes it")
     for plugin, other in (("filter_fcd", "edit_fcd"), ("edit_fcd", "filter_fcd"), ("layer_fcd", "filter_fcd"),
                           ("layer_fcd", "edit_fcd")):
-        for path in sorted((ROOT / plugin).glob("*.*")):
+        for path in sorted((ROOT / plugin).glob("**/*.*")):
             if path.suffix in (".h", ".cpp"):
-                faults += [f"{plugin}/{path.name}:{line}: error: includes {included}"
+                faults += [f"{path.relative_to(ROOT)}:{line}: error: includes {included}"
                            for line, included in includes(path) if other in included]
-    for path in sorted((ROOT / "edit_fcd").glob("*.cpp")):
+    for path in sorted((ROOT / "edit_fcd").glob("**/*.cpp")):
         text = path.read_text()
         if re.search(r"^\S.* (Bend|Fit)Tool::", text, re.MULTILINE):
-            faults += [f"edit_fcd/{path.name}:{line}: error: a slot of a tool that is not guarded"
+            faults += [f"{path.relative_to(ROOT)}:{line}: error: a slot of a tool that is not guarded"
                        for line, each in enumerate(text.split("\n"), 1) if UNGUARDED.search(each)]
     for folder in ("vcg_ext", "layer_fcd", "filter_fcd", "edit_fcd", "python"):
         for path in sorted([*(ROOT / folder).glob("**/*.h"), *(ROOT / folder).glob("**/*.cpp")]):

@@ -369,8 +369,8 @@ more start package check package bash tests/package.sh
 wait "$python"
 more start python-release check python-release bash tests/python_package.sh release
 more start clang-tidy-method tidy vcg_ext pymeshlab-2025.7
-for folder in layer_fcd filter_fcd edit_fcd; do printf '#include "%s"\n' "$folder"/*.cpp >"$results/$folder.cpp"; done # as they are compiled
-[ -z "$all" ] || (cppcheck --version && sha256sum tests/cppcheck.txt vcg_ext/*.* vcg_ext/*/*.* layer_fcd/* filter_fcd/* edit_fcd/*) >"$results/cppcheck.input"
+for folder in layer_fcd filter_fcd edit_fcd; do find "$folder" -name '*.cpp' -printf '#include "%p"\n' | sort >"$results/$folder.cpp"; done # as they are compiled
+[ -z "$all" ] || (cppcheck --version && find vcg_ext {layer,filter,edit}_fcd tests/cppcheck.txt -type f | sort | xargs sha256sum) >"$results/cppcheck.input"
 more start cppcheck once check cppcheck cppcheck -q --enable=warning,style,performance,portability --error-exitcode=1 --language=c++ \
     --std=c++17 --library=qt --suppressions-list=tests/cppcheck.txt -I . vcg_ext/unity/*.cpp "$results"/{layer,filter,edit}_fcd.cpp
 more start clang-tidy-layer tidy layer_fcd pymeshlab-2025.7

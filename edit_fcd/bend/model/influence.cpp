@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/influence.h"
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
+
+#include <vcg_ext/handles/handles.h>
+
+#include <algorithm>
+#include <utility>
+
+// What handles hold, and what bends around them where nothing is marked as fixed.
+
+namespace {
+
+const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
+
+std::vector<std::size_t> chosenOf(const std::vector<char> &isIn) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i])
+            chosen.push_back(i);
+    return chosen;
+}
+
+/// Makes the tags step by step.
+class Maker {
+  public:
+    Maker(const BendState &now, const BendGround &ground, BendInfluence &all)
+        : now(now), ground(ground), reachOfRest(*ground.reach), all(all) {}
+    void make(BendTags &made);
+
+  private:
+    struct Around {
+        std::vector<std::size_t> vertices; ///< of a handle
+        double radius;                     ///< of what it bends around them
+    };
+    void findExtents(const BendTags &made);
+    void bendAround(BendTags &made);
+    bool bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear);
+    std::vector<int> nextFirst() const;
+    void holdBeyond(BendTags &made);
+    void hold(BendTags &made);
+    void holdGrip(BendTags &made, int tag, double radius);
+    double usual() const { return usualGap(ground.diagonal); }
+
+    const BendState &now;
+    const BendGround &ground;
+    BendReach &reachOfRest;
+    BendInfluence &all;
+};
+
+/// Where nothing is marked as fixed, what is not around a handle is.
+void Maker::bendAround(BendTags &made) {
+    std::map<int, std::vector<Around>> around; // by rank
+    std::map<std::pair<int, double>, std::vector<std::size_t>> ofRim;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] >= 2)
+            ofRim[{made[i], rimAt(now, i, ground.diagonal)}].push_back(i);
+    for (auto &[own, vertices] : ofRim)
+        around[rankOf(now, own.first)].push_back({std::move(vertices), own.second});
+    for (const auto &[tag, point] : now.points)
+        around[rankOf(now, tag)].push_back({{point.slot}, point.radius});
+    std::vector<char> isNear(made.size(), 0);
+    for (const auto &[rank, handles] : around)
+        if (bendAround(handles, rank, isNear))
+            all.apart.insert(rank);
+    for (const std::size_t i : reachOfRest.looseAmong(isNear, usual()))
+        isNear[i] = 1;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] == 1 && !isNear[i])
+            made[i] = 0;
+}
+
+/// Finds what belongs to each handle, as far as that matters: where there are several, or one is a grip.
+void Maker::findExtents(const BendTags &made) {
+    std::map<int, std::vector<std::size_t>> handles;
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (made[i] >= 2)
+            handles[made[i]].push_back(i);
+    bool isAnyGrip = false;
+    for (const auto &[tag, point] : now.points) {
+        handles[tag] = {point.slot};
+        isAnyGrip = isAnyGrip || point.isGrip;
+    }
+    if (handles.size() < 2 && !isAnyGrip)
+        return;
+    for (const auto &[tag, vertices] : handles) {
+        if (!all.isLocal && now.points.count(tag) == 0)
+            continue; // what is marked where something is fixed moves alone
+        all.extents[tag] = reachOfRest.whole(vertices, radiusOf(now, tag, ground.diagonal), usual());
+    }
+    for (const auto &[tag, own] : all.extents) {
+        const auto lies = [&whole = own->beyond](const std::vector<std::size_t> &part) {
+            return std::includes(whole.begin(), whole.end(), part.begin(), part.end());
+        };
+        for (const auto &[other, vertices] : handles) {
+            if (other == tag)
+                continue;
+            const auto its = all.extents.find(other);
+            const bool isNearTip = its != all.extents.end() && !its->second->beyond.empty() &&
+                                   its->second->beyond.size() < own->beyond.size() && lies(its->second->beyond);
+            if (isNearTip || lies(vertices))
+                all.beyond[tag].push_back(other);
+        }
+    }
+}
+
+/// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
+/// where a handle is at the edge of that, all bend together. \return whether they bend less for it
+bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
+    const double gap = usual();
+    const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
+    std::vector<std::size_t> middle;
+    for (const Around &each : handles)
+        middle.insert(middle.end(), each.vertices.begin(), each.vertices.end());
+    const std::vector<std::size_t> &beside = reachOfRest.of(middle, gap);
+    const auto inside = std::size_t(std::count_if(beside.begin(), beside.end(), isLower));
+    const bool isApart = rank > 0 && (inside == 0 || inside == beside.size());
+    const std::vector<std::size_t> lower = chosenOf(isNear);
+    std::vector<char> own = isApart ? std::vector<char>(isNear.size(), 0) : isNear;
+    const auto add = [&](const std::vector<std::size_t> &vertices) {
+        for (const std::size_t i : vertices)
+            own[i] = 1;
+    };
+    std::vector<char> isAside(isNear.size(), 0);
+    for (const Around &each : handles) {
+        const auto extent = reachOfRest.extent(each.vertices, each.radius);
+        add(extent->around);
+        add(extent->tips);
+        for (const std::size_t i : extent->aside)
+            isAside[i] = 1;
+    }
+    if (handles.size() > 1 || (!isApart && rank > 0)) // else that has been done
+        for (const std::size_t i : reachOfRest.tips(own))
+            own[i] = own[i] || !isAside[i];
+    bool isLess = false;
+    if (isApart) {
+        for (const std::size_t i : reachOfRest.of(lower, gap)) {
+            isLess = isLess || (own[i] && !isNear[i]);
+            own[i] = 0;
+        }
+        const std::vector<char> left = std::exchange(own, std::vector<char>(isNear.size(), 0));
+        for (const std::size_t i : middle) // what is cut off from it by that stays, too
+            if (left[i] && !own[i])
+                add(reachOfRest.piece(i, left));
+    }
+    for (std::size_t i = 0; i < isNear.size(); ++i)
+        isNear[i] = isNear[i] || own[i];
+    return isLess;
+}
+
+/// Of handles on a limb, the one that is next to its tip first, as it holds that.
+std::vector<int> Maker::nextFirst() const {
+    std::vector<int> order;
+    order.reserve(all.extents.size());
+    for (const auto &each : all.extents)
+        order.push_back(each.first);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return all.extents.at(a)->beyond.size() < all.extents.at(b)->beyond.size(); });
+    return order;
+}
+
+/// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.
+void Maker::holdBeyond(BendTags &made) {
+    const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
+    for (const int tag : nextFirst()) {
+        if (all.beyond.count(tag) == 0)
+            continue;
+        const BendExtent &own = *all.extents.at(tag);
+        const auto isAnyFixed = [&](const auto &part) { return std::any_of(part.begin(), part.end(), isFixed); };
+        if (!isAnyFixed(own.beyond) && !isAnyFixed(own.around))
+            continue;
+        std::vector<char> isIn(made.size());
+        for (std::size_t i = 0; i < isIn.size(); ++i)
+            isIn[i] = made[i] != 0;
+        const std::vector<std::size_t> bent = reachOfRest.piece(own.vertices.front(), isIn);
+        isIn.assign(isIn.size(), 0);
+        for (const auto *part : {&own.around, &own.beyond})
+            for (const std::size_t i : *part)
+                isIn[i] = 1;
+        for (const std::size_t i : bent)
+            isIn[i] = 0;
+        for (const std::size_t begin : own.beyond)
+            if (isIn[begin])
+                for (const std::size_t i : reachOfRest.piece(begin, isIn)) {
+                    isIn[i] = 0;
+                    if (isFixed(i))
+                        made[i] = tag;
+                }
+    }
+}
+
+/// Holds what the points hold.
+void Maker::hold(BendTags &made) {
+    const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
+        for (const std::size_t i : vertices)
+            if (made[i] == 1)
+                made[i] = tag;
+    };
+    for (const auto &[tag, point] : now.points) {
+        add(tag, reachOfRest.of({point.slot}, point.radius * pointSize));
+        made[point.slot] = tag;
+    }
+    for (const int tag : nextFirst())
+        if (const auto point = now.points.find(tag); point != now.points.end() && point->second.isGrip)
+            holdGrip(made, tag, point->second.radius);
+}
+
+/// Holds what is turned with a point, beside what that holds already: not what other handles beyond it bend, and only
+/// where nothing else is held within the gap.
+void Maker::holdGrip(BendTags &made, int tag, double radius) {
+    const BendExtent &own = *all.extents.at(tag);
+    std::vector<char> isIn(made.size(), 0);
+    const auto set = [&](const std::vector<std::size_t> &vertices, bool to) {
+        for (const std::size_t i : vertices)
+            isIn[i] = to;
+    };
+    set(own.beyond, true);
+    for (const int other : all.beyond[tag])
+        if (const auto its = all.extents.find(other); its != all.extents.end()) {
+            set(its->second->around, false);
+            set(its->second->beyond, false);
+        }
+    set(own.core, true);
+    const double gap = gapOfRadius * radius;
+    std::vector<std::size_t> others;
+    for (const std::size_t i : reachOfRest.of(chosenOf(isIn), gap))
+        if (made[i] != 1 && made[i] != tag)
+            others.push_back(i);
+    set(reachOfRest.of(others, gap), false);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        if (isIn[i] && made[i] == 1)
+            made[i] = tag;
+}
+
+void Maker::make(BendTags &made) {
+    freeGaps(now, reachOfRest, made);
+    const bool isHeld = !now.points.empty() || std::any_of(made.begin(), made.end(), [](int tag) { return tag >= 2; });
+    all.isLocal = isHeld && std::find(made.begin(), made.end(), 0) == made.end();
+    findExtents(made);
+    if (all.isLocal) {
+        bendAround(made);
+        holdBeyond(made);
+    }
+    hold(made);
+}
+
+} // namespace
+
+BendInfluence influenceOf(const BendState &state, const BendGround &ground,
+                          const std::shared_ptr<const BendTags> &before) {
+    BendInfluence all;
+    auto made =
+        state.marks ? std::make_shared<BendTags>(*state.marks) : std::make_shared<BendTags>(ground.vertexSlots, 1);
+    Maker(state, ground, all).make(*made);
+    all.tags = before && *made == *before ? before : made;
+    all.center = vcg::fcd::HandleCenters(*all.tags, ground.at);
+    return all;
+}
+
+std::vector<int> BendInfluence::handles() const {
+    std::vector<int> found;
+    found.reserve(center.size());
+    for (const auto &each : center)
+        found.push_back(int(each.first));
+    return found;
+}
+
+int BendInfluence::unusedTag() const {
+    int tag = 2;
+    while (isHandle(tag))
+        ++tag;
+    return tag;
+}
+
+bool isAlong(const BendState &state, const BendInfluence &influence, std::size_t slot) {
+    const int tag = (*influence.tags)[slot];
+    const auto point = state.points.find(tag);
+    if (point == state.points.end() || !point->second.isGrip)
+        return false;
+    const std::vector<std::size_t> &beyond = influence.extents.at(tag)->beyond;
+    return std::binary_search(beyond.begin(), beyond.end(), slot);
+}

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/reach.h"
+
+#include <vcg_ext/surface/surface_reach.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+void BendReach::begin() {
+    if (surface || pending.valid())
+        return;
+    const auto [arrays, metric] = source();
+    pending = std::async(std::launch::async, [arrays = arrays, metric = metric] {
+        return std::make_unique<vcg::fcd::SurfaceGraph>(
+            vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
+    });
+}
+
+void BendReach::clear() {
+    pending = {};
+    surface.reset();
+    from.clear();
+    reached.clear();
+    extents.clear();
+}
+
+std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) const {
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
+        if (surface->nodeOf[i] >= 0 && isNodeIn[std::size_t(surface->nodeOf[i])])
+            all.push_back(i);
+    return all;
+}
+
+/// Which nodes have one of the vertices.
+std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
+    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0)
+            isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
+    return isNodeIn;
+}
+
+std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
+                                                    std::vector<double> *distances) const {
+    std::vector<vcg::fcd::Index> seeds;
+    for (const std::size_t slot : vertices)
+        if (surface->nodeOf[slot] >= 0)
+            seeds.push_back(surface->nodeOf[slot]);
+    return vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale, distances);
+}
+
+const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
+    if (from == vertices && within == radius)
+        return reached;
+    wait();
+    reached.clear();
+    const std::vector<vcg::fcd::Index> nodes = nodesWithin(vertices, radius);
+    if (!nodes.empty()) {
+        std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
+        for (const vcg::fcd::Index u : nodes)
+            isIn[std::size_t(u)] = 1;
+        reached = slotsOf(isIn);
+    }
+    from = vertices;
+    within = radius;
+    return reached;
+}
+
+namespace {
+
+/// Gives another label to a node and to all that hang together with it by nodes of the same one. \return these
+std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
+                                     std::vector<int> &label) {
+    const int before = label[std::size_t(begin)];
+    label[std::size_t(begin)] = to;
+    std::vector<vcg::fcd::Index> all, next = {begin};
+    while (!next.empty()) {
+        all.push_back(next.back());
+        next.pop_back();
+        for (const vcg::fcd::Index v : graph.adjacency[all.back()])
+            if (label[std::size_t(v)] == before) {
+                label[std::size_t(v)] = to;
+                next.push_back(v);
+            }
+    }
+    return all;
+}
+
+// Of the area of the largest piece: a limb is much smaller than its body, where the halves of a bar are about the same.
+const float largestTip = 0.5;
+
+} // namespace
+
+std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
+    wait();
+    const vcg::fcd::Index first = surface->nodeOf[slot];
+    if (first < 0)
+        return {slot};
+    const std::vector<char> isNodeIn = nodesOf(isIn);
+    const int met = 2;
+    std::vector<int> label(isNodeIn.begin(), isNodeIn.end());
+    relabel(surface->graph, first, met, label);
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i)
+        if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
+            all.push_back(i);
+    return all;
+}
+
+void BendReach::wait() {
+    begin();
+    if (surface)
+        return;
+    surface = pending.get();
+    const int unknown = -1;
+    const vcg::fcd::Graph &graph = surface->graph;
+    partOf.assign(std::size_t(graph.Size()), unknown);
+    partArea.clear();
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (partOf[std::size_t(u)] != unknown)
+            continue;
+        float area = 0;
+        for (const vcg::fcd::Index v : relabel(graph, u, int(partArea.size()), partOf))
+            area += surface->nodeArea[std::size_t(v)];
+        partArea.push_back(area);
+    }
+}
+
+std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const vcg::fcd::Index own = surface->nodeOf[slot];
+    if (own < 0)
+        return slot;
+    const auto part = [&](vcg::fcd::Index u) { return std::size_t(partOf[std::size_t(u)]); };
+    const double most = hair / surface->frame.scale;
+    double least = most;
+    vcg::fcd::Index nearest = -1;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
+        if (distance > 2 * most && part(u) == part(own))
+            return slot;
+        if (distance < least && partArea[part(own)] < largestTip * partArea[part(u)]) {
+            least = distance;
+            nearest = u;
+        }
+    }
+    const auto found = std::find(surface->nodeOf.begin(), surface->nodeOf.end(), nearest);
+    return nearest < 0 ? slot : std::size_t(found - surface->nodeOf.begin());
+}
+
+std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const auto cell = float(hair / surface->frame.scale);
+    using Cell = std::array<int, 3>;
+    const auto cellOf = [&](vcg::fcd::Index u) {
+        const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
+        return Cell{at[0], at[1], at[2]};
+    };
+    const std::vector<char> isNodeIn = nodesOf(isIn);
+    Eigen::AlignedBox3f box;
+    std::set<Cell> near; // cells of the others, and those beside them
+    Cell last{};
+    float areaIn = 0;
+    std::vector<char> isConnected(partArea.size(), 0);
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        if (!isNodeIn[std::size_t(u)])
+            continue;
+        isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
+        areaIn += surface->nodeArea[std::size_t(u)];
+        box.extend(Eigen::Vector3f(graph.position.col(u)));
+        if (!near.empty() && cellOf(u) == last)
+            continue;
+        last = cellOf(u);
+        for (int i = 0; i < 27; ++i)
+            near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
+    }
+    if (near.empty())
+        return {};
+    box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
+    std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        const auto part = std::size_t(partOf[std::size_t(u)]);
+        if (isConnected[part] || !isWithin[part])
+            continue;
+        isWithin[part] = box.contains(Eigen::Vector3f(graph.position.col(u)));
+        isNear[part] = isNear[part] || (isWithin[part] && near.count(cellOf(u)) > 0);
+    }
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < isIn.size(); ++i) {
+        if (surface->nodeOf[i] < 0)
+            continue;
+        const auto part = std::size_t(partOf[std::size_t(surface->nodeOf[i])]);
+        if (!isConnected[part] && isWithin[part] && isNear[part] && partArea[part] < largestTip * areaIn)
+            all.push_back(i);
+    }
+    return all;
+}
+
+bool BendReach::Pieces::isTip(std::size_t piece) const { return area[piece] < largestTip * area[largest]; }
+
+/// What is left of the surface beside nodes.
+BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
+    const vcg::fcd::Graph &graph = surface->graph;
+    const int unknown = -1, cut = -2;
+    Pieces pieces;
+    pieces.of.assign(isIn.size(), unknown);
+    for (std::size_t u = 0; u < isIn.size(); ++u)
+        if (isIn[u])
+            pieces.of[u] = cut;
+    for (std::size_t u = 0; u < isIn.size(); ++u) {
+        if (!isIn[u])
+            continue;
+        for (const vcg::fcd::Index first : graph.adjacency[vcg::fcd::Index(u)]) {
+            if (pieces.of[std::size_t(first)] != unknown)
+                continue;
+            const int which = int(pieces.area.size());
+            pieces.area.push_back(0);
+            for (const vcg::fcd::Index v : relabel(graph, first, which, pieces.of))
+                pieces.area.back() += surface->nodeArea[std::size_t(v)];
+        }
+    }
+    pieces.largest = std::size_t(std::max_element(pieces.area.begin(), pieces.area.end()) - pieces.area.begin());
+    return pieces;
+}
+
+std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
+    wait();
+    std::vector<char> isNodeIn = nodesOf(isIn);
+    const Pieces pieces = piecesBeside(isNodeIn);
+    for (std::size_t u = 0; u < isNodeIn.size(); ++u)
+        isNodeIn[u] = pieces.of[u] >= 0 && pieces.isTip(std::size_t(pieces.of[u]));
+    return slotsOf(isNodeIn);
+}

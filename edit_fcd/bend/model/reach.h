@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_REACH_H
+#define FCD_BEND_REACH_H
+
+#include <vcg_ext/surface/surface_arrays.h>
+#include <vcg_ext/surface/surface_graph.h>
+
+#include <functional>
+#include <future>
+#include <list>
+#include <memory>
+#include <vector>
+
+/// What belongs to a handle along the surface of the rest shape: vertices, given by their slots, ascending.
+struct BendExtent {
+    std::vector<std::size_t> vertices; ///< that it was made of
+    double radius = 0;
+    std::vector<std::size_t> around; ///< within the radius
+    std::vector<std::size_t> tips;   ///< of what that cuts off, the tips of the limb that the handle is on
+    std::vector<std::size_t> aside;  ///< the other tips: the head, seen from a shoulder
+    bool isWhole = false;            ///< the next ones are known, too
+    std::vector<std::size_t> core;   ///< within half the radius
+    std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
+};
+
+/// What lies within some way of vertices, along the surface of the rest shape.
+class BendReach {
+  public:
+    /// The surface at rest, and what lengths are measured by, that of the layer's matrix.
+    using Source = std::function<std::pair<std::shared_ptr<const vcg::fcd::SurfaceArrays>, Eigen::Matrix3d>()>;
+    /// \param source asked when something of the surface is, first
+    explicit BendReach(Source source) : source(std::move(source)) {}
+
+    /// Reads the surface at rest if it is not, beside what is done next; whoever asks for it waits.
+    void begin();
+    void clear();
+
+    /// The vertices within \p radius of some, given by their slots.
+    const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
+
+    /// What belongs to a handle of some vertices; whole() finds the rest of it.
+    std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
+    /// \param hair as looseAmong() has it
+    std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
+
+    /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
+    /// vertex among them
+    std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
+
+    /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside
+    /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others
+    std::vector<std::size_t> tips(const std::vector<char> &isIn);
+
+    /// The vertices of parts that are not connected with others, but lie among them, and are clearly smaller: nails of
+    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units
+    std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
+
+    /// The vertex that is pulled where someone points at another one, of a part that is no larger than some hairs: the
+    /// nearest one of a part that is clearly larger, if there is one within \param hair, world units; else that one.
+    std::size_t carrierOf(std::size_t slot, double hair);
+
+  private:
+    void wait();
+    struct Pieces {
+        std::vector<int> of;     ///< each node: a number from 0; negative: it is of none
+        std::vector<float> area; ///< frame units^2
+        std::size_t largest = 0;
+        bool isTip(std::size_t piece) const;
+    };
+    Pieces piecesBeside(const std::vector<char> &isIn) const;
+    std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
+                                 const std::vector<double> &distances) const;
+    std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
+    std::vector<char> nodesOf(const std::vector<char> &isIn) const;
+    std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
+                                             std::vector<double> *distances = nullptr) const;
+    std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;
+
+    Source source;
+    std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
+    std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
+    std::vector<int> partOf;                                      ///< of each node of the surface, the connected part
+    std::vector<float> partArea;                                  ///< frame units^2
+    std::vector<std::size_t> reached, from;                       ///< those of the last
+    double within = 0;
+    std::list<std::shared_ptr<BendExtent>> extents; ///< the last ones, the last first
+};
+
+#endif

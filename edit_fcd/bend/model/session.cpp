@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/read_surface.h> // before Qt
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
+#include "edit_fcd/bend/model/session.h"
+
+#include <layer_fcd/layer_contents.h>
+#include <layer_fcd/marks.h>
+#include <layer_fcd/tag_sources.h>
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+using vcg::fcd::Error;
+using vcg::fcd::ParallelFor;
+
+BendSession::BendSession(MeshDocument &document, MeshModel &layer)
+    : document(document), layer(layer), rest(layer), reach([this] {
+          readSurface();
+          return std::make_pair(surface, Eigen::Matrix3d(rest.world().linear()));
+      }),
+      solver(document, layer) {
+    if (layer.cm.vn == 0)
+        throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
+    data.state.marks = marksNow(layer);
+    isMarkedHere = hasMarks(layer);
+    keepRest();
+    updateTags();
+}
+
+void BendSession::keepRest() {
+    rest.keep();
+    surface.reset();
+    reach.clear();
+    solver.clear();
+    data.ground = {rest.positions().size(),
+                   rest.diagonal(),
+                   rest.world(),
+                   rest.middle(),
+                   [this](std::size_t i) { return rest.at(i); },
+                   [this](std::size_t i) { return toVector(rest.normals()[i]); },
+                   &reach};
+}
+
+/// The tags of a layer, null where nothing is tagged. A quality that is no tags counts as nothing.
+std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
+    HandleParam param;
+    param.source = HandleParam::Known;
+    auto present = std::make_shared<const BendTags>(readTags(layer, param));
+    return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
+}
+
+bool BendSession::isUpToDate() const {
+    Eigen::Matrix4d present;
+    layer.cm.Tr.ToEigenMatrix(present);
+    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && rest.isAsKnown();
+}
+
+bool BendSession::isAsLeft() const {
+    if (!isUpToDate())
+        return false;
+    const auto marks = marksNow(layer);
+    return marks && state().marks ? *marks == *state().marks : !marks && !state().marks;
+}
+
+namespace {
+
+/// The live vertex nearest to a place, both in the layer. \param isDeleted, at of a slot, of \p count
+template <class IsDeleted, class At>
+std::optional<std::size_t> nearestOf(std::size_t count, const Eigen::Vector3d &place, const IsDeleted &isDeleted,
+                                     const At &at) {
+    struct Found {
+        double square = std::numeric_limits<double>::infinity();
+        std::size_t slot = 0;
+    };
+    const std::size_t grain = 1 << 14;
+    std::vector<Found> found((count + grain - 1) / grain);
+    ParallelFor(0, count, grain, [&](std::size_t first, std::size_t last) {
+        Found here;
+        for (std::size_t i = first; i < last; ++i) {
+            const double square = (toVector(at(i)) - place).squaredNorm();
+            if (square < here.square && !isDeleted(i))
+                here = {square, i};
+        }
+        found[first / grain] = here;
+    });
+    const auto best = std::min_element(found.begin(), found.end(),
+                                       [](const Found &a, const Found &b) { return a.square < b.square; });
+    if (best == found.end() || !std::isfinite(best->square))
+        return {};
+    return best->slot;
+}
+
+} // namespace
+
+std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, double &distance) const {
+    const std::vector<CVertexO> &vertices = layer.cm.vert;
+    const auto slot = nearestOf(
+        vertices.size(), rest.world().inverse() * place, [&](std::size_t i) { return vertices[i].IsD(); },
+        [&](std::size_t i) { return vertices[i].cP(); });
+    if (slot)
+        distance = (positionOf(*slot) - place).norm();
+    return slot;
+}
+
+/// The vertex on the other side of the mirror, at rest.
+std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
+    if (data.options.mirror < 0)
+        return {};
+    const vcg::fcd::SurfaceView view = surface->View();
+    const Eigen::Vector3d there = rest.world().inverse() * (mirrorOf(data) * (rest.world() * rest.at(slot)));
+    return nearestOf(
+        view.vertexSlots, there, [&](std::size_t i) { return view.IsDeleted(i); },
+        [&](std::size_t i) { return rest.positions()[i]; });
+}
+
+Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
+    return rest.world() * toVector(!besides                    ? layer.cm.vert[slot].cP()
+                                   : besides->position.empty() ? rest.positions()[slot]
+                                                               : besides->position[slot]);
+}
+
+/// Reads the surface at rest, if that has not been done, or its faces are others since.
+void BendSession::readSurface() {
+    if (besides && surface)
+        return;
+    const std::uint64_t faces = facesOf(layer.cm);
+    if (surface && faces == facesOfSurface)
+        return;
+    surface = std::make_shared<const vcg::fcd::SurfaceArrays>(
+        vcg::tri::ReadSurface(layer.cm, {}, [&](std::size_t slot) { return rest.positions()[slot]; }));
+    facesOfSurface = faces;
+}
+
+void BendSession::beginBeside() {
+    readSurface();
+    auto made = std::make_unique<Beside>();
+    if (rest.isPosed()) {
+        made->position.resize(rest.positions().size());
+        forVertices(layer.cm, [&](std::size_t i) { made->position[i] = layer.cm.vert[i].cP(); });
+    }
+    if (state().poses)
+        for (const vcg::fcd::NamedPose &each : state().poses->pose)
+            made->poses[each.motions] = inNumbers(each.motions);
+    besides = std::move(made);
+}
+
+void BendSession::endBeside() {
+    const std::unique_ptr<Beside> ended = std::move(besides);
+    if (ended && ended->arePosesNew)
+        writePoses();
+}
+
+// --- changes ---
+
+/// The state is another one.
+void BendSession::takeState() {
+    crossApplies();
+    data.options.pose = state().pose;
+    updateTags();
+    writeMarks();
+    writePoses();
+}
+
+void BendSession::undo() {
+    forgetWhatIsGone();
+    if (history.undo(data.state))
+        takeState();
+}
+
+void BendSession::redo() {
+    if (history.redo(data.state))
+        takeState();
+}
+
+void BendSession::cancel() {
+    if (!history.cancel(data.state))
+        return;
+    marking.reset();
+    marked.clear();
+    takeState();
+}
+
+void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
+    if (!marking)
+        marking = state().marks ? std::make_shared<BendTags>(*state().marks)
+                                : std::make_shared<BendTags>(layer.cm.vert.size(), 1);
+    for (std::size_t i : vertices)
+        (*marking)[i] = tag;
+    marked.insert(marked.end(), vertices.begin(), vertices.end());
+}
+
+void BendSession::endMarks(double rim) {
+    if (!marking)
+        return;
+    const std::set<int> added = takeMarks(data.state, *marking, marked, rim, data.influence.center);
+    marking.reset();
+    marked.clear();
+    changeTags();
+    for (const int tag : added)
+        keepPlace(tag);
+    writeMarks();
+}
+
+void BendSession::clearMarks() {
+    data.state.marks.reset();
+    data.state.rims.reset();
+    data.state.points.clear();
+    motionByHand(data.state).clear();
+    updateTags();
+    writeMarks();
+}
+
+int BendSession::addPoint(std::size_t slot, double radius) {
+    const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
+        assert(canBecomePoint(data, at));
+        const int tag = data.influence.unusedTag();
+        data.state.points[tag] = {at, radius};
+        if (rank > 0)
+            data.state.rank[tag] = rank;
+        changeTagsOf(tag);
+        return tag;
+    };
+    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
+        slot = carrier;
+    const int tag = add(slot);
+    const auto other = mirroredSlot(slot);
+    if (other && isTwin(data, slot, *other) && canBecomePoint(data, *other))
+        add(*other);
+    return tag;
+}
+
+void BendSession::makeGrip(int tag) {
+    const auto point = data.state.points.find(tag);
+    if (point == state().points.end() || point->second.isGrip)
+        return;
+    const int other = mirrored(data, tag);
+    point->second.isGrip = true;
+    if (BendHandle changed = handleOf(state(), tag); !changed.pivot) {
+        changed.pivot = rest.world() * rest.at(point->second.slot);
+        setHandle(data.state, tag, std::move(changed));
+    }
+    changeTagsOf(tag);
+    if (other)
+        makeGrip(other);
+}
+
+void BendSession::setRadius(int tag, double radius) {
+    const int other = mirrored(data, tag);
+    setRadiusOf(data.state, tag, radius);
+    if (other)
+        setRadiusOf(data.state, other, radius);
+    changeTags();
+}
+
+void BendSession::setRimAt(std::size_t slot, double radius) {
+    const BendTags &marks = *state().marks;
+    std::vector<char> isFixed(marks.size());
+    for (std::size_t i = 0; i < isFixed.size(); ++i)
+        isFixed[i] = marks[i] == 0;
+    setRims(data.state, reach.piece(slot, isFixed), radius, marks.size());
+    changeTags();
+}
+
+void BendSession::removeHandle(int tag) {
+    freeHandle(data.state, tag);
+    changeTags();
+    writeMarks();
+}
+
+void BendSession::reset() {
+    motionByHand(data.state).clear();
+    if (state().poses || state().rank.empty())
+        return; // what handles bend is the named poses', too
+    data.state.rank.clear();
+    changeTags();
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/session.h"
+
+#include "edit_fcd/shape/script_call.h"
+
+#include <layer_fcd/marks.h>
+#include <layer_fcd/motion_sources.h>
+
+// The filter calls that make of a layer in a script what is applied here.
+
+using vcg::fcd::Motion;
+using vcg::fcd::PoseSequence;
+
+namespace {
+
+/// What the filter calls have in common of the options.
+std::string withShape(ScriptCall call, const BendOptions &options) {
+    const BendOptions usual;
+    if (options.smoothness != usual.smoothness)
+        call.with("smoothness", asTyped(options.smoothness));
+    return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
+}
+
+} // namespace
+
+std::string BendSession::filterCall(const std::string &script, const Call &own, bool graphLayers) const {
+    const BendOptions usual;
+    ScriptCall call(script);
+    call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("transforms", own.transforms);
+    if (own.pose != usual.pose)
+        call.with("pose", asTyped(own.pose));
+    call.with("weights", int(data.options.weights), int(usual.weights));
+    std::string text = withShape(call, data.options);
+    return graphLayers ? text : text.insert(text.size() - 1, ", graph_layers=False");
+}
+
+std::string BendSession::sequenceCall(bool hasTable) const {
+    ScriptCall call("generate_fcd_pose_sequence");
+    if (hasTable)
+        call.with("poses_file", std::string("poses.csv"));
+    return withShape(call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)), data.options);
+}
+
+/// Whether what is shown is one pose, in the filter's own numbers, and no other one turns a handle that this one does
+/// not: where several poses are blended, such a handle keeps its own turn.
+std::optional<std::size_t> BendSession::poseOfFilter() const {
+    std::optional<std::size_t> shown;
+    for (std::size_t i = 0; i < state().weights.size(); ++i)
+        if (state().weights[i] != 0) {
+            if (shown)
+                return {};
+            shown = i;
+        }
+    if (!shown || state().weights[*shown] != asTyped(state().weights[*shown]))
+        return {};
+    const auto turns = [](const std::map<int, Motion> &pose, int tag) {
+        const auto found = pose.find(tag);
+        return found != pose.end() && found->second.Turns();
+    };
+    const std::vector<std::map<int, Motion>> poses = motionsOfPoses();
+    for (const std::map<int, Motion> &other : poses)
+        for (const auto &each : other)
+            if (turns(other, each.first) && !turns(poses[*shown], each.first))
+                return {};
+    return shown;
+}
+
+BendSession::Call BendSession::callOfPose() const {
+    if (!state().weights.empty())
+        if (const std::optional<std::size_t> alone = poseOfFilter())
+            return {vcg::fcd::WriteMotionText(
+                        readMotionSteps(document, layer, QString::fromStdString(state().poses->pose[*alone].motions))),
+                    state().weights[*alone], true};
+    return {vcg::fcd::WriteMotionText(state().motion), data.options.pose, state().weights.empty()};
+}
+
+/// A new layer with what is shown of the poses: the table with one key frame, and the call that reads it. Empty where
+/// the filter has no such parameter.
+std::string BendSession::blendCall() const {
+    if (data.options.weights != BendOptions().weights)
+        return {};
+    PoseSequence table = *state().poses;
+    table.surface.reset();
+    table.key = {{0, vcg::fcd::Easing::Linear, state().weights}};
+    return "open('poses.csv', 'w', encoding='utf-8').write(" + inPython(PoseSequenceText(table)) + "); " +
+           sequenceCall(true);
+}
+
+std::string BendSession::callInPlace() const {
+    const Call own = callOfPose();
+    std::string call = filterCall("apply_coord_fcd_deformation", own, true);
+    if (own.isExact)
+        return call;
+    const std::string exact = blendCall();
+    return call + " (nearly: no filter blends poses in place" +
+           (exact.empty() ? std::string(")") : "; a new layer has this blend to the bit by " + exact + ")");
+}
+
+std::string BendSession::callToNewLayer(bool graphLayers) const {
+    const Call own = callOfPose();
+    std::string call = filterCall("generate_fcd_deformed_mesh", own, graphLayers);
+    if (own.isExact)
+        return call;
+    const std::string exact = blendCall();
+    if (exact.empty())
+        return call + " (nearly: FCD: Pose Sequence, which blends poses, has no other distances)";
+    return graphLayers ? exact + " (which makes no graph layers; with these, and nearly: " + call + ")" : exact;
+}

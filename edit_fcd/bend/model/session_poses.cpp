@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/map/carrier.h> // before Qt
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/named_poses.h"
+#include "edit_fcd/bend/model/session.h"
+#include "edit_fcd/bend/model/steps.h"
+
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/motion_sources.h>
+
+#include <algorithm>
+
+// Poses that have names, which the layer keeps.
+
+using vcg::fcd::Error;
+using vcg::fcd::Motion;
+using vcg::fcd::MotionStep;
+using vcg::fcd::PoseSequence;
+
+/// A text of motions that names no layer, which beside the window cannot be asked; the same where it names one that is
+/// not there, which is told by whoever reads it.
+std::string BendSession::inNumbers(const std::string &motions) const {
+    if (besides) {
+        const auto known = besides->poses.find(motions);
+        return known == besides->poses.end() ? motions : known->second;
+    }
+    const QString text = QString::fromStdString(motions);
+    if (!text.contains("layer", Qt::CaseInsensitive))
+        return motions;
+    try {
+        return vcg::fcd::WriteMotionText(readMotionSteps(document, layer, text));
+    } catch (const Error &) {
+        return motions;
+    }
+}
+
+PoseSequence BendSession::posesInNumbers() const {
+    PoseSequence poses = *state().poses;
+    for (vcg::fcd::NamedPose &each : poses.pose)
+        each.motions = inNumbers(each.motions);
+    return poses;
+}
+
+std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
+    return motionsOf(posesInNumbers(), document, layer, data.influence.center, rest.world());
+}
+
+/// Where a pose takes the vertices.
+std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &pose) const {
+    std::vector<Point3m> position = rest.positions();
+    const auto take = [&](std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &) {
+        position[slot] = toPoint(p);
+    };
+    vcg::fcd::Carrier(*solver.prepared()->deformer, pose)
+        .Apply([&](std::size_t slot) { return rest.at(slot); }, [&] { return take; }, false, {}, [](std::size_t) {});
+    return position;
+}
+
+/// The poses that have names leave a handle, which is new, or holds other vertices now, where they did. \param
+/// tagsBefore tags before that \param centerBefore centers then
+void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
+                                   const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
+    const bool isNew = centerBefore.count(tag) == 0;
+    if (!state().poses || (isNew && (*tagsBefore)[state().points.at(tag).slot] == 0)) // no pose moves it then
+        return;
+    PoseSequence changed = *state().poses;
+    const auto motions = motionsOf(posesInNumbers(), document, layer, centerBefore, rest.world());
+    const std::vector<Point3m> shown = besides->position;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+        auto steps = vcg::fcd::ReadMotionText(inNumbers(changed.pose[i].motions));
+        if (!isNew && !steps.count(tag))
+            continue;
+        data.influence.tags.swap(tagsBefore);
+        prepare();
+        besides->position =
+            positionsIn(solver.solve({motions[i].begin(), motions[i].end()}, deformationOf(data.options), true));
+        data.influence.tags.swap(tagsBefore);
+        steps[tag] = stepsSeen(tag);
+        changed.pose[i].motions = vcg::fcd::WriteMotionText(steps);
+    }
+    besides->position = shown;
+    setPoses(std::move(changed));
+}
+
+bool BendSession::takePoses() {
+    std::optional<PoseSequence> kept = posesOf(layer);
+    if (!kept && !state().poses)
+        return true;
+    if (kept && state().poses && PoseSequenceText(*kept) == PoseSequenceText(*state().poses))
+        return true;
+    change();
+    data.state.weights.clear();
+    data.state.poses = kept ? std::make_shared<const PoseSequence>(std::move(*kept)) : nullptr;
+    return !state().poses || !state().poses->surface || state().poses->surface->IsSame(rest.mark());
+}
+
+/// The layer keeps \p poses.
+void BendSession::setPoses(PoseSequence poses) {
+    poses.surface = rest.mark();
+    if (!poses.pose.empty())
+        poses.Validate();
+    data.state.poses = poses.pose.empty() ? nullptr : std::make_shared<const PoseSequence>(std::move(poses));
+    writePoses();
+}
+
+void BendSession::writePoses() {
+    if (besides) {
+        besides->arePosesNew = true;
+        return;
+    }
+    keepPoses(document, layer, state().poses ? *state().poses : PoseSequence());
+    if (state().poses)
+        writeAppliedTags(); // by which the filter knows the handles
+}
+
+std::string BendSession::keepPose() {
+    if (!isMoved(data))
+        throw Error("Nothing was moved, so there is no pose to keep.");
+    std::map<int, std::vector<MotionStep>> motion = state().motion;
+    if (const double percent = data.options.pose; percent != 100)
+        for (auto &[tag, steps] : motion) {
+            const Eigen::Vector3d place = data.rest(tag);
+            steps = stepsOf(vcg::fcd::Blend({{vcg::fcd::ToMotion(steps, place), percent}}, place), place);
+        }
+    setPoses(withPose(state().poses ? *state().poses : PoseSequence(), vcg::fcd::WriteMotionText(motion)));
+    blend(aloneOf(state().poses->pose.size(), state().poses->pose.size() - 1));
+    return sequenceCall(false);
+}
+
+void BendSession::replacePose(std::size_t other, std::size_t number) {
+    PoseSequence poses = *state().poses;
+    poses.pose[other].motions = poses.pose[number].motions;
+    const bool wasAlone = weightsOfPoses(state())[number] == 100;
+    data.state.poses = std::make_shared<const PoseSequence>(std::move(poses));
+    removePose(number);
+    if (wasAlone)
+        blend(aloneOf(state().poses->pose.size(), other < number ? other : other - 1)); // what is shown is what it was
+}
+
+void BendSession::removePose(std::size_t number) {
+    data.state.weights.clear(); // what they show is the handles' own from now on
+    setPoses(withoutPose(*state().poses, number));
+}
+
+void BendSession::blend(const std::vector<double> &weights) {
+    const std::vector<std::map<int, Motion>> poses = motionsOfPoses();
+    std::vector<std::size_t> shown;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        if (weights[i] != 0)
+            shown.push_back(i);
+    std::map<int, std::vector<MotionStep>> blended;
+    if (shown.size() == 1 && weights[shown.front()] == 100) {
+        blended = readMotionSteps(document, layer, QString::fromStdString(state().poses->pose[shown.front()].motions));
+    } else {
+        for (const auto &[tag, middle] : data.influence.center) {
+            std::vector<std::pair<Motion, double>> motions;
+            motions.reserve(shown.size());
+            for (const std::size_t i : shown)
+                motions.emplace_back(poses[i].at(int(tag)), weights[i]);
+            const Eigen::Vector3d place = rest.world() * middle;
+            std::vector<MotionStep> steps = stepsOf(vcg::fcd::Blend(motions, place), place);
+            if (!steps.empty())
+                blended[int(tag)] = std::move(steps);
+        }
+    }
+    setPose(data, 100);
+    motionByHand(data.state) = std::move(blended);
+    if (!shown.empty())
+        data.state.weights = weights;
+}
+
+void BendSession::loadPoses(const QString &file) {
+    PoseSequence poses = readPoses(layer, file, rest.mark());
+    motionsOf(poses, document, layer, data.influence.center, rest.world()); // to say what is wrong with them
+    data.state.weights.clear();
+    setPoses(std::move(poses));
+}
+
+double BendSession::beginAnimation(const vcg::fcd::Progress &progress) {
+    if (!state().poses || state().poses->key.size() < 2)
+        throw Error("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.");
+    std::vector<std::map<int, Motion>> motions = motionsOfPoses();
+    prepare(progress);
+    solver.beginBlends(std::move(motions), rest.world(), deformationOf(data.options));
+    return state().poses->key.back().time - state().poses->key.front().time;
+}
+
+void BendSession::showAnimation(double time) {
+    isLeft = false;
+    writePose(solver.solveNextBlend(state().poses->WeightsAt(state().poses->key.front().time + time)));
+}

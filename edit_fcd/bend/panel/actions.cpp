@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/panel/actions.h"
+
+const ActionTable &bendActions() {
+    static const ActionTable all = {
+        {BendAction::Bend, "M", "bend: drag a handle, or a point of the surface"},
+        {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
+        {BendAction::Rectangle, "V", "mark what is in a rectangle"},
+        {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
+        {BendAction::Line, "N",
+         "straighten the layer along a line: click points along it, drag them; a layer, or a file, may be the line, "
+         "too"},
+        {BendAction::RemovePoint, "Del", "remove the point of the line under the mouse, or else the last one"},
+        {BendAction::Fixed, "F", "what is marked becomes fixed"},
+        {BendAction::Free, "U", "free"},
+        {BendAction::Handle, "H", "part of the selected handle, or a new one after that was moved"},
+        {BendAction::NextHandle, "Shift+H", "the next handle"},
+        {BendAction::Outside, "O", "outside of the region of influence"},
+        {BendAction::Through, "T", "mark only what is seen, or through the mesh"},
+        {BendAction::Move, "G", "move what is under the mouse, a handle or a place, or else the selected handle"},
+        {BendAction::Turn, "R", "turn it"},
+        {BendAction::Scale, "S", "scale it"},
+        {BendAction::Pivot, "P",
+         "what the mouse points at is where the selected handle turns: a place of the surface, or another handle's "
+         "middle; beside the mesh, its own middle again"},
+        {BendAction::Undo, "Ctrl+Z", "undo, also over applies"},
+        {BendAction::Redo, "Ctrl+Shift+Z", "redo"},
+        {BendAction::Reset, "Backspace", "take all motions back"},
+        {BendAction::Cancel, "Esc",
+         "cancel what is being moved or marked; else the mouse is the camera's until Esc is pressed again"},
+        {BendAction::End, "Return|Enter", "keep what is being moved; end a polyline"},
+        {BendAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter", "apply in place"},
+        {BendAction::ApplyToNewLayer, "Ctrl+Shift+Return|Ctrl+Shift+Enter", "apply to a new layer"},
+        {BendAction::Page, "?|Shift+?", "this page"},
+    };
+    return all;
+}
+
+QString bendKeyPage() {
+    return bendActions().page(
+        {{"while moving",
+          "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
+          "under the mouse; "
+          "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels"},
+         {"Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held"},
+         {"camera",
+          "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place"}});
+}

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/panel/panel.h"
+
+#include "edit_fcd/bend/panel/actions.h"
+#include "edit_fcd/bend/model/state.h"
+#include "edit_fcd/view/stretch_colors.h"
+#include "edit_fcd/kit/tool_window.h"
+
+#include <layer_fcd/parameters.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include <QFormLayout>
+#include <QGridLayout>
+#include <QHBoxLayout>
+#include <QKeyEvent>
+#include <QPushButton>
+#include <QScreen>
+#include <QScrollArea>
+#include <QSettings>
+#include <QTimer>
+#include <QVBoxLayout>
+#include <QWindow>
+
+namespace {
+
+const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/bend/radius";
+
+} // namespace
+
+BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
+    setObjectName("fcdBendPanel");
+    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
+    auto *content = new QWidget;
+    auto *column = new QVBoxLayout(content);
+    column->setContentsMargins(6, 4, 6, 4);
+    column->setSpacing(4);
+    addModes(*column);
+    marking = new QWidget;
+    addMarking(*marking);
+    column->addWidget(marking);
+    lineBox = new BendLineBox;
+    column->addWidget(lineBox);
+    list = new BendHandleList;
+    list->setObjectName("handles");
+    column->addWidget(list);
+    poseBox = new BendPoseBox;
+    moreOptions = new QWidget;
+    addCommands(*column);
+    state = new PanelState(48);
+    column->addWidget(state);
+    column->addWidget(poseBox);
+    addMore(*column);
+    column->addStretch();
+    setScrolled(*this, *content);
+    moreOptions->hide(); // the width is that of all
+    poseBox->hide();
+    lineBox->hide();
+    connectOptions();
+    tracePlaces(*this);
+}
+
+void BendPanel::addModes(QBoxLayout &column) {
+    modes = new QButtonGroup(this);
+    auto *row = new QHBoxLayout;
+    row->setSpacing(3);
+    const auto add = [&](const char *text, const QString &tip) {
+        auto *button = new QToolButton;
+        button->setText(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus); // keys go to the view
+        row->addWidget(button);
+        return button;
+    };
+    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Line"};
+    const QString tips[] = {
+        bendActions().withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
+        bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
+        bendActions().withKeys("Mark what is in a rectangle", BendAction::Rectangle),
+        bendActions().withKeys("Mark what is in a polygon: click its corners, double-click the last",
+                               BendAction::Polyline),
+        bendActions().withKeys(
+            "Straighten the layer along a line, or bend it along one: click points, or choose a layer",
+            BendAction::Line)};
+    for (int i = 0; i < 5; ++i) {
+        QToolButton *button = add(names[i], tips[i]);
+        button->setCheckable(true);
+        modes->addButton(button, i);
+    }
+    row->addStretch();
+    QToolButton *keys = add("?", bendActions().withKeys("What the keys do", BendAction::Page));
+    keys->setObjectName("keys");
+    connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
+    setMode(Bend);
+    column.addLayout(row);
+}
+
+void BendPanel::addMarking(QWidget &place) {
+    auto *form = new QFormLayout(&place);
+    form->setContentsMargins(0, 0, 0, 0);
+    form->setVerticalSpacing(3);
+    const auto withTip = [](auto *widget, const QString &tip) {
+        widget->setToolTip(tip);
+        return widget;
+    };
+    auto *row = new QHBoxLayout;
+    role = withTip(new QComboBox, "What is marked becomes this (F, U, H, O)");
+    role->addItems({"Fixed", "Free", "Handle", "Outside"});
+    role->setCurrentIndex(Handle);
+    number =
+        withTip(new QSpinBox, bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
+    number->setRange(2, 1000000);
+    through = withTip(new QCheckBox("through"), bendActions().withKeys("Also what is hidden", BendAction::Through));
+    row->addWidget(role);
+    row->addWidget(number);
+    row->addWidget(through);
+    form->addRow("Mark", row);
+    brushPixels = withTip(new QSpinBox, "How far the brush marks around the mouse (wheel)");
+    brushPixels->setObjectName("brush");
+    brushPixels->setRange(2, 500);
+    brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
+    brushPixels->setSuffix(" px");
+    form->addRow("Brush radius", brushPixels);
+    radiusPercent = withTip(
+        new NumberBox,
+        "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
+        "of the bounding box; a fifth of it is left free between marks (wheel while dragging)");
+    radiusPercent->setRange(0.5, 400);
+    radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
+    radiusPercent->setSuffix(" %");
+    form->addRow("Point radius", radiusPercent);
+    auto *frame = new QHBoxLayout;
+    mirrorAxis = withTip(new QComboBox, "Marks and moves on both sides of the middle of the layer");
+    mirrorAxis->addItems({"none", "x", "y", "z"});
+    axesChoice = withTip(new QComboBox,
+                         "What the gizmo and X, Y, Z move along and turn about: the axes of the world, of the layer, "
+                         "of the view, or of the surface under the handle (z is its normal)");
+    axesChoice->setObjectName("axes");
+    axesChoice->addItems({"World", "Layer", "View", "Surface"});
+    frame->addWidget(mirrorAxis);
+    frame->addWidget(new QLabel("Axes"));
+    frame->addWidget(axesChoice);
+    form->addRow("Symmetry", frame);
+    auto *poseRow = new QHBoxLayout;
+    poseSlider = withTip(new QSlider(Qt::Horizontal), "How much of the motions is shown and applied");
+    poseSlider->setObjectName("pose");
+    poseSlider->setRange(0, 200);
+    poseSlider->setValue(100);
+    poseLabel = new QLabel("100 %");
+    poseRow->addWidget(poseSlider);
+    poseRow->addWidget(poseLabel);
+    form->addRow("Pose", poseRow);
+    auto *stretched = new QHBoxLayout;
+    stretch = new QCheckBox("Show stretch");
+    stretch->setObjectName("stretch");
+    QString legend;
+    const std::pair<double, const char *> values[] = {{-1, "1/2"}, {-0.5, "0.7"}, {0, "1"}, {0.5, "1.4"}, {1, "2"}};
+    for (const auto &[exponent, text] : values) {
+        const vcg::Color4b color = colorOfStretch(exponent);
+        legend += QString("<span style='background: rgb(%1, %2, %3); color: %4'>&nbsp;%5&nbsp;</span>")
+                      .arg(color[0])
+                      .arg(color[1])
+                      .arg(color[2])
+                      .arg(std::abs(exponent) > 0.7 ? "white" : "black", text);
+    }
+    stretched->addWidget(stretch);
+    stretched->addWidget(withTip(new QLabel(legend), "How long the surface is there, of its length at rest"));
+    stretched->addStretch();
+    form->addRow(stretched);
+}
+
+void BendPanel::connectOptions() {
+    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, weightsChoice, through,
+                                                            stretch, graphs, poseSlider})
+        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
+    connectSlider(
+        *poseSlider, [this] { emit poseBegins(); },
+        [this](int value) {
+            poseLabel->setText(QString("%1 %").arg(value));
+            emit optionsChanged();
+        });
+    connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
+    connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
+    for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})
+        connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
+    connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
+    connect(role, QOverload<int>::of(&QComboBox::activated), this, &BendPanel::roleChanged);
+    connect(number, QOverload<int>::of(&QSpinBox::valueChanged), this, &BendPanel::roleChanged);
+    connect(through, &QCheckBox::clicked, this, &BendPanel::roleChanged);
+    connect(modes, QOverload<QAbstractButton *, bool>::of(&QButtonGroup::buttonToggled), this, [this] {
+        const bool isLine = mode() == Line;
+        if (lineBox->isHidden() != isLine)
+            return;
+        marking->setVisible(!isLine);
+        list->setVisible(!isLine); // there is no room for all
+        lineBox->setVisible(isLine);
+        tracePlaces(*this);
+    });
+    connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, [this] {
+        emit optionsChanged();
+        emit modeChosen();
+    });
+}
+
+void BendPanel::showKeys() {
+    if (page) {
+        page->close();
+        return;
+    }
+    auto *text = new QLabel(bendKeyPage());
+    text->setObjectName("page_text");
+    text->setTextFormat(Qt::RichText);
+    text->setWordWrap(true);
+    text->setMargin(8);
+    page = new QScrollArea(this);
+    page->setWindowFlags(Qt::Tool);
+    page->setObjectName("page");
+    page->setAttribute(Qt::WA_DeleteOnClose);
+    page->setAttribute(Qt::WA_ShowWithoutActivating);
+    page->setWindowTitle("FCD: Bend, keys");
+    const QSize room = window()->windowHandle()->screen()->availableSize() * 0.9; // for its frame, too
+    const int edge = 2 * page->frameWidth(), width = std::min(900, room.width() - edge);
+    text->resize(width, text->heightForWidth(width));
+    page->setWidget(text);
+    page->resize(width + edge, std::min(text->height() + edge, room.height()));
+    page->show();
+    tracePlaces(*this);
+}
+
+/// Esc in a field leaves it, and is not the host's.
+bool BendPanel::event(QEvent *event) {
+    const bool isKey = event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress;
+    if (!isKey || static_cast<QKeyEvent *>(event)->key() != Qt::Key_Escape)
+        return QDockWidget::event(event);
+    event->accept();
+    if (event->type() == QEvent::KeyPress)
+        emit left();
+    return true;
+}
+
+int BendPanel::tag() const {
+    switch (role->currentIndex()) {
+    case Fixed: return 0;
+    case Free: return 1;
+    case Outside: return -1;
+    }
+    return number->value();
+}
+
+void BendPanel::setRole(Role which, int handle) {
+    role->setCurrentIndex(which);
+    if (which == Handle)
+        number->setValue(handle);
+}
+
+void BendPanel::keepSizes() const {
+    QSettings settings;
+    settings.setValue(brushSetting, brushPixels->value());
+    settings.setValue(radiusSetting, radiusPercent->value());
+}
+
+void BendPanel::setPose(int percent) {
+    const QSignalBlocker blocked(poseSlider);
+    poseSlider->setValue(percent);
+    poseLabel->setText(QString("%1 %").arg(percent));
+}
+
+void BendPanel::setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes,
+                         int pose) {
+    const QSignalBlocker blocked(this);
+    smoothnessValue->setValue(smoothness);
+    patchCount->setValue(patches);
+    weightsChoice->setCurrentIndex(int(weights));
+    mirrorAxis->setCurrentIndex(mirror + 1);
+    axesChoice->setCurrentIndex(axes);
+    setPose(pose);
+}
+
+void BendPanel::setStretch(bool shown) {
+    const QSignalBlocker blocked(stretch);
+    stretch->setChecked(shown);
+}
+
+void BendPanel::allowStretch(bool allowed) {
+    stretch->setEnabled(allowed);
+    stretch->setToolTip(
+        allowed ? "Colours the layer by how much its surface is stretched against the rest shape: red where "
+                  "it is twice as long or more, blue where it is half as long or less, grey where it is as "
+                  "long as it was. While you mark, the marks are shown."
+                : "A layer without faces has no surface that could be stretched.");
+}
+
+void BendPanel::showMotions(const QString &text) {
+    if (!motionText->hasFocus() && motionText->toPlainText() != text)
+        motionText->setPlainText(text);
+}
+
+#include "edit_fcd/bend/panel/moc_panel.cpp" // NOLINT(bugprone-suspicious-include)

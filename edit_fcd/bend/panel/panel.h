@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_PANEL_H
+#define FCD_BEND_PANEL_H
+
+#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
+
+#include "edit_fcd/bend/panel/handle_list.h"
+#include "edit_fcd/bend/panel/line_box.h"
+#include "edit_fcd/bend/panel/pose_box.h"
+#include "edit_fcd/kit/tool_list.h"
+
+#include <QButtonGroup>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QPlainTextEdit>
+#include <QPointer>
+#include <QScrollArea>
+#include <QSlider>
+#include <QSpinBox>
+#include <QToolButton>
+
+class QBoxLayout;
+
+/// The panel of the tool: shows and sets, and decides nothing.
+class BendPanel : public QDockWidget {
+    Q_OBJECT
+
+  public:
+    enum Mode { Bend, Brush, Rectangle, Polyline, Line };
+    enum Role { Fixed, Free, Handle, Outside };
+    enum Command { MarkSelection, ClearMarks, TakeMotions, Undo, Redo, Reset, ApplyInPlace, ApplyToNewLayer };
+
+    explicit BendPanel(QWidget *parent);
+
+    Mode mode() const { return Mode(modes->checkedId()); }
+    void setMode(Mode mode) { modes->button(mode)->setChecked(true); }
+    /// The tag that is marked with.
+    int tag() const;
+    void setRole(Role role, int handle);
+    bool isThrough() const { return through->isChecked(); }
+    void toggleThrough() { through->toggle(); }
+    double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
+    void setRadius(double fraction) { radiusPercent->setValue(100 * fraction); }
+    int brush() const { return brushPixels->value(); } ///< radius
+    void setBrush(int pixels) { brushPixels->setValue(pixels); }
+    void keepSizes() const; ///< for the next panel, also of another day
+    double smoothness() const { return smoothnessValue->value(); }
+    int patches() const { return patchCount->value(); }
+    vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
+    int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
+    int axes() const { return axesChoice->currentIndex(); }       ///< as BendAxes
+    int pose() const { return poseSlider->value(); }              ///< percent
+    void setPose(int percent);
+    /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
+    void setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes, int pose);
+    bool showsStretch() const { return stretch->isChecked(); }
+    void setStretch(bool shown);
+    /// Whether there is a surface whose stretch can be shown.
+    void allowStretch(bool allowed);
+    bool graphLayers() const { return graphs->isChecked(); }
+    QString motions() const { return motionText->toPlainText(); }
+
+    /// Shows the handles' motions, unless they are being typed.
+    void showMotions(const QString &text);
+    void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
+    void showState(const QString &text) { state->say(text); }
+    void showKeys();
+    BendHandleList &handles() { return *list; }
+    BendPoseBox &poses() { return *poseBox; }
+    BendLineBox &line() { return *lineBox; }
+
+  signals:
+    void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
+    void poseBegins();     ///< before the pose changes, once for each way of the slider
+    void modeChosen();
+    void left();        ///< by Esc, in one of its fields
+    void roleChanged(); ///< what is marked, by a person
+    void command(int which);
+
+  protected:
+    bool event(QEvent *event) override;
+
+  private:
+    void addModes(QBoxLayout &column);
+    void addMarking(QWidget &place);
+    void addCommands(QBoxLayout &column);
+    void addMore(QBoxLayout &column);
+    QToolButton *fold(const char *name, const char *text, const QString &tip, QWidget *part);
+    void scrollTo(QWidget *part);
+    void connectOptions();
+
+    QButtonGroup *modes;
+    QComboBox *role, *mirrorAxis, *weightsChoice, *axesChoice;
+    QSpinBox *number, *brushPixels, *patchCount;
+    QDoubleSpinBox *radiusPercent, *smoothnessValue;
+    QCheckBox *through, *stretch, *graphs;
+    QSlider *poseSlider;
+    QPlainTextEdit *motionText;
+    PanelState *state;
+    QLabel *poseLabel;
+    BendHandleList *list;
+    BendPoseBox *poseBox;
+    BendLineBox *lineBox;
+    QWidget *marking, *moreOptions;
+    QPointer<QScrollArea> page; ///< of keys
+};
+
+#endif

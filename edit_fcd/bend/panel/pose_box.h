@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_POSE_BOX_H
+#define FCD_BEND_POSE_BOX_H
+
+#include "edit_fcd/bend/panel/key_list.h"
+#include "edit_fcd/bend/panel/pose_list.h"
+
+#include <QPushButton>
+#include <QWidget>
+
+/// What the panel has for poses that have names.
+class BendPoseBox : public QWidget {
+    Q_OBJECT
+
+  public:
+    enum Command { Keep, Load, Save, KeyFrame, Play };
+
+    explicit BendPoseBox(QWidget *parent = nullptr);
+    BendPoseList &list() { return *poses; }
+    BendKeyList &keys() { return *frames; }
+    void showPlaying(bool isPlaying) { play->setText(isPlaying ? "Stop" : "Play"); }
+
+  signals:
+    void command(int which);
+
+  private:
+    BendPoseList *poses;
+    BendKeyList *frames;
+    QPushButton *play;
+};
+
+#endif

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+#include "edit_fcd/bend/model/guide_line.h"
+#include "edit_fcd/bend/model/handles.h"
+
+#include <cmath>
+
+#include <QCursor>
+
+// What the tool shows, and says.
+
+/// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
+void BendTool::showStretch() {
+    const bool wanted = panel->showsStretch() && panel->mode() == BendPanel::Bend;
+    if (session->edit().options.stretch == wanted)
+        return;
+    session->edit().options.stretch = wanted;
+    showOverlay();
+}
+
+void BendTool::draw() {
+    if (going)
+        going->beforeDraw();
+    beginDraw();
+    if (preparing) {
+        if (layer())
+            overlay->draw(model->cm);
+    } else if (layer()) {
+        if (moving && !moving->draw(seen)) {
+            moving.reset();
+            showVertices(false);
+        }
+        if (!moving)
+            overlay->draw(model->cm);
+        drawOverlay();
+    } else if (!session && !isEnding && view)
+        later([this] {
+            if (session || isEnding || !view || !view->md() || !view->md()->mm())
+                return;
+            const MeshModel &current = *view->md()->mm();
+            if (current.cm.vn > 0 && current.id() != refused)
+                start(*view->md(), view);
+        });
+}
+
+void BendTool::drawOverlay() const {
+    const BendDrag *drag = this->drag();
+    const bool isBending =
+        panel && panel->mode() == BendPanel::Bend && !isSuspended && !(going && going->isEndedByAll());
+    drawPoints(*session, drag, isBending && !drag ? hovered : 0);
+    if (!panel || isSuspended)
+        return;
+    if (panel->mode() == BendPanel::Line)
+        drawLine(panel->line().lineLayer() < 0 ? lineOf(*session) : Eigen::Matrix3Xd(3, 0),
+                 linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
+    if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
+        drawGizmo(seen, *shown, drag, lit);
+    if (panel->mode() == BendPanel::Brush) {
+        const QPointF at = going ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
+        const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();
+        const double radius = panel->brush() * view->devicePixelRatioF();
+        std::vector<Eigen::Vector2d> circle(40, place);
+        for (std::size_t i = 0; i < circle.size(); ++i)
+            circle[i] +=
+                radius * Eigen::Vector2d(std::cos(double(i) * 9 * oneDegree), std::sin(double(i) * 9 * oneDegree));
+        drawOutline(seen, circle);
+    } else if (going) {
+        going->draw();
+    }
+}
+
+// --- what the panel says ---
+
+/// What is marked becomes this.
+QString BendTool::roleText() const {
+    const int tag = tagToMark();
+    return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
+           : tag == 1 ? "free"
+           : tag == 0 ? "fixed"
+                      : "outside";
+}
+
+/// What is to be done in a mode that marks.
+QString BendTool::markingText() const {
+    const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
+    switch (panel->mode()) {
+    case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
+    case BendPanel::Polyline:
+        return QString("Click the corners of a polygon; Enter or a double click ends it: %1 becomes %2.")
+            .arg(what, role);
+    default:
+        return QString("Drag over the surface: what the brush meets becomes %1. Its size is on the wheel.").arg(role);
+    }
+}
+
+QString BendTool::stateText() const {
+    if (isSuspended)
+        return "The mouse is the camera's: Esc gives it back.";
+    if (going && going->isEndedByAll())
+        return going->text();
+    if (!hint.isEmpty())
+        return hint;
+    if (panel->mode() == BendPanel::Line)
+        return lineText();
+    const BendDrag *drag = this->drag();
+    QString text;
+    if (panel->mode() != BendPanel::Bend)
+        text = markingText();
+    else if (session->model().influence.handles().empty())
+        text = session->state().marks ? "Mark a handle (red), then drag it."
+                                      : "Drag a point of the surface, or mark what is fixed and what is a handle.";
+    else if (drag)
+        text = going->text();
+    else if (lit)
+        text = QString::fromStdString(nameOf(session->state(), selected())) +
+               (lit->axis < 0
+                    ? QString(": drag moves it in the view")
+                    : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
+                          .arg("xyz"[lit->axis]));
+    else if (hovered)
+        text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
+    else if (keysBegin)
+        text = "Drag this point, or press G, R or S.";
+    else
+        text = QString::fromStdString(
+            "Drag a handle (red), or a point of the surface. G, R, S: " + nameOf(session->state(), selected()) + ".");
+    if (drag && !drag->carried.empty())
+        text += "\nHandles beyond it go along, but for locked ones.";
+    if (drag && isKeptApart(session->model(), drag->tag))
+        text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
+    else if (session->model().influence.isLocal)
+        text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
+    if (session->nodes() > 0 && milliseconds > 0) {
+        text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
+        if (frame > 0)
+            text += QString(", drawn %1/s").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
+    }
+    return text;
+}
+
+void BendTool::refresh() {
+    if (!panel || !session)
+        return;
+    if (preparing) {
+        panel->showState(
+            preparing.cancelled()
+                ? "Stopping ..."
+                : QString("%1: %2 %. Esc or a right click stops that.").arg(preparingWhat).arg(preparing.percent()));
+        return;
+    }
+    if (!session->model().influence.isHandle(hovered))
+        hovered = 0; // it was undone, or removed, under the mouse
+    panel->setPose(int(session->edit().options.pose));
+    panel->showMotions(QString::fromStdString(vcg::fcd::WriteMotionText(session->state().motion)));
+    showHandles();
+    showPoses();
+    showLines();
+    lookForLine();
+    panel->showState(stateText());
+}
+
+#include "edit_fcd/bend/tool/moc_bend_tool.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+#include "edit_fcd/bend/model/handles.h"
+
+#include <layer_fcd/layer_contents.h>
+#include <layer_fcd/tagging.h>
+
+#include <algorithm>
+
+using vcg::fcd::Error;
+using vcg::fcd::MotionStep;
+
+void BendTool::makePanel() {
+    if (panel)
+        return;
+    panel = new BendPanel(view->window());
+    when(panel.data(), &BendPanel::optionsChanged, [this] { onOptions(); });
+    when(panel.data(), &BendPanel::poseBegins, [this] {
+        if (session && !drag() && !preparing)
+            session->change();
+    });
+    for (const auto signal : {&BendPanel::modeChosen, &BendPanel::left})
+        when(panel.data(), signal, [this] { view->setFocus(); });
+    when(panel.data(), &BendPanel::roleChanged, [this] {
+        hint.clear();
+        refresh();
+    });
+    connectHandles();
+    connectPoses();
+    when(&panel->line(), &BendLineBox::command, [this](int which) { onLineCommand(which); });
+    when(&panel->line(), &BendLineBox::changed, [this] {
+        hint.clear();
+        refresh();
+        view->update();
+    });
+    when(panel.data(), &BendPanel::command, [this](int which) { onCommand(which); });
+    panel->allowStretch(model->cm.fn > 0);
+    showOptions();
+    dockPanel(*view, *panel);
+    if (session->state().marks)
+        panel->setRole(BendPanel::Handle, session->model().influence.unusedTag());
+}
+
+void BendTool::takeOptions() {
+    BendOptions &options = session->edit().options;
+    options.smoothness = panel->smoothness();
+    options.initialPatches = panel->patches();
+    options.weights = panel->weights();
+    options.mirror = panel->mirror();
+    options.axes = BendAxes(panel->axes());
+    setPose(session->edit(), panel->pose());
+}
+
+/// The panel shows the options of the session, which has gone back to others.
+void BendTool::showOptions() {
+    const BendOptions &options = session->edit().options;
+    panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.axes),
+                    int(options.pose));
+    panel->setStretch(options.stretch);
+}
+
+void BendTool::onOptions() {
+    if (!isForPanel())
+        return;
+    if (panel->mode() != BendPanel::Polyline)
+        going.reset(); // what was being marked
+    const BendOptions before = session->edit().options;
+    takeOptions();
+    showStretch();
+    if (!session->edit().options.givesSameShape(before))
+        solve(true);
+    refresh();
+    view->update();
+}
+
+void BendTool::setMode(BendPanel::Mode mode) {
+    panel->setMode(mode);
+    showStretch();
+}
+
+void BendTool::apply(bool inPlace) {
+    if (!isMoved(session->model()))
+        throw Error("Nothing was moved, so there is nothing to apply.");
+    session->change();
+    panel->setStretch(false);
+    showStretch();
+    const Remark remark = [this](const std::string &line) { say(line); };
+    if (!inPlace) {
+        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
+        return;
+    }
+    try {
+        say(session->applyInPlace(remark));
+    } catch (...) {
+        showVertices(true);
+        throw;
+    }
+    active = 0;
+    showVertices(true);
+    showChanged();
+    showOverlay();
+}
+
+bool BendTool::isForPanel() { return isReady() && !(going && going->holdsPanel()); }
+
+void BendTool::onCommand(int which) {
+    if (!isForPanel())
+        return;
+    switch (which) {
+    case BendPanel::MarkSelection: {
+        std::vector<char> chosen = onSelectedFaces(*model);
+        std::vector<std::size_t> all;
+        for (std::size_t i = 0; i < chosen.size(); ++i)
+            if (!model->cm.vert[i].IsD() && (chosen[i] || model->cm.vert[i].IsS()))
+                all.push_back(i);
+        if (all.empty())
+            throw Error("Nothing is selected.");
+        session->change();
+        takeNewHandle();
+        session->mark(all, panel->tag());
+        takeMarks();
+        break;
+    }
+    case BendPanel::ClearMarks:
+        session->change();
+        session->clearMarks();
+        showOverlay();
+        solve(true);
+        break;
+    case BendPanel::TakeMotions:
+        session->change();
+        setMotions(session->edit(), panel->motions().toStdString());
+        solve(true);
+        view->setFocus();
+        break;
+    case BendPanel::Undo:
+    case BendPanel::Redo:
+        if (which == BendPanel::Undo)
+            session->undo();
+        else
+            session->redo();
+        showOptions();
+        showOverlay();
+        solve(true);
+        break;
+    case BendPanel::Reset:
+        session->change();
+        session->reset();
+        solve(true);
+        break;
+    case BendPanel::ApplyInPlace:
+    case BendPanel::ApplyToNewLayer: apply(which == BendPanel::ApplyInPlace); break;
+    }
+    if (!view) // an apply to a new layer ended all
+        return;
+    refresh();
+    view->update();
+}
+
+// --- the list of handles ---
+
+void BendTool::connectHandles() {
+    const BendHandleList *list = &panel->handles();
+    when(list, &BendHandleList::selected, [this](int tag) {
+        active = tag;
+        isChosen = true;
+        later([this] { refresh(); }); // not in the midst of the list's own events
+        view->update();
+    });
+    when(list, &BendHandleList::removed, [this](int tag) {
+        later([this] { refresh(); });
+        if (!isForPanel())
+            return;
+        session->change();
+        session->removeHandle(tag);
+        showOverlay();
+        solve(true);
+    });
+    when(list, &BendHandleList::edited, [this](const BendHandleRow &to) {
+        later([this] {
+            if (view)
+                view->setFocus();
+            refresh();
+        });
+        editHandle(to);
+    });
+}
+
+void BendTool::editHandle(const BendHandleRow &to) {
+    if (!isForPanel())
+        return;
+    hint.clear();
+    session->change();
+    BendHandle handle = handleOf(session->state(), to.tag);
+    if (to.name.toStdString() != nameOf(session->state(), to.tag))
+        handle.name = to.name.toStdString();
+    handle.isHidden = !to.isShown;
+    handle.isLocked = to.isLocked;
+    setHandle(session->edit().state, to.tag, handle);
+    if (to.motion.toStdString() != motionTextOf(session->state(), to.tag)) {
+        setMotionText(session->edit(), to.tag, to.motion.toStdString());
+        solve(true);
+    }
+    showOverlay();
+}
+
+namespace {
+
+/// The motion of a handle, as far as the list has room.
+QString shortTextOf(const BendSession &session, int tag) {
+    QStringList words;
+    for (const MotionStep &step : motionOf(session.state(), tag))
+        switch (step.kind) {
+        case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
+        case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
+        case MotionStep::Scaling: words += QString("scale %1").arg(step.vector.maxCoeff(), 0, 'g', 3); break;
+        case MotionStep::Matrix: words += "matrix"; break;
+        }
+    return words.join(", ");
+}
+
+} // namespace
+
+void BendTool::showHandles() {
+    std::vector<BendHandleRow> rows;
+    for (const int tag : session->model().influence.handles()) {
+        const vcg::Color4b color = colorOfTag(tag);
+        BendHandleRow row;
+        row.tag = tag;
+        row.name = QString::fromStdString(nameOf(session->state(), tag));
+        row.motion = QString::fromStdString(motionTextOf(session->state(), tag));
+        row.shortMotion = shortTextOf(*session, tag);
+        row.color = QColor(color[0], color[1], color[2]);
+        row.isShown = !handleOf(session->state(), tag).isHidden;
+        row.isLocked = handleOf(session->state(), tag).isLocked;
+        row.isSelected = tag == selected();
+        rows.push_back(row);
+    }
+    panel->showHandles(rows);
+}

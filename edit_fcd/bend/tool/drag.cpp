@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/drag.h"
+
+#include "edit_fcd/bend/model/steps.h"
+
+#include <vcg_ext/base/words.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+using vcg::fcd::MotionStep;
+
+namespace {
+
+/// The steps and one more, joined with the last where that makes the same motion.
+std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &step) {
+    if (!steps.empty() && steps.back().kind == step.kind && steps.back().about == step.about) {
+        MotionStep &last = steps.back();
+        switch (step.kind) {
+        case MotionStep::Translation:
+            for (int d = 0; d < 3; ++d)
+                last.vector[d] = inFewDigits(last.vector[d] + step.vector[d]);
+            return steps;
+        case MotionStep::Rotation:
+            if (last.vector == step.vector) {
+                last.degrees = inFewDigits(last.degrees + step.degrees);
+                return steps;
+            }
+            break;
+        case MotionStep::Scaling:
+            for (int d = 0; d < 3; ++d)
+                last.vector[d] = inFewDigits(last.vector[d] * step.vector[d]);
+            return steps;
+        case MotionStep::Matrix: break;
+        }
+    }
+    steps.push_back(step);
+    return steps;
+}
+
+} // namespace
+
+void BendDrag::moveTo(const Camera &view, const Eigen::Vector3d &window) {
+    const Eigen::Vector2d middle = view.toWindow(pivot).head<2>();
+    const Eigen::Vector2d a = last.head<2>() - middle, b = window.head<2>() - middle;
+    if (a.norm() > 1 && b.norm() > 1)
+        angle += std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 360 * oneDegree) / oneDegree;
+    last = window;
+}
+
+namespace {
+
+/// The round number (1, 2 or 5 times a power of ten) next below.
+double roundBelow(double x) {
+    const double power = std::pow(10, std::floor(std::log10(x)));
+    return (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1) * power;
+}
+
+double inSteps(double x, double step) { return std::round(x / step) * step; }
+
+const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that a hand can hit
+
+} // namespace
+
+/// \return whether what was typed is a number
+bool BendDrag::readTyped(double &number) const {
+    return vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number) && std::isfinite(number);
+}
+
+bool BendDrag::isRefused() const {
+    double number = 0;
+    return !typed.empty() && !readTyped(number);
+}
+
+bool BendDrag::isBeginning(const Camera &view) const { return modal && axis < 0 && typed.empty() && !step(view); }
+
+std::optional<MotionStep> BendDrag::step(const Camera &view) const {
+    const Eigen::Vector3d center = view.toWindow(pivot);
+    const Eigen::Vector2d begun = from.head<2>(), to = last.head<2>(), middle = center.head<2>();
+    double number = 0;
+    const bool isTyped = !typed.empty();
+    if (isTyped && !readTyped(number))
+        return {};
+    const auto about = [&](MotionStep step) {
+        if (isAbout)
+            step.about = inFewDigits(pivot);
+        return step;
+    };
+    switch (kind) {
+    case Move: {
+        const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
+        Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
+        if (onto && !isTyped) {
+            way = *onto - pivot;
+            if (axis >= 0)
+                way = way.dot(axes.col(axis)) * axes.col(axis);
+        } else if (isTyped) {
+            way = number * axes.col(axis < 0 ? 0 : axis);
+        } else if (axis >= 0) {
+            const double unit = 100 * pixel;
+            const Eigen::Vector2d along = view.toWindow(pivot + unit * axes.col(axis)).head<2>() - middle;
+            const double square = std::max(along.squaredNorm(), 100.0); // seen from its end, an axis leads nowhere
+            const double far = (to - begun).dot(along) / square * unit;
+            way = (snap ? inSteps(far, length) : far) * axes.col(axis);
+        } else if (snap) {
+            for (int d = 0; d < 3; ++d)
+                way[d] = inSteps(way[d], length);
+        }
+        way = inFewDigits(way);
+        if (way.isZero(0))
+            return {};
+        return MotionStep::Translate(way);
+    }
+    case Turn: {
+        const Eigen::Vector3d eye = view.towardsEye(pivot);
+        const Eigen::Vector3d line = inFewDigits(axis < 0 ? eye : Eigen::Vector3d(axes.col(axis)));
+        const double turned = snap ? inSteps(angle, snapDegrees) : angle;
+        const double degrees = inFewDigits(isTyped ? number : line.dot(eye) < 0 ? -turned : turned);
+        if (degrees == 0)
+            return {};
+        return about(MotionStep::Rotate(line, degrees));
+    }
+    case Scale: {
+        const double length = std::max(20.0, (begun - middle).norm());
+        double factor = isTyped ? number : 1 + ((to - middle).norm() - (begun - middle).norm()) / length;
+        if (!isTyped)
+            factor = std::max(snap ? snapFactor : 0.01, snap ? inSteps(factor, snapFactor) : factor);
+        factor = inFewDigits(factor);
+        if (factor == 1 || !(factor > 0))
+            return {};
+        Eigen::Vector3d factors = Eigen::Vector3d::Constant(axis < 0 ? factor : 1);
+        if (axis >= 0)
+            factors[axis] = factor;
+        if (axis < 0 || axes.isIdentity(0))
+            return about(MotionStep::Scale(factors));
+        const Eigen::Affine3d scaled = Eigen::Translation3d(pivot) * Eigen::Affine3d(axes * factors.asDiagonal()) *
+                                       Eigen::Affine3d(Eigen::Matrix3d(axes.inverse())) * Eigen::Translation3d(-pivot);
+        return MotionStep::Affine(scaled.matrix());
+    }
+    }
+    return {};
+}
+
+std::string BendDrag::text(const Camera &view) const {
+    std::string text = kind == Move ? "move" : kind == Turn ? "turn" : "scale";
+    if (axis >= 0)
+        text += std::string(kind == Turn ? " about " : " along ") + "xyz"[axis];
+    else if (!typed.empty() && kind == Move)
+        text += " along x";
+    if (!typed.empty())
+        return text + " " + typed + "_" +
+               (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
+    if (isBeginning(view))
+        return kind == Move   ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
+               : kind == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+                              : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
+    const auto added = step(view);
+    const auto digits = [](double x) {
+        char number[32];
+        return std::string(number, std::to_chars(number, number + sizeof number, x, std::chars_format::general, 4).ptr);
+    };
+    if (kind == Move)
+        return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
+    if (kind == Turn)
+        return text + " by " + digits(added ? added->degrees : 0) + " degrees";
+    return text;
+}
+
+std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
+    std::map<int, Steps> all = carried;
+    all[tag] = begin;
+    const std::optional<MotionStep> added = step(view);
+    if (!added)
+        return all;
+    all[tag] = joined(begin, *added);
+    Steps placed = {*added};
+    setPlaces(placed, pivot); // as it turns, not each by itself
+    for (const auto &each : carried)
+        all[each.first] = joined(each.second, placed.front());
+    return all;
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_DRAG_H
+#define FCD_BEND_DRAG_H
+
+#include <vcg_ext/handles/motion_text.h> // before Qt
+
+#include "edit_fcd/view/camera.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A handle that is being moved: what a way of the mouse, or a typed number, makes of its motion.
+struct BendDrag {
+    enum Kind { Move, Turn, Scale };
+
+    int tag = 0;
+    Kind kind = Move;
+    int axis = -1;      ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: of the axes
+    bool modal = false; ///< begun by a key: the mouse moves it without a button
+    bool snap = false;  ///< in steps
+    std::optional<Eigen::Vector3d> onto; ///< where a move leads the pivot, world; none: where the mouse is
+    std::string typed;                   ///< a number
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< of length 1, as columns, world
+    Eigen::Vector3d pivot, from; ///< where the handle is turned as it begins, world, and where the mouse was, window
+    bool isAbout = false;        ///< the pivot is not the handle's middle
+    double angle = 0;            ///< that the mouse went about the pivot, degrees
+    Eigen::Vector3d last;        ///< where the mouse is, window
+    using Steps = std::vector<vcg::fcd::MotionStep>;
+    Steps begin;                  ///< the motion before it
+    std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
+
+    void moveTo(const Camera &view, const Eigen::Vector3d &window);
+    /// What it adds to the motion, none where that is nothing.
+    std::optional<vcg::fcd::MotionStep> step(const Camera &view) const;
+    /// Whether what was typed is no number, so that nothing moves.
+    bool isRefused() const;
+    /// What it does now, or what can be done where nothing was yet, as a person reads it.
+    std::string text(const Camera &view) const;
+    /// The motions with that, by tag. Numbers are as people would write them.
+    std::map<int, Steps> motions(const Camera &view) const;
+
+  private:
+    bool readTyped(double &number) const;
+    bool isBeginning(const Camera &view) const;
+};
+
+#endif

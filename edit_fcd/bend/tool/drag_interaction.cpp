@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/drag_interaction.h"
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/view/layer_ray.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+void DragInteraction::begin(const Grip &what) {
+    BendSession &session = *stage.session;
+    session.change();
+    if (session.model().options.pose != 100) { // a drag says where that is
+        setPose(session.edit(), 100);
+        stage.panel->setPose(100);
+        stage.solve(true);
+    }
+    grip = what;
+    grip.isNew = !what.tag;
+    gripped = stage.mouseInWindow();
+    isReleased = false;
+    const double radius = stage.panel->radius() * session.diagonal();
+    stage.beside(
+        "Preparing the layer",
+        [this, radius](const vcg::fcd::Progress &progress) {
+            if (!grip.tag)
+                grip.tag = stage.session->addPoint(grip.slot, radius);
+            if (grip.part.kind != BendDrag::Move)
+                stage.session->makeGrip(grip.tag);
+            tookToPrepare = stage.session->prepare(progress);
+        },
+        [this] { beginPrepared(); },
+        [this] { // the layer has the shape of before
+            stage.session->cancel();
+            stage.showOverlay();
+            stage.ended();
+        });
+}
+
+void DragInteraction::beginPrepared() {
+    const BendSession &session = *stage.session;
+    const BendModel &model = session.model();
+    const int tag = grip.tag;
+    stage.isChosen = stage.isChosen && tag == stage.active;
+    stage.active = tag;
+    stage.display->move();
+    BendDrag begun;
+    begun.tag = tag;
+    begun.kind = grip.part.kind;
+    begun.axis = grip.part.axis;
+    begun.modal = grip.modal;
+    begun.pivot = pivotOf(model, tag);
+    begun.isAbout = handleOf(model.state, tag).pivot.has_value();
+    begun.axes = stage.axesOf(tag);
+    begun.from = begun.last = gripped;
+    begun.begin = motionOf(model.state, tag);
+    for (const int other : carriedBy(model, tag))
+        begun.carried[other] = motionOf(model.state, other);
+    now = std::make_unique<BendDrag>(std::move(begun));
+    stage.frame = 0;
+    sinceDraw.invalidate();
+    try {
+        if (tookToPrepare > 0 && isMoved(model))
+            stage.solve(false);
+        if (std::getenv("FCD_TRACE"))
+            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
+                         stage.model->cm.vn, tookToPrepare, double(stage.sinceEvent.nsecsElapsed()) / 1e6);
+    } catch (...) {
+        end(false);
+        throw;
+    }
+    stage.showOverlay(); // a grip is seen
+    if (!stage.colors->isStretch(session))
+        stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
+    now->moveTo(stage.seen, stage.mouseInWindow());
+    if (isReleased && !grip.modal)
+        end(true);
+    else if (stage.model->cm.vn > preparedAtOnce)
+        stage.requestStep();
+}
+
+/// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
+/// prepared anew.
+void DragInteraction::changeKind(BendDrag::Kind kind) {
+    const BendState &state = stage.session->state();
+    if (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag)) {
+        now->kind = kind;
+        return;
+    }
+    Grip again = grip;
+    again.tag = grip.isNew ? 0 : grip.tag;
+    again.part = {kind, now->axis};
+    stop(false);
+    stage.comeToRest();
+    begin(again);
+}
+
+void DragInteraction::stop(bool keep) {
+    const auto motions = now->motions(stage.seen);
+    const bool isClick = keep && !now->step(stage.seen);
+    stage.isClicked = isClick && grip.isNew;
+    stage.isChosen = isClick || (stage.isChosen && now->modal);
+    if (!keep)
+        stage.session->cancel();
+    else if (stage.layer())
+        setMotion(stage.session->edit(), motions); // solved to the end when it has come to rest
+    now.reset();
+    if (stage.moving)
+        stage.overlay->move();
+    stage.moving.reset();
+    stage.isStepWanted = false;
+    stage.sinceEvent.start();
+}
+
+void DragInteraction::end(bool keep) {
+    stop(keep);
+    stage.ended();
+    if (stage.layer())
+        stage.comeToRest();
+}
+
+void DragInteraction::cancel() {
+    if (now && stage.layer())
+        end(false);
+    else
+        stage.ended();
+}
+
+void DragInteraction::move(QMouseEvent &event) {
+    if (!now)
+        return;
+    if (!now->modal && !(event.buttons() & Qt::LeftButton)) { // it was released elsewhere, over a question of the host
+        end(true);
+        return;
+    }
+    const Eigen::Vector3d window = stage.mouseInWindow();
+    now->snap = event.modifiers() & Qt::ControlModifier;
+    now->onto.reset();
+    if (event.modifiers() & Qt::ShiftModifier)
+        now->onto = hitOthers(*stage.view->md(), *stage.model, stage.seen, window.head<2>());
+    now->moveTo(stage.seen, window);
+    stage.requestStep();
+}
+
+void DragInteraction::release() {
+    if (!now)
+        isReleased = true;
+    else if (!now->modal)
+        end(true);
+}
+
+bool DragInteraction::press(QMouseEvent &event) {
+    if (now)
+        end(event.button() == Qt::LeftButton);
+    return true;
+}
+
+bool DragInteraction::pressKey(QKeyEvent &event) {
+    const QString typed = event.text();
+    switch (const int key = event.key()) {
+    case Qt::Key_Escape:
+    case Qt::Key_Return:
+    case Qt::Key_Enter:
+        if (key == Qt::Key_Escape || !now->isRefused()) // else the panel says why
+            end(key != Qt::Key_Escape);
+        return true;
+    case Qt::Key_X:
+    case Qt::Key_Y:
+    case Qt::Key_Z: now->axis = now->axis == key - Qt::Key_X ? -1 : key - Qt::Key_X; break;
+    case Qt::Key_G: changeKind(BendDrag::Move); break;
+    case Qt::Key_R: changeKind(BendDrag::Turn); break;
+    case Qt::Key_S: changeKind(BendDrag::Scale); break;
+    case Qt::Key_Backspace:
+        if (!now->typed.empty())
+            now->typed.pop_back();
+        break;
+    default:
+        if (typed.size() == 1 && typed[0].isPrint() && !typed[0].isSpace())
+            now->typed += QString(typed).replace(',', '.').toStdString();
+    }
+    stage.requestStep();
+    return true;
+}
+
+bool DragInteraction::turnWheel(double steps) {
+    if (!now)
+        return false;
+    BendSession &session = *stage.session;
+    stage.panel->setRadius(radiusOf(session.model(), now->tag) / session.diagonal() * std::pow(1.1, steps));
+    session.setRadius(now->tag, stage.panel->radius() * session.diagonal());
+    stage.requestStep();
+    return true;
+}
+
+void DragInteraction::step() {
+    if (!now || !stage.layer())
+        return;
+    setMotion(stage.session->edit(), now->motions(stage.seen));
+    stage.solve(false);
+    stage.refresh();
+}
+
+void DragInteraction::beforeDraw() {
+    if (!now)
+        return;
+    const double past = sinceDraw.isValid() ? double(sinceDraw.nsecsElapsed()) / 1e6 : 0;
+    stage.frame = stage.frame > 0 ? 0.8 * stage.frame + 0.2 * past : past; // of about the last five
+    sinceDraw.start();
+}
+
+QString DragInteraction::text() const {
+    return now ? QString::fromStdString(nameOf(stage.session->state(), now->tag) + ": " + now->text(stage.seen))
+               : QString();
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_DRAG_INTERACTION_H
+#define FCD_BEND_DRAG_INTERACTION_H
+
+#include "edit_fcd/bend/tool/stage.h"
+
+/// A handle is dragged, by the mouse or after a key.
+class DragInteraction : public BendInteraction {
+  public:
+    /// What is going to be dragged, once the layer is prepared for it.
+    struct Grip {
+        int tag = 0;          ///< of a handle, or
+        std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
+        GizmoPart part;
+        bool modal = false;
+        bool isNew = false; ///< what is at \p tag was made of \p slot
+    };
+    using BendInteraction::BendInteraction;
+
+    /// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside
+    /// the window.
+    void begin(const Grip &what);
+    void cancel() override;
+    void move(QMouseEvent &event) override;
+    void release() override;
+    bool press(QMouseEvent &event) override;
+    bool pressKey(QKeyEvent &event) override;
+    bool turnWheel(double steps) override;
+    bool takesAllKeys() const override { return now != nullptr; }
+    bool holdsPanel() const override { return now != nullptr; }
+    const BendDrag *drag() const override { return now.get(); }
+    void step() override;
+    void beforeDraw() override;
+    QString text() const override;
+
+  private:
+    void beginPrepared();
+    void changeKind(BendDrag::Kind kind);
+    void stop(bool keep);
+    void end(bool keep);
+
+    std::unique_ptr<BendDrag> now; ///< once the layer is prepared
+    Grip grip;
+    Eigen::Vector3d gripped;  ///< where the mouse was then, window
+    double tookToPrepare = 0; ///< milliseconds
+    bool isReleased = false;  ///< the button, before the layer was prepared
+    QElapsedTimer sinceDraw;
+};
+
+#endif

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/gizmo_drawing.h"
+
+#include "edit_fcd/bend/model/handles.h"
+
+#include <layer_fcd/edit_host.h>
+
+#include <cmath>
+
+namespace {
+
+const int arrowPixels = 80, ringPixels = 60;
+const int ringParts = 48;
+const GLubyte litColor[] = {255, 225, 60};
+
+/// A point of the ring that turns about an axis. \param part of ringParts
+Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
+    const double angle = part * (360.0 / ringParts) * oneDegree;
+    return gizmo.center + radius * (std::cos(angle) * gizmo.axes.col((axis + 1) % 3) +
+                                    std::sin(angle) * gizmo.axes.col((axis + 2) % 3));
+}
+
+/// Draws flat and over all else, as long as it lives.
+class FlatDrawing {
+  public:
+    FlatDrawing() {
+        glPushAttrib(GL_ALL_ATTRIB_BITS);
+        glDisable(GL_LIGHTING);
+        glDisable(GL_TEXTURE_2D);
+        glDisable(GL_DEPTH_TEST);
+        glDepthMask(GL_FALSE);
+    }
+    FlatDrawing(const FlatDrawing &) = delete;
+    FlatDrawing &operator=(const FlatDrawing &) = delete;
+    ~FlatDrawing() { glPopAttrib(); }
+};
+
+void put(const Eigen::Vector3d &p) { glVertex3d(p[0], p[1], p[2]); }
+
+void drawPoint(const Eigen::Vector3d &p, float size) {
+    glPointSize(size);
+    glBegin(GL_POINTS);
+    put(p);
+    glEnd();
+}
+
+} // namespace
+
+std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
+    const Eigen::Vector3d &center = gizmo.center;
+    const auto flat = [&](const Eigen::Vector3d &p) { return Eigen::Vector2d(view.toWindow(p).head<2>()); };
+    if ((flat(center) - window).norm() < 15) // rings that are seen from the side go through it
+        return GizmoPart();
+    const double pixel = view.pixelAt(center);
+    std::optional<GizmoPart> hit;
+    double least = 5; // pixels: the surface beside it can be dragged, too
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d arrow = arrowPixels * pixel * gizmo.axes.col(axis);
+        const Eigen::Vector2d a = flat(center + arrow * 0.3), b = flat(center + arrow);
+        if (const double d = distanceToSegment(window, a, b); d < least && (b - a).norm() > 10) {
+            least = d;
+            hit = GizmoPart{BendDrag::Move, axis};
+        }
+        for (int i = 0; i < ringParts; ++i) {
+            const Eigen::Vector2d p = flat(onRing(gizmo, axis, ringPixels * pixel, i)),
+                                  q = flat(onRing(gizmo, axis, ringPixels * pixel, i + 1));
+            if (const double d = distanceToSegment(window, p, q); d < least) {
+                least = d;
+                hit = GizmoPart{BendDrag::Turn, axis};
+            }
+        }
+    }
+    return hit;
+}
+
+void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
+    const FlatDrawing flat;
+    if (session.model().influence.isLocal && drag) { // some of the vertices
+        const BendTags &tags = session.tags();
+        glPointSize(2);
+        glColor3ub(240, 197, 60);
+        glBegin(GL_POINTS);
+        const std::size_t some = tags.size() / 20000 + 1;
+        for (std::size_t i = 0; i < tags.size(); i += some)
+            if (tags[i] == 1)
+                put(session.positionOf(i));
+        glEnd();
+    }
+    for (const auto &point : session.state().points)
+        if (!handleOf(session.state(), point.first).isHidden) {
+            glColor3ub(210, 60, 50);
+            drawPoint(dotOf(session.model(), point.first), dotPixels);
+        }
+    if (lit) {
+        glColor3ubv(litColor);
+        drawPoint(dotOf(session.model(), lit), 12);
+    }
+}
+
+void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {
+    const FlatDrawing flat;
+    const double pixel = view.pixelAt(gizmo.center);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d along = gizmo.axes.col(axis) * pixel;
+        const auto begin = [&](BendDrag::Kind kind) { // brighter and thicker where the mouse is, or what it drags
+            const bool isLit = drag ? drag->axis == axis && (drag->kind == kind || drag->kind == BendDrag::Scale)
+                                    : lit && *lit == GizmoPart{kind, axis};
+            glLineWidth(isLit ? 4 : 2);
+            if (isLit)
+                glColor3ubv(litColor);
+            else
+                glColor3ub(axis == 0 ? 230 : 40, axis == 1 ? 190 : 40, axis == 2 ? 240 : 40);
+            return isLit;
+        };
+        const bool isLine = begin(BendDrag::Move) && drag;
+        glBegin(GL_LINES);
+        put(isLine ? gizmo.center - 2000 * along : gizmo.center);
+        put(gizmo.center + (isLine ? 2000 : arrowPixels) * along);
+        glEnd();
+        drawPoint(gizmo.center + arrowPixels * along, 8);
+        begin(BendDrag::Turn);
+        glBegin(GL_LINE_LOOP);
+        for (int i = 0; i < ringParts; ++i)
+            put(onRing(gizmo, axis, ringPixels * pixel, i));
+        glEnd();
+    }
+    glColor3ub(250, 250, 250);
+    if (lit && lit->axis < 0)
+        glColor3ubv(litColor);
+    drawPoint(gizmo.center, 14);
+}
+
+void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
+    const FlatDrawing flat;
+    const bool isKnown = way.cols() > 0;
+    for (const bool isInner : {false, true}) { // dark around light: seen on any ground
+        const float width = isKnown ? 2 : 1;
+        glLineWidth(isInner ? width : width + 2);
+        if (isInner)
+            glColor3ubv(litColor);
+        else
+            glColor3ub(20, 20, 20);
+        glBegin(GL_LINE_STRIP);
+        for (const auto &place : (isKnown ? way : points).colwise())
+            put(place);
+        glEnd();
+        for (Eigen::Index i = 0; i < points.cols(); ++i)
+            drawPoint(points.col(i), (i == 0 ? 12.f : 9.f) - (isInner ? 3.f : 0.f));
+    }
+}
+
+void drawOutline(const Camera &view, const std::vector<Eigen::Vector2d> &polygon) {
+    const FlatDrawing flat;
+    glMatrixMode(GL_PROJECTION);
+    glPushMatrix();
+    glLoadIdentity();
+    glOrtho(0, view.width, 0, view.height, -1, 1);
+    glMatrixMode(GL_MODELVIEW);
+    glPushMatrix();
+    glLoadIdentity();
+    for (const bool isInner : {false, true}) { // dark around light: seen on any ground
+        glLineWidth(isInner ? 2 : 4);
+        const GLubyte shade = isInner ? 240 : 20;
+        glColor3ub(shade, shade, shade);
+        glBegin(GL_LINE_LOOP);
+        for (const Eigen::Vector2d &corner : polygon)
+            put({corner[0], corner[1], 0});
+        glEnd();
+    }
+    glPopMatrix();
+    glMatrixMode(GL_PROJECTION);
+    glPopMatrix();
+    glMatrixMode(GL_MODELVIEW);
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+#include "edit_fcd/bend/model/handles.h"
+
+// The keys of the view.
+
+using vcg::fcd::Error;
+
+/// What a key does now, null where it is none of ours.
+const ActionTable::Row *BendTool::keyOf(const QKeyEvent &event) const {
+    const ActionTable::Row *key = bendActions().of(event);
+    const bool isOfLines = key && key->action == BendAction::RemovePoint;
+    return isOfLines && !(panel && panel->mode() == BendPanel::Line) ? nullptr : key;
+}
+
+bool BendTool::takesEvent(QEvent &event) {
+    if (!session)
+        return false;
+    if (view->suspendedEditor) {
+        // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+        const bool isPress = event.type() == QEvent::MouseButtonPress;
+        const unsigned long time = // 0: one that this tool hands on
+            isPress ? static_cast<QMouseEvent &>(event).timestamp() : 0;
+        if (time == 0 || time > escaped)
+            return false;
+        escaped = 0;
+        host::suspendEditing(*view);
+        return true;
+    }
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const auto &pressed = static_cast<QKeyEvent &>(event);
+        const ActionTable::Row *key = keyOf(pressed);
+        // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+        const bool isOurs = key && (key->action != BendAction::Cancel || (going && going->isCancelledByEsc()));
+        if (preparing || isOurs || (going && going->takesAllKeys())) {
+            event.accept();
+            return true;
+        }
+        if (key)
+            escaped = pressed.timestamp();
+    }
+    if (event.type() != QEvent::MouseButtonDblClick || !panel)
+        return false;
+    guarded([&] { doubleClick(static_cast<QMouseEvent *>(&event)); });
+    return true;
+}
+
+/// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
+bool BendTool::beginsByKey(const Place &place) const {
+    const bool isOther =
+        (isChosen && session->model().influence.isHandle(active)) || (session->state().marks && selected());
+    return place.slot && isFree(session->state(), *place.slot) && !isOther;
+}
+
+/// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
+void BendTool::dragByKey(BendDrag::Kind kind) {
+    findMouse();
+    const Place place = view->underMouse() && !partAtMouse() ? placeAtMouse() : Place();
+    const bool isBegin = beginsByKey(place);
+    const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
+    if (!tag && !isBegin)
+        throw Error("There is no handle yet: mark one, or drag a point of the surface.");
+    beginDrag({tag, place.slot.value_or(0), {kind, -1}, true});
+}
+
+/// The selected handle turns where the mouse points at.
+void BendTool::placePivot() {
+    const int tag = selected();
+    if (!tag)
+        throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
+    findMouse();
+    const int other = placeAtMouse().tag;
+    const bool isOther = other != 0 && other != tag;
+    const std::optional<Eigen::Vector3d> place = isOther ? centerOf(session->model(), other) : pick();
+    session->change();
+    setPivot(session->edit(), tag, place);
+    hint = QString::fromStdString(nameOf(session->state(), tag)) +
+           (!place    ? QString(": turns about its middle again.")
+            : isOther ? ": turns about the middle of " + QString::fromStdString(nameOf(session->state(), other)) + "."
+                      : QString(": turns about this place; P beside the mesh takes that back."));
+}
+
+/// What is marked becomes something else: in a mode that marks nothing, that is said.
+void BendTool::setRole(BendPanel::Role which, int handle) {
+    panel->setRole(which, handle);
+    if (panel->mode() == BendPanel::Bend || panel->mode() == BendPanel::Line)
+        hint = QString("What is marked from now on becomes %1. B, V or L mark, M bends.").arg(roleText());
+}
+
+void BendTool::act(BendAction::Id action) {
+    switch (action) {
+    case BendAction::Move: dragByKey(BendDrag::Move); break;
+    case BendAction::Turn: dragByKey(BendDrag::Turn); break;
+    case BendAction::Scale: dragByKey(BendDrag::Scale); break;
+    case BendAction::Pivot: placePivot(); break;
+    case BendAction::Bend: setMode(BendPanel::Bend); break;
+    case BendAction::Brush: setMode(BendPanel::Brush); break;
+    case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
+    case BendAction::Polyline: setMode(BendPanel::Polyline); break;
+    case BendAction::Line: setMode(BendPanel::Line); break;
+    case BendAction::RemovePoint: removeLinePoint(); break;
+    case BendAction::Fixed: setRole(BendPanel::Fixed); break;
+    case BendAction::Free: setRole(BendPanel::Free); break;
+    case BendAction::Outside: setRole(BendPanel::Outside); break;
+    case BendAction::Handle:
+        setRole(BendPanel::Handle, selected() ? selected() : session->model().influence.unusedTag());
+        break;
+    case BendAction::NextHandle: setRole(BendPanel::Handle, session->model().influence.unusedTag()); break;
+    case BendAction::Through: panel->toggleThrough(); break;
+    case BendAction::Undo: onCommand(BendPanel::Undo); break;
+    case BendAction::Redo: onCommand(BendPanel::Redo); break;
+    case BendAction::Reset: onCommand(BendPanel::Reset); break;
+    case BendAction::Cancel:
+        if (going && going->isCancelledByEsc())
+            going->cancel();
+        break;
+    case BendAction::End:
+        if (going)
+            going->doubleClick();
+        break;
+    case BendAction::ApplyInPlace: onCommand(BendPanel::ApplyInPlace); break;
+    case BendAction::ApplyToNewLayer: onCommand(BendPanel::ApplyToNewLayer); break;
+    case BendAction::Page: panel->showKeys(); break;
+    }
+}
+
+void BendTool::pressKey(QKeyEvent *event) {
+    if (!layer() || !panel)
+        return;
+    event->accept();
+    hint.clear();
+    isClicked = false;
+    if (preparing) {
+        if (event->key() == Qt::Key_Escape)
+            preparing.cancel();
+        return;
+    }
+    if (drag()) {
+        going->pressKey(*event);
+        return;
+    }
+    const ActionTable::Row *key = keyOf(*event);
+    if (!key)
+        event->ignore();
+    else if (isReady())
+        act(BendAction::Id(key->action));
+    if (!view) // an apply to a new layer ended all
+        return;
+    refresh();
+    view->update();
+}

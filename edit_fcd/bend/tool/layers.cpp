@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+// Which layer the tool works on, from when to when, and what it leaves of it.
+
+bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
+    enterDocument(newDocument, area);
+    forgetGone(left);
+    if (!newDocument.mm())
+        return false;
+    try {
+        open(*newDocument.mm());
+    } catch (...) {
+        refused = newDocument.mm()->id();
+        close();
+        throw;
+    }
+    makePanel();
+    enterView();
+    view->setMouseTracking(true); // what is under the mouse lights up
+    showOverlay();
+    refresh();
+    return true;
+}
+
+void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
+    if (isEnding || (newDocument.mm() && newDocument.mm()->id() == layerId && layer()))
+        return;
+    refused = -1;
+    close();
+    view = area;
+    if (newDocument.mm() && newDocument.mm()->cm.vn > 0) // a file that is being opened is empty at first: see draw()
+        start(newDocument, area);
+}
+
+void BendTool::forgetDocument() {
+    preparing.stop(); // waits for it
+    going.reset();
+    session.reset();
+    left.clear();
+}
+
+/// Begins with a layer, or goes on where it was left.
+void BendTool::open(MeshModel &newModel) {
+    if (const auto found = left.find(newModel.id()); found != left.end()) {
+        if (found->second->isAsLeft())
+            session = std::move(found->second);
+        else
+            say("The layer '" + newModel.label().toStdString() +
+                "' was changed since it was left: it is bent from the shape that it has now.");
+        left.erase(found);
+    }
+    if (!session) {
+        session = std::make_unique<BendSession>(*view->md(), newModel);
+        session->edit().options = usual;
+        setPose(session->edit(), 100);
+        session->edit().options.stretch = false;
+    }
+    if (!session->takePoses())
+        say("The layer '" + newModel.label().toStdString() +
+            "' keeps poses of another shape, or place: here they begin from what it is now.");
+    if (newModel.cm.vn > preparedAtOnce)
+        session->readAhead();
+    enterLayer(newModel);
+    colors = std::make_unique<MarkColors>(newModel);
+    active = hovered = 0;
+    isChosen = keysBegin = false;
+    lit.reset();
+    isLive = isShownChanged = false;
+}
+
+/// What the layer shows is what a filter finds.
+void BendTool::keepShown() {
+    if (const std::string calls = session->leave({}); !calls.empty())
+        say("The layer '" + model->label().toStdString() +
+            "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
+}
+
+/// What the layer shows is what it is, whatever comes next.
+void BendTool::leave() {
+    if (!layer() || !(isLive || session->isUpToDate()))
+        return;
+    guarded([&] { keepShown(); });
+    display->rest();
+    display->updateShape(true);
+    usual = session->edit().options;
+    left[layerId] = std::move(session);
+}
+
+void BendTool::close() {
+    if (preparing)
+        stopPreparing();
+    if (going)
+        going->cancel();
+    going.reset();
+    moving.reset();
+    linePreview.reset();
+    isStepWanted = false;
+    leave();
+    isPainted = false;
+    if (session)
+        usual = session->edit().options;
+    session.reset();
+    if (panel)
+        panel->keepSizes();
+    leaveView(panel);
+    panel = nullptr;
+}
+
+/// Whether there is a layer to work on; begins anew with one that something else has changed.
+bool BendTool::isReady() {
+    if (!view || !view->md() || preparing)
+        return false;
+    if (going && going->isEndedByAll())
+        going->cancel();
+    MeshModel *current = view->md()->getMesh(layerId);
+    if (!current || !session) {
+        session.reset(); // it was deleted
+        return false;
+    }
+    if (current == model && (isLive || session->isUpToDate()))
+        return true;
+    session.reset();
+    open(*current);
+    takeOptions();
+    showOverlay();
+    refresh();
+    return true;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/mark_colors.h"
+
+#include "edit_fcd/bend/model/handles.h"
+
+#include <layer_fcd/tagging.h>
+
+namespace {
+
+const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
+const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
+
+} // namespace
+
+bool MarkColors::isStretch(const BendSession &session) const {
+    return session.model().options.stretch && !session.marksBeingMade() && layer.cm.fn > 0;
+}
+
+std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
+    if (isStretch(session)) {
+        if (!stretch)
+            stretch = std::make_unique<StretchColors>(layer);
+        const RestGuard &rest = session.restShape();
+        return stretch->of(rest.positions(), rest.world().linear(), opacity);
+    }
+    const BendState &state = session.state();
+    const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();
+    const BendTags &held = making ? *making : session.tags();
+    std::set<int> grips, hidden;
+    for (const auto &[tag, point] : state.points)
+        if (point.isGrip)
+            grips.insert(tag);
+    for (const auto &[tag, each] : state.handles)
+        if (each.isHidden)
+            hidden.insert(tag);
+    std::vector<vcg::Color4b> color;
+    if (!marks && grips.empty())
+        return color;
+    color.assign(held.size(), vcg::Color4b(0, 0, 0, 0));
+    vcg::fcd::ParallelFor(0, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            if (held[i] != 1 && ((marks && (*marks)[i] != 1) || grips.count(held[i])) && !hidden.count(held[i])) {
+                color[i] = colorOfTag(held[i]);
+                color[i][3] = !making && isAlong(session.model(), i) ? alongOpacity : opacity;
+            }
+    });
+    return color;
+}

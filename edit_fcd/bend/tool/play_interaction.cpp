@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/play_interaction.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+void PlayInteraction::begin() {
+    stage.beside(
+        "Preparing the layer",
+        [this](const vcg::fcd::Progress &progress) { length = stage.session->beginAnimation(progress); },
+        [this] {
+            stage.display->move();
+            stage.isLive = true;
+            stage.every(frames, [this] {
+                try {
+                    show();
+                } catch (...) {
+                    cancel();
+                    throw;
+                }
+            });
+            frames.start(5);
+            since.start();
+            stage.panel->poses().showPlaying(true);
+            stage.refresh();
+        },
+        [this] { stage.ended(); });
+}
+
+/// A frame for each that is drawn.
+void PlayInteraction::show() {
+    if (!stage.isPainted)
+        return;
+    if (!stage.layer()) {
+        cancel();
+        return;
+    }
+    const double time = std::fmod(double(since.nsecsElapsed()) / 1e9, length);
+    stage.session->showAnimation(time);
+    stage.showVertices(false);
+    stage.view->update();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: frame: at %.3f s\n", time);
+}
+
+void PlayInteraction::cancel() {
+    frames.stop();
+    stage.ended();
+    if (stage.session)
+        stage.session->endAnimation();
+    if (stage.panel)
+        stage.panel->poses().showPlaying(false);
+    if (stage.layer())
+        stage.comeToRest();
+}

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+#include "edit_fcd/bend/model/named_poses.h"
+#include "edit_fcd/bend/tool/play_interaction.h"
+
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/save_files.h>
+
+#include <QFileDialog>
+#include <QMessageBox>
+
+// What the panel does with poses that have names.
+
+void BendTool::connectPoses() {
+    BendPoseBox *box = &panel->poses();
+    when(box, &BendPoseBox::command, [this](int which) { onPoseCommand(which); });
+    const BendPoseList *list = &box->list();
+    when(list, &BendPoseList::begins, [this] {
+        if (session && !drag() && !preparing)
+            session->change();
+    });
+    when(list, &BendPoseList::weighted, [this](int row, double percent) {
+        changePoses([&] {
+            std::vector<double> weights = weightsOfPoses(session->state());
+            weights[std::size_t(row)] = percent;
+            showBlend(weights);
+        });
+    });
+    when(list, &BendPoseList::chosen, [this](int row) {
+        changePoses([&] {
+            session->change();
+            std::vector<double> weights(weightsOfPoses(session->state()).size(), 0);
+            weights[std::size_t(row)] = 100;
+            showBlend(weights);
+        });
+    });
+    when(list, &BendPoseList::renamed, [this](int row, const QString &name) {
+        later([=] { // once the list has done with it: this may ask
+            changePoses([&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
+        });
+    });
+    when(list, &BendPoseList::removed, [this](int row) {
+        changePoses([&] {
+            session->change();
+            session->removePose(std::size_t(row));
+            solve(true);
+        });
+    });
+    const BendKeyList *frames = &box->keys();
+    when(frames, &BendKeyList::chosen, [this](int row) {
+        changePoses([&] {
+            session->change();
+            showBlend(keyFrames(session->state())[std::size_t(row)].weight);
+        });
+    });
+    when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
+        changePoses([&] {
+            session->change();
+            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
+            frames[std::size_t(row)].time = time;
+            frames[std::size_t(row)].easing = vcg::fcd::Easing(easing);
+            session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
+        });
+    });
+    when(frames, &BendKeyList::removed, [this](int row) {
+        changePoses([&] {
+            session->change();
+            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
+            frames.erase(frames.begin() + row);
+            session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
+        });
+    });
+}
+
+/// Does something to the poses, if that can be done now; the panel shows what there is.
+void BendTool::changePoses(const std::function<void()> &change) {
+    hint.clear();
+    guarded([&] {
+        if (isForPanel())
+            change();
+    });
+    later([this] { // not in the midst of the list's own events
+        refresh();
+        if (view)
+            view->update();
+    });
+}
+
+/// A pose gets a name. If another one has it, that can be replaced, which undo takes back.
+void BendTool::renamePose(std::size_t number, const std::string &name) {
+    const std::optional<std::size_t> other = poseOfName(session->state(), name, number);
+    if (!other) {
+        session->change();
+        session->setPoses(renamed(*session->state().poses, number, name));
+        return;
+    }
+    const auto poses = session->state().poses;
+    const bool isWanted =
+        QMessageBox::question(view->window(), "Replace pose",
+                              "There is a pose '" + QString::fromStdString(name) +
+                                  "' already. Does this one take its place?",
+                              QMessageBox::Yes | QMessageBox::No, QMessageBox::Yes) == QMessageBox::Yes;
+    if (!isReady() || session->state().poses != poses)
+        return;
+    if (!isWanted)
+        throw vcg::fcd::Error("The name '" + name + "' is that of another pose, which stays.");
+    session->change();
+    session->replacePose(*other, number);
+    solve(true);
+    say("The pose '" + name + "' is another one now. Undo takes that back.");
+}
+
+void BendTool::showBlend(const std::vector<double> &weights) {
+    session->blend(weights);
+    showOptions();
+    solve(true);
+}
+
+void BendTool::onPoseCommand(int which) {
+    const QString kinds = "Tables of poses (*.csv)";
+    const bool wasPlaying = going && going->isEndedByAll();
+    if (!isForPanel())
+        return;
+    hint.clear();
+    switch (which) {
+    case BendPoseBox::Keep: {
+        session->change();
+        const std::string call = session->keepPose();
+        say("The layer keeps the pose. In a script, once it is at rest: " + call);
+        solve(true);
+        refresh();
+        panel->poses().list().nameLast();
+        break;
+    }
+    case BendPoseBox::Load: {
+        const QString file = QFileDialog::getOpenFileName(view->window(), "Load poses", QString(), kinds);
+        if (file.isEmpty() || !isReady())
+            return;
+        session->change();
+        session->loadPoses(file);
+        refresh();
+        break;
+    }
+    case BendPoseBox::Save: {
+        const vcg::fcd::PoseSequence poses = expectPoses(session->state());
+        const QString file = fileToSave(*view, "Save poses", kinds, {".csv"});
+        if (file.isEmpty() || !isReady())
+            return;
+        saveFiles({{file, PoseSequenceText(poses)}});
+        say("Saved the poses as " + file.toStdString() + ".");
+        break;
+    }
+    case BendPoseBox::KeyFrame:
+        session->change();
+        session->setPoses(withKeyFrame(session->state(), isMoved(session->model())));
+        refresh();
+        break;
+    case BendPoseBox::Play:
+        if (!wasPlaying) // else it was stopped by the press
+            goOn<PlayInteraction>().begin();
+        break;
+    }
+    view->update();
+}
+
+void BendTool::showPoses() {
+    const auto poses = session->state().poses ? session->state().poses->pose : std::vector<vcg::fcd::NamedPose>();
+    const std::vector<double> weights = weightsOfPoses(session->state());
+    std::vector<BendPoseRow> rows;
+    rows.reserve(poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
+    panel->poses().list().show(rows);
+    std::vector<BendKeyRow> frames;
+    for (const vcg::fcd::KeyFrame &each : keyFrames(session->state())) {
+        QStringList shown;
+        for (std::size_t i = 0; i < each.weight.size(); ++i)
+            if (each.weight[i] != 0)
+                shown << rows[i].name + (each.weight[i] == 100 ? "" : QString(" %1 %").arg(each.weight[i], 0, 'g', 4));
+        frames.push_back({each.time, int(each.easing), shown.empty() ? "at rest" : shown.join(", ")});
+    }
+    panel->poses().keys().show(frames);
+}

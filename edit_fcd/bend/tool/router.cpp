@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/bend_tool.h"
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
+#include "edit_fcd/bend/tool/line_interaction.h"
+#include "edit_fcd/bend/tool/mark_interaction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+// The mouse: to what goes on, or else to what it begins, or to the camera.
+
+/// Hands an event on to the camera.
+void BendTool::toCamera(QMouseEvent *event) {
+    isCamera = event->type() != QEvent::MouseButtonRelease;
+    ::toCamera(*view, event);
+}
+
+void BendTool::press(QMouseEvent *event) {
+    sinceEvent.start();
+    hint.clear();
+    isClicked = false;
+    mouse = event->localPos();
+    if (preparing) {
+        if (event->button() == Qt::RightButton)
+            preparing.cancel();
+        return;
+    }
+    if (going && going->press(*event))
+        return;
+    if (!isPlain(*event) || !isReady()) {
+        toCamera(event);
+        return;
+    }
+    if (!begin())
+        toCamera(event);
+    refresh();
+    view->update();
+    if (panel->mode() == BendPanel::Line && std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: click: %d vertices, %d points, since the event %.1f ms\n", model->cm.vn,
+                     int(session->state().line.size()), double(sinceEvent.nsecsElapsed()) / 1e6);
+}
+
+/// Begins what a press in this mode begins. \return false where that is nothing
+bool BendTool::begin() {
+    switch (panel->mode()) {
+    case BendPanel::Bend: return grab();
+    case BendPanel::Line:
+        if (goOn<LineInteraction>().begin())
+            return true;
+        going.reset();
+        return false;
+    case BendPanel::Brush:
+        if (!pick())
+            return false;
+        goOn<MarkInteraction>(BendMarking::Brush).begin();
+        return true;
+    case BendPanel::Rectangle: goOn<MarkInteraction>(BendMarking::Rectangle).begin(); return true;
+    case BendPanel::Polyline: goOn<MarkInteraction>(BendMarking::Polygon).begin(); return true;
+    }
+    return false;
+}
+
+/// What is marked quickly is marked; else the view turns about the place under the mouse from then on, as the host has
+/// it, and the handle that the first click was about to make is none.
+void BendTool::doubleClick(QMouseEvent *event) {
+    if (panel->mode() != BendPanel::Bend && event->button() == Qt::LeftButton) {
+        if (!going || !going->doubleClick())
+            press(event);
+        return;
+    }
+    if (drag())
+        return;
+    if (preparing) {
+        preparing.cancel();
+    } else if (isClicked && layer()) {
+        session->cancel();
+        showOverlay();
+        solve(true);
+        refresh();
+    }
+    isClicked = false;
+    toHost(*view, event);
+}
+
+/// Whether the mouse, which has moved or was released, is for the layer, and not for the camera.
+bool BendTool::isForLayer(QMouseEvent *event) {
+    mouse = event->localPos();
+    const bool isForCamera = isCamera; // a release ends that
+    if (isForCamera)
+        toCamera(event);
+    return !isForCamera && layer();
+}
+
+void BendTool::move(QMouseEvent *event) {
+    sinceEvent.start();
+    if (!isForLayer(event) || preparing)
+        return;
+    if (going)
+        going->move(*event);
+    else if (panel && panel->mode() == BendPanel::Brush)
+        view->update();
+    else if (panel && panel->mode() == BendPanel::Bend && event->buttons() == Qt::NoButton)
+        hover();
+}
+
+void BendTool::release(QMouseEvent *event) {
+    if (isForLayer(event) && going)
+        going->release();
+}
+
+void BendTool::turnWheel(QWheelEvent *event) {
+    const double steps = event->angleDelta().y() / 120.0;
+    if (going && session && going->turnWheel(steps))
+        return;
+    if (panel && panel->mode() == BendPanel::Bend && event->modifiers() == Qt::ControlModifier && isReady() &&
+        changeRim(std::pow(1.1, steps))) {
+        view->update();
+    } else if (panel && panel->mode() == BendPanel::Brush && event->modifiers() == Qt::NoModifier) {
+        panel->setBrush(int(std::lround(panel->brush() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
+        view->update();
+    } else {
+        toHost(*view, event);
+    }
+}
+
+/// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
+bool BendTool::changeRim(double times) {
+    findMouse();
+    const auto [tag, found] = placeAtMouse();
+    const auto &marks = session->state().marks;
+    if (!tag && !(found && marks && (*marks)[*found] == 0))
+        return false;
+    const std::size_t slot = found.value_or(0); // of what is fixed, where there is no handle
+    // A way of the wheel is one step of undo.
+    if (!sinceRim.isValid() || sinceRim.hasExpired(1000))
+        session->change();
+    sinceRim.start();
+    const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
+    const double before = tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()),
+                 rim = std::min(std::max(before * times, least), most);
+    if (tag)
+        session->setRadius(tag, rim);
+    else
+        session->setRimAt(slot, rim);
+    const double percent = 100 * rim / session->diagonal();
+    const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
+    hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
+                           : "%1: nothing else is held within %2 % of the diagonal.")
+               .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("What is fixed here"))
+               .arg(isPoint ? percent : gapOfRadius * percent, 0, 'f', 1);
+    showOverlay();
+    solve(true);
+    refresh();
+    return true;
+}
+
+/// What is under the mouse lights up.
+void BendTool::hover() {
+    const std::optional<GizmoPart> part = partAtMouse();
+    const Place place = part ? Place() : placeAtMouse();
+    const bool isBegin = beginsByKey(place);
+    if (place.tag == hovered && part == lit && isBegin == keysBegin)
+        return;
+    hovered = place.tag;
+    lit = part;
+    keysBegin = isBegin;
+    panel->showState(stateText());
+    view->update();
+}
+
+/// Begins to drag what is under the mouse. \return false where there is nothing to drag
+bool BendTool::grab() {
+    if (const std::optional<GizmoPart> part = partAtMouse()) {
+        beginDrag({selected(), 0, *part, false});
+        return true;
+    }
+    const Place place = placeAtMouse();
+    if (!place.tag && !place.slot)
+        return false;
+    if (place.slot && !isFree(session->state(), *place.slot)) {
+        hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
+        return false;
+    }
+    beginDrag({place.tag, place.slot.value_or(0), {}, false});
+    return true;
+}
+
+void BendTool::beginDrag(const DragInteraction::Grip &grip) {
+    if (grip.tag && handleOf(session->state(), grip.tag).isLocked)
+        throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
+    DragInteraction &begun = goOn<DragInteraction>();
+    try {
+        begun.begin(grip);
+    } catch (...) {
+        if (going.get() == &begun)
+            ended();
+        throw;
+    }
+}

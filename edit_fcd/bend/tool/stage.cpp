@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/stage.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+// How a layer that is bent is solved and shown, and what is done beside the window for that.
+
+MeshModel *BendStage::layer() const {
+    if (!view || !view->md() || !session)
+        return nullptr;
+    MeshModel *found = view->md()->getMesh(layerId);
+    return found == model && session->fits() ? found : nullptr;
+}
+
+void BendStage::showHint() {
+    if (panel)
+        panel->showState(hint);
+}
+
+void BendStage::step() {
+    if (going)
+        going->step();
+}
+
+int BendStage::tagToMark() const {
+    return panel->tag() >= 2 && session->state().motion.count(panel->tag()) ? session->model().influence.unusedTag()
+                                                                            : panel->tag();
+}
+
+void BendStage::takeNewHandle() const {
+    if (const int tag = tagToMark(); tag != panel->tag())
+        panel->setRole(BendPanel::Handle, tag);
+}
+
+void BendStage::takeMarks() {
+    session->endMarks(panel->radius() * session->diagonal());
+    if (panel->tag() >= 2)
+        active = panel->tag();
+    showOverlay();
+    solve(true);
+}
+
+// --- what is shown ---
+
+void BendStage::showVertices(bool full) {
+    if (!layer())
+        return;
+    isPainted = false;
+    if (moving) {
+        moving->move(session->tags());
+        if (!full) {
+            view->update();
+            return;
+        }
+    }
+    display->updateShape(full || display->showsFaces());
+    if (colors->isStretch(*session))
+        showOverlay();
+    else
+        overlay->move();
+}
+
+/// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
+/// it writes that list anew.)
+void BendStage::showChanged() {
+    if (isShownChanged && model->meshModified())
+        return;
+    model->setMeshModified();
+    host::showLayers(*view);
+    isShownChanged = true;
+}
+
+/// Shows the marks, or the stretch.
+void BendStage::showOverlay() {
+    if (!layer())
+        return;
+    const std::vector<vcg::Color4b> color = colors->of(*session);
+    if (color.empty())
+        overlay->hide();
+    else
+        overlay->show(model->cm, color);
+    view->update();
+}
+
+/// What has moved step by step is solved to the end. \pre there is a layer
+void BendStage::comeToRest() {
+    display->rest();
+    solve(true);
+    refresh();
+    view->update();
+}
+
+void BendStage::solve(bool full) {
+    QElapsedTimer watch;
+    watch.start();
+    BendSession::Times times;
+    try {
+        times = session->pose(full, display->showsFaces());
+    } catch (...) {
+        session->restore();
+        isLive = false;
+        showVertices(true);
+        throw;
+    }
+    isLive = !full;
+    if (full && isMoved(session->model()))
+        showChanged();
+    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    showVertices(full);
+    const double took = double(watch.nsecsElapsed()) / 1e6;
+    if (!full)
+        milliseconds = took; // of a step
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(
+            stderr,
+            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
+            "since the event %.1f ms\n",
+            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
+            took - solved, took, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+}
+
+// --- beside the window ---
+
+void BendStage::beside(const QString &what, const Job::Work &work, std::function<void()> done,
+                       std::function<void()> stopped) {
+    preparingWhat = what;
+    whenPrepared = std::move(done);
+    whenStopped = std::move(stopped);
+    session->beginBeside();
+    if (model->cm.vn <= preparedAtOnce) {
+        try {
+            work({});
+        } catch (...) {
+            stopPreparing();
+            throw;
+        }
+        whenDone();
+        return;
+    }
+    preparing.begin(work, [this](const std::exception_ptr &thrown) {
+        restFromPreparing();
+        guarded([&] {
+            if (!thrown && (!layer() || session->isUpToDate())) {
+                whenDone();
+                return;
+            }
+            stopPreparing(); // what something else has made of the layer stays
+            if (!thrown)
+                throw vcg::fcd::Error("Something else has changed the layer meanwhile: what was begun is not done.");
+            try {
+                std::rethrow_exception(thrown);
+            } catch (const vcg::fcd::Cancelled &) { // a person knows
+            }
+        });
+    });
+    view->setCursor(Qt::BusyCursor);
+    every(preparingTimer, [this] { refresh(); });
+    preparingTimer.start(100);
+    refresh();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
+                     sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+}
+
+void BendStage::whenDone() {
+    if (!layer())
+        return;
+    session->endBeside();
+    const std::function<void()> done = std::move(whenPrepared); // which may begin other work
+    done();
+}
+
+/// The window looks as if nothing was being done.
+void BendStage::restFromPreparing() {
+    preparingTimer.stop();
+    if (view)
+        view->unsetCursor();
+}
+
+void BendStage::stopPreparing() {
+    if (preparing) {
+        preparing.stop(); // waits for it
+        restFromPreparing();
+    }
+    const std::function<void()> stopped = std::move(whenStopped);
+    if (!layer())
+        return;
+    session->endBeside();
+    if (stopped)
+        stopped();
+    refresh();
+    view->update();
+}

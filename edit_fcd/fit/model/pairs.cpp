@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/point_tree.h> // these before Qt
+#include <vcg_ext/base/words.h>
+#include <vcg_ext/handles/handle_file.h>
+
+#include "edit_fcd/fit/model/pairs.h"
+
+#include <layer_fcd/layer_labels.h>
+#include <layer_fcd/layer_matrix.h>
+#include <layer_fcd/picked_points.h>
+#include <layer_fcd/point_sources.h>
+#include <layer_fcd/save_files.h>
+
+#include <QFile>
+
+using vcg::fcd::Error;
+
+namespace {
+
+const std::size_t mostBytes = 100000000; // of a file
+
+QByteArray bytesOf(const QString &file) {
+    return QByteArray::fromStdString(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes));
+}
+
+bool isPicked(const QString &file) { return file.endsWith(".pp", Qt::CaseInsensitive); }
+
+/// How far the points of a .pp file are from a layer, the mean.
+double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file) {
+    const std::vector<Eigen::Vector3d> points = readActivePoints(bytesOf(file), inQuotes(file));
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    std::vector<Eigen::Vector3d> vertices;
+    for (std::size_t i = 0; i < layer.cm.vert.size(); ++i)
+        if (!layer.cm.vert[i].IsD())
+            vertices.push_back(world * toVector(rest[i]));
+    const vcg::fcd::PointTree<double> tree(vertices);
+    double sum = 0;
+    for (const Eigen::Vector3d &p : points)
+        sum += (vertices[std::size_t(tree.Nearest(p))] - p).norm();
+    return points.empty() ? 0 : sum / double(points.size());
+}
+
+/// The names of the pairs of a file, or of two: of picked points those of the first ends, in a list what follows # in a
+/// line with a pair; empty where there is none.
+std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
+    std::vector<std::string> names;
+    if (isPicked(file)) {
+        const std::vector<std::string> all = namesOfPickedPoints(bytesOf(file), inQuotes(file));
+        for (std::size_t i = 0; i < all.size(); i += isOfPairs ? 2 : 1)
+            names.push_back(all[i]);
+        return names;
+    }
+    for (const QByteArray &line : bytesOf(file).split('\n')) {
+        const int at = line.indexOf('#');
+        const QByteArray numbers = (at < 0 ? line : line.left(at)).trimmed();
+        if (!numbers.isEmpty() && QByteArray("+-.0123456789").contains(numbers[0]))
+            names.push_back(at < 0 ? "" : line.mid(at + 1).trimmed().toStdString());
+    }
+    return names;
+}
+
+} // namespace
+
+std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, const QStringList &files) {
+    QString own = files[0], other = files.size() == 2 ? files[1] : QString();
+    if (isPicked(own) && isPicked(other) && farFrom(layer, rest, other) < farFrom(layer, rest, own))
+        std::swap(own, other);
+    const std::vector<vcg::fcd::PointHandle> read = readPointHandles(layer, rest, own, other);
+    std::vector<std::string> names = namesIn(own, other.isEmpty());
+    names.resize(read.size());
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    std::vector<FitPair> pairs;
+    pairs.reserve(read.size());
+    for (std::size_t i = 0; i < read.size(); ++i)
+        pairs.push_back({names[i].empty() ? std::to_string(i + 1) : names[i], read[i].vertex, world * read[i].target});
+    return pairs;
+}
+
+void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<FitPair> &pairs, const QString &file) {
+    expectSavable(pairs);
+    std::vector<std::size_t> number(layer.cm.vert.size()); // files count live vertices
+    std::size_t live = 0;
+    for (std::size_t i = 0; i < number.size(); ++i)
+        number[i] = layer.cm.vert[i].IsD() ? live : live++;
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    std::vector<std::pair<std::string, Eigen::Vector3d>> points;
+    std::string list = "# vertex, x, y, z of its place on the target # name\n";
+    for (const FitPair &each : pairs) {
+        if (!each.slot || !each.place)
+            continue; // never: all are whole
+        const std::size_t slot = *each.slot;
+        const Eigen::Vector3d place = *each.place;
+        points.emplace_back(each.name, world * toVector(rest[slot]));
+        points.emplace_back(each.name, place);
+        list += vcg::fcd::detail::ToText(number[slot]);
+        for (int d = 0; d < 3; ++d)
+            list += ", " + vcg::fcd::detail::ToText(place[d]);
+        list += " # " + each.name + "\n";
+    }
+    saveFiles({{file, isPicked(file) ? pickedPointsText(points).toStdString() : list}});
+}
+
+void expectSavable(const std::vector<FitPair> &pairs) {
+    if (pairs.empty())
+        throw Error("There is no pair of landmarks to be saved.");
+    expectWhole(pairs);
+}
+
+void expectWhole(const std::vector<FitPair> &pairs) {
+    for (const FitPair &each : pairs)
+        if (!each.isWhole())
+            throw Error("The pair '" + each.name +
+                        "' is on one layer only. Click its point on the other one, or remove the pair.");
+}

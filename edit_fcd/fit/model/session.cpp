@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_start.h> // before Qt
+
+#include "edit_fcd/fit/model/session.h"
+#include "edit_fcd/shape/applies.h"
+
+#include <layer_fcd/layer_contents.h>
+#include <layer_fcd/layer_normals.h>
+#include <layer_fcd/marks.h>
+#include <layer_fcd/pose_in_place.h>
+#include <layer_fcd/tag_sources.h>
+
+#include <vcg/complex/algorithms/update/bounding.h>
+
+#include <algorithm>
+
+using vcg::fcd::Error;
+using vcg::fcd::FitStart;
+
+FitSession::FitSession(MeshDocument &document, MeshModel &layer)
+    : document(document), layer(layer), rest(layer), hasDirections(::hasDirections(layer)) {
+    keepRest();
+    HandleParam param;
+    param.source = HandleParam::Known;
+    for (const int tag : readTags(layer, param))
+        isFree = isFree && tag == 1;
+}
+
+void FitSession::keepRest() {
+    rest.keep();
+    know();
+    shapeAtRest = rest.known();
+    followFitter.reset();
+    followFit.reset();
+    lastPull.reset();
+    shownPull.reset();
+    isLeft = false;
+}
+
+bool FitSession::isUpToDate() const {
+    Eigen::Matrix4d present;
+    layer.cm.Tr.ToEigenMatrix(present);
+    return rest.fits() && present == rest.world().matrix() && rest.isAsKnown();
+}
+
+void FitSession::resume(const FitState &state) {
+    now = state;
+    now.shape = FitShape::Rest;
+    now.applies = 0;
+}
+
+Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
+    return rest.world() * toVector(layer.cm.vert[slot].cP());
+}
+
+// --- changes ---
+
+bool FitSession::undo() {
+    const FitState from = now;
+    if (!history.undo(now) || now.applies == from.applies)
+        return !(now == from);
+    // The rest shape of then; what led beyond it is gone.
+    restore();
+    history.forgetUndone();
+    if (!goBackTo(layer, applied[now.applies])) {
+        now = from;
+        history.forget([](const FitState &) { return true; });
+        return false;
+    }
+    applied.resize(now.applies);
+    keepRest();
+    return true;
+}
+
+void FitSession::addPair(std::size_t slot) {
+    int number = int(now.pairs.size()) + 1;
+    const auto isTaken = [&](const std::string &name) {
+        return std::any_of(now.pairs.begin(), now.pairs.end(), [&](const FitPair &p) { return p.name == name; });
+    };
+    while (isTaken(std::to_string(number)))
+        ++number;
+    now.pairs.push_back({std::to_string(number), {}, {}});
+    try {
+        setSource(now.pairs.size() - 1, slot);
+    } catch (...) {
+        now.pairs.pop_back();
+        throw;
+    }
+}
+
+void FitSession::setSource(std::size_t pair, std::size_t slot) {
+    for (std::size_t i = 0; i < now.pairs.size(); ++i)
+        if (i != pair && now.pairs[i].slot == slot)
+            throw Error("The pair '" + now.pairs[i].name +
+                        "' is at that vertex already. Drag its point elsewhere, or "
+                        "click another place.");
+    now.pairs[pair].slot = slot;
+}
+
+void FitSession::setTarget(std::size_t pair, const Eigen::Vector3d &place) { now.pairs[pair].place = place; }
+
+void FitSession::rename(std::size_t pair, const std::string &name) {
+    if (!name.empty())
+        now.pairs[pair].name = name;
+}
+
+void FitSession::remove(std::size_t pair) { now.pairs.erase(now.pairs.begin() + std::ptrdiff_t(pair)); }
+
+void FitSession::load(const QStringList &files) { now.pairs = loadPairs(layer, rest.positions().data(), files); }
+
+void FitSession::save(const QString &file) const { savePairs(layer, rest.positions().data(), now.pairs, file); }
+
+// --- the shape ---
+
+std::vector<vcg::fcd::Landmark> FitSession::landmarks() const {
+    std::vector<vcg::fcd::Landmark> landmarks;
+    for (const FitPair &each : now.pairs)
+        if (each.slot && each.place) // the filter reads places into the layer's own units
+            landmarks.push_back({*each.slot, rest.world() * (rest.world().inverse() * *each.place)});
+    return landmarks;
+}
+
+FitStart FitSession::start(bool byLandmarksOnly) const {
+    const FitStart wanted = now.options.start;
+    if (!isFree || (wanted == FitStart::TriedAxes && byLandmarksOnly))
+        return FitStart::AsItLies;
+    if (wanted == FitStart::Rigid || wanted == FitStart::Similar) {
+        std::vector<Eigen::Vector3d> places;
+        for (const vcg::fcd::Landmark &each : landmarks())
+            places.emplace_back(rest.world() * rest.at(each.vertex));
+        // Near a line, how far it turns about that is what clicks are off by: about a hundredth of the length, which
+        // is six degrees at a tenth of it.
+        const double leastAcross = 0.1;
+        if (!(vcg::fcd::AcrossALine(places) > leastAcross))
+            return FitStart::AsItLies;
+    }
+    return wanted;
+}
+
+FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) const {
+    FitMeshParam param;
+    param.target = &target;
+    param.handles.source = HandleParam::Known;
+    param.landmarks = landmarks();
+    param.landmarksOnly = landmarksOnly;
+    param.fit.linear = hasDirections;
+    param.fit.smoothness = asTyped(param.fit.smoothness); // as a host hands it over to a filter
+    param.fit.start = start(landmarksOnly);
+    if (!landmarksOnly) {
+        param.fit.stiffness = asTyped(now.options.stiffness);
+        if (now.options.largestDistance > 0)
+            param.fit.largestDistance = asTyped(now.options.largestDistance);
+    }
+    return param;
+}
+
+bool FitSession::isPrepared() const { return landmarks().empty() || (followFitter && followStart == start(true)); }
+
+std::shared_ptr<const LayerFit> FitSession::beginPreparing() {
+    FitMeshParam param = paramFor(layer, true);
+    param.target = nullptr;
+    param.fit.judgesLandmarks = false; // it is to follow them at once
+    return std::make_shared<const LayerFit>(document, layer, param, Remark(), vcg::fcd::Progress(),
+                                            rest.positions().data(), rest.normals().data());
+}
+
+void FitSession::finishPreparing(std::shared_ptr<const LayerFit> fit, std::shared_ptr<const vcg::fcd::Fitter> fitter) {
+    followFitter = std::move(fitter);
+    followFit = std::move(fit);
+    followStart = start(true);
+}
+
+void FitSession::follow(bool full) {
+    const std::vector<vcg::fcd::Landmark> given = landmarks();
+    if (given.empty()) {
+        restore();
+        return;
+    }
+    vcg::fcd::FitReport report;
+    const vcg::fcd::Deformer::Pose pose = followFitter->Follow(given, report);
+    Prepared prepared;
+    prepared.deformer = std::shared_ptr<const vcg::fcd::Deformer>(followFitter, &followFitter->Surface());
+    rest.leave();
+    shownPull.reset();
+    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), prepared, pose);
+    know(full);
+}
+
+std::shared_ptr<LayerFit> FitSession::beginPull(const MeshModel &target) {
+    expectWhole(now.pairs);
+    return std::make_shared<LayerFit>(document, layer, paramFor(target, false), Remark(), vcg::fcd::Progress(),
+                                      rest.positions().data(), rest.normals().data());
+}
+
+void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const FittedSurface> fitted) {
+    lastPull = std::move(fitted);
+    pulledFrom = now;
+    pulledOnto = target.id();
+}
+
+const FittedSurface *FitSession::pulled(const MeshModel &target) const {
+    const bool isThat =
+        lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() && pulledFrom.options == now.options &&
+        pulledFrom.pairs.size() == now.pairs.size() &&
+        std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
+                   [](const FitPair &a, const FitPair &b) { return a.slot == b.slot && a.place == b.place; });
+    return isThat ? lastPull.get() : nullptr;
+}
+
+void FitSession::showPulled() {
+    rest.leave();
+    shownPull = lastPull;
+    forVertices(layer.cm,
+                [&](std::size_t i) { layer.cm.vert[i].P() = toPoint(lastPull->result.position.col(Eigen::Index(i))); });
+    know(true);
+}
+
+/// The layer has been given a shape.
+void FitSession::know(bool full) {
+    if (full && layer.cm.fn > 0)
+        computeBoxAndNormals(layer.cm);
+    else if (full)
+        vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
+    know();
+}
+
+void FitSession::know() {
+    rest.know();
+    isLeft = false;
+}
+
+void FitSession::restore() {
+    rest.restore();
+    shownPull.reset();
+    know();
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FIT_SESSION_H
+#define FCD_FIT_SESSION_H
+
+#include "edit_fcd/shape/rest_guard.h" // these before Qt
+#include "edit_fcd/fit/model/pairs.h"
+#include "edit_fcd/kit/history.h"
+
+#include <layer_fcd/layer_fitter.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What a layer that is fitted shows.
+enum class FitShape { Rest, Landmarks, Pulled };
+
+/// What the panel sets.
+struct FitOptions {
+    double stiffness = 1;
+    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
+    double largestDistance = 0;                             ///< world units; 0: no limit
+
+    bool operator==(const FitOptions &other) const {
+        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance;
+    }
+};
+
+/// What is undone and redone.
+struct FitState {
+    std::vector<FitPair> pairs;
+    FitOptions options;
+    FitShape shape = FitShape::Rest;
+    std::size_t applies = 0; ///< in place, since the session began: each made the shape of then the rest shape
+
+    bool operator==(const FitState &other) const {
+        return pairs == other.pairs && options == other.options && shape == other.shape && applies == other.applies;
+    }
+};
+
+/// A layer while it is fitted to another one: its rest shape, the pairs of landmarks, and the shape that they, or the
+/// target, give it. Knows nothing of mouse and screen. The layer shows that shape while this is there; restore() ends
+/// that.
+class FitSession {
+  public:
+    /// The present shape of \p layer becomes the rest shape. \throw vcg::fcd::Error tags that make no sense, or a
+    /// matrix without an inverse
+    FitSession(MeshDocument &document, MeshModel &layer);
+    FitSession(const FitSession &) = delete;
+    FitSession &operator=(const FitSession &) = delete;
+
+    /// Whether the layer is where this has left it, with the positions and normals that it got here.
+    bool isUpToDate() const;
+    /// Whether a shape, as shapeOf tells it, is the rest shape, or the one that the layer was given last.
+    bool isOfShape(std::uint64_t shape) const { return shape == shapeAtRest || shape == rest.known(); }
+    const FitState &state() const { return now; }
+    /// Takes up a state of an earlier session of the same layer.
+    void resume(const FitState &state);
+    std::uint64_t restShape() const { return shapeAtRest; } ///< as shapeOf tells it
+    double diagonal() const { return rest.diagonal(); }
+
+    Eigen::Vector3d positionOf(std::size_t slot) const; ///< of a vertex, as it is shown; world
+    /// Whether the pair that was begun last waits for its place on the target.
+    bool waitsForTarget() const { return !now.pairs.empty() && !now.pairs.back().place; }
+
+    // --- changes; each begins with change(), which undo() takes back ---
+
+    void change() { history.begin(now); }
+    bool undo(); ///< \return whether there was something
+    bool redo() { return history.redo(now); }
+    void addPair(std::size_t slot);
+    /// \throw vcg::fcd::Error another pair is at that vertex
+    void setSource(std::size_t pair, std::size_t slot);
+    void setTarget(std::size_t pair, const Eigen::Vector3d &place);
+    void rename(std::size_t pair, const std::string &name);
+    void remove(std::size_t pair);
+    void setPairs(std::vector<FitPair> pairs) { now.pairs = std::move(pairs); }
+    void setOptions(const FitOptions &options) { now.options = options; }
+    void setShape(FitShape shape) { now.shape = shape; }
+    /// \throw vcg::fcd::Error
+    void load(const QStringList &files);
+    void save(const QString &file) const;
+
+    // --- the shape ---
+
+    /// Whether follow() needs no preparing.
+    bool isPrepared() const;
+    /// What prepares the layer to follow its landmarks, to be run beside the window; then finishPreparing().
+    std::shared_ptr<const LayerFit> beginPreparing();
+    void finishPreparing(std::shared_ptr<const LayerFit> fit, std::shared_ptr<const vcg::fcd::Fitter> fitter);
+    /// Shows the surface as it follows its landmarks; at rest where there are none. \pre isPrepared()
+    /// \param full with the normals of faces and the bounding box \throw vcg::fcd::Error
+    void follow(bool full);
+
+    /// What pulls the layer onto \p target, to be run beside the window; then finishPull(). \throw vcg::fcd::Error
+    std::shared_ptr<LayerFit> beginPull(const MeshModel &target);
+    void finishPull(const MeshModel &target, std::shared_ptr<const FittedSurface> fitted);
+    /// The last pull, if it is that of the present state; else null.
+    const FittedSurface *pulled(const MeshModel &target) const;
+    void showPulled();
+
+    /// The rest shape, to the bit.
+    void restore();
+
+    // --- what stays ---
+
+    /// The layer keeps the shape that it shows. It stays a pose of the rest shape, which FCD: Reset Pose gives back,
+    /// and the session goes on if the layer isUpToDate(). \return false: it was at rest, or has kept the shape before
+    bool leave();
+    /// \throw vcg::fcd::Error nothing is fitted that could be applied
+    void expectFitted(const MeshModel &target) const;
+    /// The layer keeps the shape that it shows, which is its rest shape from now on. \return the filter call that makes
+    /// the same in a new layer \throw vcg::fcd::Error nothing is fitted
+    std::string applyInPlace(const MeshModel &target);
+    /// The layer is at rest, and new layers have the shape; one of them is the current layer. \return the filter call
+    std::string applyToNewLayer(const MeshModel &target, bool graphLayers, const Remark &remark);
+
+  private:
+    void keepRest();
+    vcg::fcd::FitStart start(bool byLandmarksOnly) const;
+    std::vector<vcg::fcd::Landmark> landmarks() const;
+    FitMeshParam paramFor(const MeshModel &target, bool landmarksOnly) const;
+    std::shared_ptr<const FittedSurface> fittedNow(const MeshModel &target);
+    std::string filterCall(const MeshModel &target, bool graphLayers) const;
+    void know(bool full);
+    void know();
+
+    MeshDocument &document;
+    MeshModel &layer;
+    RestGuard rest;
+    std::uint64_t shapeAtRest = 0; ///< as shapeOf tells it
+    bool isLeft = false;           ///< the layer has what leave() gave it
+    bool isFree = true;            ///< nothing is fixed, and there is no handle
+    bool hasDirections = false;    ///< as FitParam::linear
+
+    FitState now;
+    History<FitState> history{1000};    // each is some pairs
+    std::vector<std::uint64_t> applied; ///< the rest shapes of before each apply
+
+    std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
+    std::shared_ptr<const vcg::fcd::Fitter> followFitter;
+    vcg::fcd::FitStart followStart = vcg::fcd::FitStart::AsItLies;
+
+    std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< that the layer shows; null: it shows none
+    FitState pulledFrom;
+    int pulledOnto = -1; ///< number of the layer
+};
+
+#endif

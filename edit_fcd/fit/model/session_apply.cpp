@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/model/session.h"
+
+#include "edit_fcd/shape/script_call.h"
+
+#include <layer_fcd/marks.h>
+#include <layer_fcd/tag_sources.h>
+
+// What stays of a fit.
+
+using vcg::fcd::Error;
+
+void FitSession::expectFitted(const MeshModel &target) const {
+    if (now.shape == FitShape::Rest)
+        throw Error("Nothing is fitted yet: place pairs, or press 'Pull', then apply.");
+    expectWhole(now.pairs);
+    if (now.shape == FitShape::Pulled && !pulled(target))
+        throw Error("The pull is not done yet: wait until it is, or cancel it.");
+}
+
+std::shared_ptr<const FittedSurface> FitSession::fittedNow(const MeshModel &target) {
+    expectFitted(target);
+    if (now.shape == FitShape::Pulled)
+        return lastPull;
+    return std::make_shared<const FittedSurface>(
+        LayerFit(document, layer, paramFor(target, true), Remark(), {}, rest.positions().data(), rest.normals().data())
+            .solve(false, {}));
+}
+
+std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) const {
+    const FitMeshParam defaults, param = paramFor(target, now.shape == FitShape::Landmarks);
+    const Scalarm stiffness = Scalarm(param.fit.stiffness), largest = Scalarm(param.fit.largestDistance);
+    ScriptCall call("generate_fcd_fitted_mesh");
+    call.with("target_layer", target.id());
+    if (!now.pairs.empty())
+        call.with("landmarks_file", std::string("pairs.csv")); // as 'Save pairs' writes them
+    if (mayHaveTags(layer) && !hasTags(layer))
+        call.with("handles", 4); // none
+    call.with("landmarks_only", param.landmarksOnly, false)
+        .with("start", int(param.fit.start), int(defaults.fit.start))
+        .with("stiffness", stiffness, Scalarm(defaults.fit.stiffness));
+    if (!param.landmarksOnly && now.options.largestDistance > 0)
+        call.with("largest_distance", largest);
+    return call.with("graph_layers", graphLayers, true).end() +
+           (now.pairs.empty() ? "" : ", once 'Save pairs' has written pairs.csv");
+}
+
+bool FitSession::leave() {
+    followFitter.reset();
+    followFit.reset();
+    now.shape = shownPull ? FitShape::Pulled : rest.isPosed() ? FitShape::Landmarks : FitShape::Rest;
+    if (!rest.isPosed() || isLeft)
+        return false;
+    const RestGuard::Shown shown = rest.shown();
+    const std::shared_ptr<const FittedSurface> pull = shownPull;
+    restore();
+    if (pull)
+        poseFitted(document, layer, *pull);
+    else
+        poseAs(
+            document, layer, [&](std::size_t i) { return shown[i].first; },
+            [&](std::size_t i, const Point3m &) { return shown[i].second; });
+    rest.leave();
+    know();
+    shownPull = pull;
+    isLeft = true;
+    return true;
+}
+
+std::string FitSession::applyInPlace(const MeshModel &target) {
+    const std::shared_ptr<const FittedSurface> fitted = fittedNow(target);
+    const std::string call = filterCall(target, false);
+    restore();
+    applied.resize(now.applies);
+    applied.push_back(shapeAtRest);
+    poseFitted(document, layer, *fitted);
+    ++now.applies;
+    now.shape = FitShape::Rest;
+    keepRest();
+    return call;
+}
+
+std::string FitSession::applyToNewLayer(const MeshModel &target, bool graphLayers, const Remark &remark) {
+    const std::shared_ptr<const FittedSurface> fitted = fittedNow(target);
+    const std::string call = filterCall(target, graphLayers);
+    restore();
+    FitMeshParam param = paramFor(target, now.shape == FitShape::Landmarks);
+    param.graphLayers = graphLayers;
+    now.shape = FitShape::Rest;
+    addFitted(document, layer, *fitted, param, remark, {});
+    return call;
+}

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/panel/panel.h"
+
+#include "edit_fcd/view/distance_colors.h"
+#include "edit_fcd/kit/tool_window.h"
+
+#include <cmath>
+
+#include <QFormLayout>
+#include <QGridLayout>
+#include <QHBoxLayout>
+#include <QSignalBlocker>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+namespace {
+
+// Of the slider: from 0.01 to 100, in hundredths of a power of ten.
+const int mostStiff = 200;
+
+double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
+
+} // namespace
+
+FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
+    setObjectName("fcdFitPanel");
+    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
+    auto *content = new QWidget;
+    auto *column = new QVBoxLayout(content);
+    column->setContentsMargins(6, 4, 6, 4);
+    column->setSpacing(5);
+    addLayers(*column);
+    state = new PanelState(52);
+    column->addWidget(state);
+    addPairs(*column);
+    addShape(*column);
+    addCommands(*column);
+    column->addStretch();
+    setScrolled(*this, *content);
+    for (QWidget *widget : std::initializer_list<QWidget *>{targets, start, stiffness, distance, graphs})
+        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
+    showProgress(-1);
+    showLegend(0);
+    tracePlaces(*this);
+}
+
+QPushButton *FitPanel::button(const char *name, const QString &text, const QString &tip, Command which) {
+    auto *made = new QPushButton(text);
+    made->setObjectName(name);
+    made->setToolTip(tip);
+    made->setFocusPolicy(Qt::NoFocus);
+    connect(made, &QPushButton::clicked, this, [this, which] { emit command(which); });
+    return made;
+}
+
+/// A row of buttons of which one is pressed.
+static QButtonGroup *choiceOf(QObject *owner, QBoxLayout &row,
+                              const std::vector<std::array<const char *, 3>> &namesTextsTips) {
+    auto *group = new QButtonGroup(owner);
+    for (std::size_t i = 0; i < namesTextsTips.size(); ++i) {
+        auto *made = new QToolButton;
+        made->setObjectName(namesTextsTips[i][0]);
+        made->setText(namesTextsTips[i][1]);
+        made->setToolTip(namesTextsTips[i][2]);
+        made->setCheckable(true);
+        made->setFocusPolicy(Qt::NoFocus);
+        group->addButton(made, int(i));
+        row.addWidget(made);
+    }
+    row.addStretch();
+    group->button(0)->setChecked(true);
+    return group;
+}
+
+void FitPanel::addLayers(QBoxLayout &column) {
+    auto *form = new QFormLayout;
+    form->setVerticalSpacing(3);
+    targets = new QComboBox;
+    targets->setObjectName("target");
+    targets->setToolTip("The layer that the current one is laid onto");
+    connect(targets, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::targetChosen);
+    form->addRow("Target", targets);
+    auto *row = new QHBoxLayout;
+    seenButtons = choiceOf(this, *row,
+                           {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked"},
+                            {"both", "Both", "Shows this layer and the target (2)"},
+                            {"source", "This", "Shows this layer alone (3)"},
+                            {"other", "Target", "Shows the target alone (4)"}});
+    connect(seenButtons, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::seenChosen);
+    seenButtons->button(InTurn)->setToolTip("Shows the layer whose turn it is to be clicked (1)");
+    form->addRow("Show", row);
+    column.addLayout(form);
+}
+
+void FitPanel::addPairs(QBoxLayout &column) {
+    list = new FitPairList;
+    list->setObjectName("pairs");
+    column.addWidget(list);
+    auto *row = new QHBoxLayout;
+    row->setSpacing(3);
+    row->addWidget(button("load", "Load pairs ...",
+                          "A list (.csv) or picked points (.pp) with both ends of each pair, or the picked points of "
+                          "both layers with the same names: choose two files",
+                          Load));
+    row->addWidget(button("save", "Save pairs ...",
+                          "As a list (.csv) or picked points (.pp), as 'FCD: Fit to Layer' reads them", Save));
+    row->addWidget(button("clear", "Clear", "Removes all pairs", Clear));
+    column.addLayout(row);
+}
+
+void FitPanel::addShape(QBoxLayout &column) {
+    auto *row = new QHBoxLayout;
+    shapes = choiceOf(this, *row,
+                      {{"rest", "As it was", "This layer as it is without a fit (Backspace)"},
+                       {"follow", "By the pairs", "This layer as the pairs take it, as rigidly as possible"},
+                       {"pull", "Pull onto the target", "This layer laid onto the target, with the pairs kept (P)"}});
+    connect(shapes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::shapeChosen);
+    column.addLayout(row);
+    auto *working = new QHBoxLayout;
+    progress = new QProgressBar;
+    progress->setTextVisible(false);
+    progress->setFixedHeight(14);
+    cancel = button("cancel", "Cancel", "Stops the pull (Esc)", Cancel);
+    working->addWidget(progress);
+    working->addWidget(cancel);
+    column.addLayout(working);
+    auto *form = new QFormLayout;
+    form->setVerticalSpacing(3);
+    auto *stiff = new QHBoxLayout;
+    stiffness = new QSlider(Qt::Horizontal);
+    stiffness->setObjectName("stiffness");
+    stiffness->setRange(-mostStiff, mostStiff);
+    stiffness->setToolTip("How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths "
+                          "over noise and holes");
+    stiffnessText = new QLabel("1");
+    stiffnessText->setMinimumWidth(36);
+    stiff->addWidget(stiffness);
+    stiff->addWidget(stiffnessText);
+    form->addRow("Stiffness", stiff);
+    connect(stiffness, &QSlider::valueChanged, this, [this](int place) {
+        stiffnessText->setText(QString::number(stiffnessAt(place), 'g', 3));
+        emit optionsChanged();
+    });
+    start = new QComboBox;
+    start->setObjectName("start");
+    start->addItems({"As the layers lie", "Moved by the pairs", "Moved and scaled by the pairs", "Axes tried out"});
+    start->setCurrentIndex(int(FitOptions().start));
+    start->setToolTip(
+        "What happens first to all of this layer. By pairs: where there are three of them, not on a line; "
+        "axes: when it is pulled");
+    connect(start, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
+    form->addRow("Start", start);
+    largest = new NumberBox;
+    largest->setObjectName("largest");
+    largest->setDecimals(4);
+    largest->setRange(0, 1e9);
+    largest->setSpecialValueText("no limit");
+    largest->setToolTip("What is farther than this from the target has no counterpart there");
+    connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
+    form->addRow("Largest distance", largest);
+    column.addLayout(form);
+    distance = new QCheckBox("Show distance");
+    distance->setObjectName("distance");
+    distance->setToolTip("Colours this layer, once it is pulled, by how far it is from the target; grey has no "
+                         "counterpart there");
+    connect(distance, &QCheckBox::toggled, this, &FitPanel::distanceToggled);
+    column.addWidget(distance);
+    legend = new QLabel;
+    legend->setObjectName("legend");
+    column.addWidget(legend);
+}
+
+void FitPanel::addCommands(QBoxLayout &column) {
+    auto *grid = new QGridLayout;
+    grid->setSpacing(3);
+    grid->addWidget(button("undo", "Undo", "Undo, also over applies in place (Ctrl+Z)", Undo), 0, 0);
+    grid->addWidget(button("redo", "Redo", "Redo (Ctrl+Shift+Z)", Redo), 0, 1);
+    grid->addWidget(button("inplace", "Apply in place",
+                           "This layer keeps the shape, and the next fit begins from it (Ctrl+Enter)", ApplyInPlace),
+                    1, 0);
+    grid->addWidget(button("newlayer", "Apply to new layer",
+                           "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)", ApplyToNewLayer),
+                    1, 1);
+    graphs = new QCheckBox("with graph layers");
+    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
+    grid->addWidget(graphs, 2, 1);
+    column.addLayout(grid);
+}
+
+void FitPanel::showTargets(const std::vector<std::pair<int, QString>> &layers, int chosen) {
+    const QSignalBlocker blocked(targets);
+    targets->clear();
+    for (const auto &[number, label] : layers)
+        targets->addItem(label, number);
+    targets->setCurrentIndex(targets->findData(chosen));
+}
+
+int FitPanel::target() const { return targets->currentIndex() < 0 ? -1 : targets->currentData().toInt(); }
+
+FitOptions FitPanel::options() const {
+    FitOptions options;
+    options.stiffness = stiffnessAt(stiffness->value());
+    options.start = vcg::fcd::FitStart(start->currentIndex());
+    options.largestDistance = largest->value();
+    return options;
+}
+
+void FitPanel::showOptions(const FitOptions &options) {
+    const QSignalBlocker blocked(this);
+    stiffness->setValue(int(std::lround(100 * std::log10(options.stiffness))));
+    start->setCurrentIndex(int(options.start));
+    largest->setValue(options.largestDistance);
+}
+
+void FitPanel::showLegend(double most) {
+    QString text;
+    for (int i = 0; i < 5 && most > 0; ++i) {
+        const vcg::Color4b color = colorOfDistance(i / 4.0);
+        text += QString("<span style='background: rgb(%1, %2, %3); color: %4'>&nbsp;%5&nbsp;</span>")
+                    .arg(color[0])
+                    .arg(color[1])
+                    .arg(color[2])
+                    .arg(i == 0 || i == 4 ? "white" : "black", QString::number(most * i / 4, 'g', 2));
+    }
+    if (most > 0)
+        text += "<span style='background: rgb(150, 150, 150); color: black'>&nbsp;none&nbsp;</span>";
+    legend->setText(text);
+}
+
+void FitPanel::showProgress(int percent) {
+    progress->setEnabled(percent >= 0);
+    cancel->setEnabled(percent >= 0);
+    progress->setValue(std::max(0, percent));
+}
+
+#include "edit_fcd/fit/panel/moc_panel.cpp" // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FIT_PANEL_H
+#define FCD_FIT_PANEL_H
+
+#include "edit_fcd/fit/model/session.h" // before Qt
+
+#include "edit_fcd/fit/panel/pair_list.h"
+#include "edit_fcd/kit/tool_list.h"
+
+#include <QButtonGroup>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QSlider>
+
+class QBoxLayout;
+
+/// The panel of the tool FCD: Fit: shows and sets, and decides nothing.
+class FitPanel : public QDockWidget {
+    Q_OBJECT
+
+  public:
+    /// Which layers are seen: the one whose turn it is to be clicked, or as chosen.
+    enum Seen { InTurn, Both, Source, Target };
+    enum Command { Load, Save, Clear, Undo, Redo, Cancel, ApplyInPlace, ApplyToNewLayer };
+
+    explicit FitPanel(QWidget *parent);
+
+    /// Shows the layers that there are to fit onto. \param chosen one of their numbers, or -1
+    void showTargets(const std::vector<std::pair<int, QString>> &layers, int chosen);
+    int target() const; ///< number of a layer, -1: none
+    Seen seen() const { return Seen(seenButtons->checkedId()); }
+    void setSeen(Seen which) { seenButtons->button(which)->setChecked(true); }
+    FitOptions options() const;
+    void showOptions(const FitOptions &options);
+    FitShape shape() const { return FitShape(shapes->checkedId()); }
+    void showShape(FitShape shape) { shapes->button(int(shape))->setChecked(true); }
+    bool showsDistance() const { return distance->isChecked(); }
+    bool graphLayers() const { return graphs->isChecked(); }
+
+    void showState(const QString &text) { state->say(text); }
+    /// \param most the distance that is red, 0: none is shown
+    void showLegend(double most);
+    /// \param percent of work that goes on, -1: none does
+    void showProgress(int percent);
+    FitPairList &pairs() { return *list; }
+
+  signals:
+    void targetChosen();
+    void seenChosen();
+    void shapeChosen();
+    void optionsChanged();
+    void distanceToggled();
+    void command(int which);
+
+  private:
+    void addLayers(QBoxLayout &column);
+    void addPairs(QBoxLayout &column);
+    void addShape(QBoxLayout &column);
+    void addCommands(QBoxLayout &column);
+    QPushButton *button(const char *name, const QString &text, const QString &tip, Command which);
+
+    QComboBox *targets, *start;
+    QButtonGroup *seenButtons, *shapes;
+    QSlider *stiffness;
+    PanelState *state;
+    QLabel *stiffnessText, *legend;
+    QDoubleSpinBox *largest;
+    QCheckBox *distance, *graphs;
+    QProgressBar *progress;
+    QPushButton *cancel;
+    FitPairList *list;
+};
+
+#endif

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/tool/fit_tool.h"
+
+#include "edit_fcd/view/layer_ray.h"
+
+#include <QFileDialog>
+
+// Mouse, keys, and what the panel is told.
+
+using vcg::fcd::Error;
+
+// --- the mouse ---
+
+void FitTool::press(QMouseEvent *event) {
+    hint.clear();
+    mouse = pressed = event->localPos();
+    const bool plain = event->button() == Qt::LeftButton && event->modifiers() == Qt::NoModifier && !isCamera;
+    if (plain && isReady()) {
+        dragged = endAt(*session, marks(), seen, windowOfMouse().head<2>());
+        if (dragged) {
+            session->change();
+            selected = int(dragged->pair);
+            display->move();
+            refresh();
+            view->update();
+            return;
+        }
+    }
+    isClick = plain; // unless the mouse moves before it is released: then it is the camera's
+    isCamera = true;
+    toCamera(*view, event);
+}
+
+void FitTool::move(QMouseEvent *event) {
+    mouse = event->localPos();
+    if (isCamera) {
+        if ((mouse - pressed).manhattanLength() > 4)
+            isClick = false;
+        toCamera(*view, event);
+    } else if (dragged) {
+        requestStep();
+    }
+}
+
+void FitTool::release(QMouseEvent *event) {
+    mouse = event->localPos();
+    if (isCamera) {
+        isCamera = false;
+        toCamera(*view, event);
+        if (isClick && isReady())
+            click();
+        isClick = false;
+    } else if (dragged) {
+        const std::size_t pair = dragged->pair;
+        guarded([&] { dragTo(); });
+        const bool isWhole = session->state().pairs[pair].isWhole();
+        dragged.reset();
+        isStepWanted = false;
+        display->rest();
+        if (isWhole && session->state().shape == FitShape::Rest)
+            session->setShape(FitShape::Landmarks);
+        if (isWhole)
+            reshape(true);
+    }
+    refresh();
+}
+
+/// Gives one end of a pair the place that is seen there. \return whether there is one \throw vcg::fcd::Error
+bool FitTool::place(bool isTarget) {
+    const Eigen::Vector2d window = windowOfMouse().head<2>();
+    const MeshModel &on = isTarget ? expectedTarget() : *model;
+    const std::optional<LayerHit> hit = hitLayer(on, seen, window);
+    if (!hit) {
+        hint = "There is nothing of " + on.label() + " at that place.";
+        return false;
+    }
+    if (!dragged)
+        session->change();
+    if (dragged && isTarget)
+        session->setTarget(dragged->pair, hit->place);
+    else if (dragged)
+        session->setSource(dragged->pair, hit->slot);
+    else if (isTarget)
+        session->setTarget(session->state().pairs.size() - 1, hit->place);
+    else
+        session->addPair(hit->slot);
+    return true;
+}
+
+/// A place for the layer whose turn it is.
+void FitTool::click() {
+    const bool isTarget = isTurnOfTarget();
+    if (!isTarget)
+        expectedTarget();
+    if (!place(isTarget))
+        return;
+    selected = int(session->state().pairs.size()) - 1;
+    if (isTarget) {
+        if (session->state().shape == FitShape::Rest)
+            session->setShape(FitShape::Landmarks);
+        reshape(true);
+    }
+    showLayers();
+}
+
+/// A step of a drag. Where it cannot go, that is told once the drag ends.
+void FitTool::step() {
+    try {
+        dragTo();
+    } catch (const Error &e) {
+        hint = e.what();
+        refresh();
+    }
+}
+
+/// The end that is dragged is where the mouse is; beside its layer, it stays where it was.
+void FitTool::dragTo() {
+    if (!dragged || !layer())
+        return;
+    const FitEnd which = *dragged;
+    const FitPair before = session->state().pairs[which.pair];
+    if (!place(which.isTarget) || session->state().pairs[which.pair] == before)
+        return;
+    if (session->state().pairs[which.pair].isWhole())
+        reshape(false);
+    view->update();
+}
+
+// --- the keys ---
+
+bool FitTool::takesEvent(QEvent &event) {
+    if (!session || view->suspendedEditor)
+        return false;
+    if (event.type() == QEvent::Enter)
+        view->setFocus();                           // keys belong to what is under the mouse
+    if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
+        const ActionTable::Row *key = fitActions().of(static_cast<QKeyEvent &>(event));
+        if (key && (key->action != FitAction::Cancel || work)) { // Esc is the host's where there is nothing to cancel
+            event.accept();
+            return true;
+        }
+    }
+    if (event.type() != QEvent::MouseButtonDblClick)
+        return false;
+    guarded([&] { press(static_cast<QMouseEvent *>(&event)); }); // two clicks, and not the host's
+    return true;
+}
+
+void FitTool::pressKey(QKeyEvent *event) {
+    const ActionTable::Row *key = fitActions().of(*event);
+    if (!key || !layer() || !panel) {
+        event->ignore();
+        return;
+    }
+    event->accept();
+    hint.clear();
+    if (!dragged)
+        act(key->action);
+    refresh();
+    if (view)
+        view->update();
+}
+
+void FitTool::act(int key) {
+    switch (key) {
+    case FitAction::Undo: onCommand(FitPanel::Undo); break;
+    case FitAction::Redo: onCommand(FitPanel::Redo); break;
+    case FitAction::Cancel: onCommand(FitPanel::Cancel); break;
+    case FitAction::ApplyInPlace: onCommand(FitPanel::ApplyInPlace); break;
+    case FitAction::ApplyToNew: onCommand(FitPanel::ApplyToNewLayer); break;
+    case FitAction::InTurn: setSeen(FitPanel::InTurn); break;
+    case FitAction::Both: setSeen(FitPanel::Both); break;
+    case FitAction::Source: setSeen(FitPanel::Source); break;
+    case FitAction::Target: setSeen(FitPanel::Target); break;
+    case FitAction::Remove:
+        if (!isReady() || selected < 0 || selected >= int(session->state().pairs.size()))
+            break;
+        session->change();
+        session->remove(std::size_t(selected));
+        selected = -1;
+        reshape(true);
+        showLayers();
+        break;
+    case FitAction::Reset:
+    case FitAction::Pull:
+        if (!isReady())
+            break;
+        session->change();
+        session->setShape(key == FitAction::Reset ? FitShape::Rest : FitShape::Pulled);
+        if (key == FitAction::Pull && panel->seen() == FitPanel::InTurn)
+            setSeen(FitPanel::Both);
+        reshape(true);
+        break;
+    }
+}
+
+// --- the panel ---
+
+/// The surface follows the slider once it rests for a moment.
+void FitTool::onOptions() {
+    if (!isReady())
+        return;
+    session->change();
+    session->setOptions(panel->options());
+    if (session->state().shape != FitShape::Rest)
+        optionsTimer.start(150);
+}
+
+void FitTool::onCommand(int which) {
+    hint.clear();
+    if (which == FitPanel::Cancel) {
+        if (!work)
+            return;
+        stopWork();
+        if (session->state().shape == FitShape::Pulled && !(target() && session->pulled(*target()))) {
+            session->setShape(FitShape::Landmarks);
+            reshape(true);
+        }
+        return;
+    }
+    if (!isReady() || dragged)
+        return;
+    switch (which) {
+    case FitPanel::Load:
+    case FitPanel::Save: chooseFiles(which == FitPanel::Load); break;
+    case FitPanel::Clear:
+        session->change();
+        session->setPairs({});
+        selected = -1;
+        reshape(true);
+        showLayers();
+        break;
+    case FitPanel::Undo:
+    case FitPanel::Redo:
+        stopWork();
+        if (which == FitPanel::Undo ? session->undo() : session->redo()) {
+            selected = -1;
+            panel->showOptions(session->state().options);
+            reshape(true);
+            showLayers();
+        }
+        break;
+    case FitPanel::ApplyInPlace:
+    case FitPanel::ApplyToNewLayer: apply(which == FitPanel::ApplyInPlace); break;
+    }
+}
+
+void FitTool::chooseFiles(bool load) {
+    const QString kinds = "Lists and picked points (*.csv *.pp)";
+    if (load) {
+        const QStringList files = QFileDialog::getOpenFileNames(view->window(), "Load pairs", QString(), kinds);
+        if (files.size() > 2)
+            hint = "Choose one file with pairs, or the picked points (.pp) of both layers.";
+        if (files.empty() || files.size() > 2 || !isReady())
+            return;
+        session->change();
+        session->load(files);
+        selected = -1;
+        if (session->state().shape == FitShape::Rest)
+            session->setShape(FitShape::Landmarks);
+        reshape(true);
+        showLayers();
+    } else {
+        expectSavable(session->state().pairs);
+        const QString file = fileToSave(*view, "Save pairs", kinds, {".csv", ".pp"});
+        if (file.isEmpty() || !isReady())
+            return;
+        session->save(file);
+        say("Saved the pairs as " + file.toStdString() + ".");
+    }
+}
+
+void FitTool::apply(bool inPlace) {
+    const MeshModel &onto = expectedTarget();
+    const auto tell = [this](const std::string &call) { say("In a script: " + call); };
+    session->expectFitted(onto);
+    stopWork(); // that would go on with the shape of before
+    session->change();
+    if (inPlace) {
+        tell(session->applyInPlace(onto));
+        showVertices(true);
+        showDistances();
+        return;
+    }
+    wasVisible.erase(layerId); // the new layer is seen in its place
+    const Remark remark = [this](const std::string &line) { say(line); };
+    applyToNewLayer([&] { tell(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
+}

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/tool/fit_tool.h"
+
+#include "edit_fcd/view/distance_colors.h"
+
+#include <algorithm>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+// What the tool shows: which layers, and the shape that it gives the one.
+
+FitTool::FitTool(QAction *action) : LayerTool(action) {
+    every(progressTimer, [this] { refresh(); });
+    optionsTimer.setSingleShot(true);
+    every(optionsTimer, [this] { reshape(true); });
+}
+
+void FitTool::showHint() {
+    if (panel)
+        panel->showState(hint);
+}
+
+// --- what is seen ---
+
+bool FitTool::isTurnOfTarget() const { return session && session->waitsForTarget(); }
+
+FitMarks FitTool::marks() const {
+    FitMarks marks;
+    const FitPanel::Seen which = panel ? panel->seen() : FitPanel::Both;
+    marks.showsSource = which == FitPanel::Both || which == FitPanel::Source ||
+                        (which == FitPanel::InTurn && (!isTurnOfTarget() || !target()));
+    marks.showsTarget =
+        which == FitPanel::Both || which == FitPanel::Target || (which == FitPanel::InTurn && !marks.showsSource);
+    marks.selected = selected;
+    return marks;
+}
+
+void FitTool::setSeen(FitPanel::Seen which) {
+    panel->setSeen(which);
+    showLayers();
+}
+
+void FitTool::showLayers() {
+    if (!layer())
+        return;
+    const FitMarks shown = marks();
+    bool isChanged = false;
+    const auto set = [&](MeshModel *each, bool visible) {
+        const bool before = host::isVisible(*each);
+        wasVisible.emplace(each->id(), before);
+        if (before != visible) {
+            host::setVisible(*each, visible);
+            isChanged = true;
+        }
+    };
+    set(model, shown.showsSource);
+    if (MeshModel *other = target())
+        set(other, shown.showsTarget);
+    if (isChanged)
+        host::showChanges(*view->md());
+    view->update();
+}
+
+void FitTool::showVertices(bool full) {
+    if (!layer())
+        return;
+    display->updateShape(full || display->showsFaces());
+    overlay->move();
+    isPainted = false;
+}
+
+void FitTool::showDistances() {
+    if (!layer() || !panel)
+        return;
+    double most = 0;
+    std::vector<vcg::Color4b> colors;
+    const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
+    if (fitted) {
+        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond, nothing is a counterpart
+        for (std::size_t i = 0; i < fitted->distance.size(); ++i)
+            colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
+    }
+    if (colors.empty())
+        overlay->hide();
+    else
+        overlay->show(model->cm, colors);
+    panel->showLegend(most);
+    view->update();
+}
+
+void FitTool::draw() {
+    beginDraw();
+    if (!layer())
+        return;
+    if (marks().showsSource)
+        overlay->draw(model->cm);
+    drawPairs(*session, marks());
+}
+
+QString FitTool::stateText() const {
+    if (isSuspended)
+        return "The mouse is the camera's: Esc gives it back.";
+    if (!hint.isEmpty())
+        return hint;
+    if (!target())
+        return "Open a scan as another layer: this one is laid onto it.";
+    const auto bold = [](const MeshModel &each, const char *color) {
+        return QString("<b style='color: %1'>%2</b>").arg(color, each.label().toHtmlEscaped());
+    };
+    QString text = isTurnOfTarget() ? "Click the same point on " + bold(*target(), "#d0700a") + "."
+                                    : "Click a point on " + bold(*model, "#2d6eeb") + ", then the same one on " +
+                                          bold(*target(), "#d0700a") + ". Drag a point to move it.";
+    if (work)
+        return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
+    if (const FittedSurface *fitted = session->pulled(*target()))
+        text += QString("<br>%1 % lie on the target, off by %2 (rms).")
+                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
+                    .arg(fitted->report.rms, 0, 'g', 2);
+    return text;
+}
+
+void FitTool::refresh() {
+    if (!panel || !session)
+        return;
+    panel->showProgress(work ? work.percent() : -1);
+    panel->showState(stateText());
+    panel->showShape(session->state().shape);
+    std::vector<FitPairRow> rows;
+    const std::vector<FitPair> &pairs = session->state().pairs;
+    rows.reserve(pairs.size());
+    for (const FitPair &each : pairs)
+        rows.push_back({QString::fromStdString(each.name), each.slot.has_value(), each.place.has_value()});
+    panel->pairs().show(rows, selected);
+}
+
+// --- work beside the window ---
+
+void FitTool::begin(Job::Work what, std::function<void()> done) {
+    stopWork();
+    work.begin(std::move(what), [this, done = std::move(done)](const std::exception_ptr &thrown) {
+        progressTimer.stop();
+        guarded([&] {
+            try {
+                if (thrown)
+                    std::rethrow_exception(thrown);
+                done();                             // which may begin other work
+            } catch (const vcg::fcd::Cancelled &) { // nothing has changed
+            }
+        });
+        guarded([&] { refresh(); });
+    });
+    progressTimer.start(100);
+    refresh();
+}
+
+void FitTool::stopWork() {
+    work.stop(); // waits for it
+    progressTimer.stop();
+    isFollowWanted = false;
+}
+
+// --- the shape ---
+
+/// Shows the shape that the state tells. \param full otherwise in the midst of a drag
+void FitTool::reshape(bool full) {
+    if (!layer())
+        return;
+    stopWork();
+    switch (full ? session->state().shape : FitShape::Landmarks) {
+    case FitShape::Rest:
+        session->restore();
+        showVertices(true);
+        showDistances();
+        break;
+    case FitShape::Landmarks: follow(full); break;
+    case FitShape::Pulled: {
+        const MeshModel &onto = expectedTarget();
+        if (session->pulled(onto)) {
+            session->showPulled();
+            showVertices(true);
+            showDistances();
+            break;
+        }
+        const auto fit = session->beginPull(onto);
+        const auto fitted = std::make_shared<FittedSurface>();
+        begin([fit, fitted](const vcg::fcd::Progress &progress) { *fitted = std::move(*fit).solve(true, progress); },
+              [this, fit, fitted] { whenPulled(fit, fitted); });
+        break;
+    }
+    }
+}
+
+void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted) {
+    if (!layer() || !target())
+        return;
+    session->finishPull(*target(),
+                        std::shared_ptr<const FittedSurface>(
+                            fitted.get(), [fit, fitted](const FittedSurface *) {})); // with what it refers to
+    session->showPulled();
+    showVertices(true);
+    showDistances();
+    if (fitted->report.matched < 0.3) // then most of the shape is a guess
+        say("Only a small part of the layer has a counterpart on the target: place pairs first, or raise the largest "
+            "distance.",
+            true);
+    for (const std::string &remark : fitted->report.Remarks())
+        say(remark, true);
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: pulled: %d vertices, rms %g, matched %g\n", model->cm.vn, fitted->report.rms,
+                     fitted->report.matched);
+}
+
+void FitTool::follow(bool full) {
+    if (!session->isPrepared()) {
+        const auto fit = session->beginPreparing();
+        const auto fitter = std::make_shared<std::shared_ptr<const vcg::fcd::Fitter>>();
+        begin([fit, fitter](const vcg::fcd::Progress &progress) { *fitter = fit->prepare(progress); },
+              [this, fit, fitter] {
+                  isFollowWanted = false;
+                  if (!layer())
+                      return;
+                  session->finishPreparing(fit, *fitter);
+                  follow(!dragged);
+              });
+        isFollowWanted = true;
+        return;
+    }
+    QElapsedTimer watch;
+    watch.start();
+    session->follow(full);
+    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    showVertices(full);
+    showDistances();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: follow: %d vertices, solve and write %.1f, in all %.1f ms\n", model->cm.vn,
+                     solved, double(watch.nsecsElapsed()) / 1e6);
+}
+
+#include "edit_fcd/fit/tool/moc_fit_tool.cpp" // NOLINT(bugprone-suspicious-include)

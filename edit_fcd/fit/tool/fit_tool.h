@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FIT_TOOL_H
+#define FCD_FIT_TOOL_H
+
+#include "edit_fcd/fit/model/session.h" // before Qt
+
+#include "edit_fcd/kit/job_runner.h"
+#include "edit_fcd/fit/tool/overlay.h"
+#include "edit_fcd/fit/panel/actions.h"
+#include "edit_fcd/fit/panel/panel.h"
+#include "edit_fcd/kit/layer_tool.h"
+#include "edit_fcd/kit/tool_window.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <QElapsedTimer>
+#include <QPointF>
+#include <QPointer>
+#include <QTimer>
+
+/// FCD: Fit: turns mouse and keys in a view, and what the panel is told, into pairs of landmarks and the shape of a
+/// FitSession, and shows it.
+class FitTool : public LayerTool {
+    Q_OBJECT
+
+  public:
+    explicit FitTool(QAction *action);
+
+    bool start(MeshDocument &document, GLArea *view) override;
+    void changeLayer(MeshDocument &document, GLArea *view) override;
+    void draw() override;
+    void press(QMouseEvent *event) override;
+    void move(QMouseEvent *event) override;
+    void release(QMouseEvent *event) override;
+    void turnWheel(QWheelEvent *event) override { toHost(*view, event); }
+    void pressKey(QKeyEvent *event) override;
+
+  private:
+    bool takesEvent(QEvent &event) override;
+    void refresh() override;
+    void showHint() override;
+    void forgetDocument() override { left.clear(); }
+    void step() override;
+
+    MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
+    MeshModel *target() const; ///< null when there is none
+    MeshModel &expectedTarget() const;
+    void open(MeshModel &model);
+    void leave();
+    void close() override;
+    bool isReady();
+    void makePanel();
+    void showTargets();
+    void onTarget();
+    void onOptions();
+    void onCommand(int which);
+    void apply(bool inPlace);
+    void act(int key);
+
+    void chooseFiles(bool load);
+    void click();
+    void dragTo();
+    bool place(bool isTarget);
+    bool isTurnOfTarget() const;
+    FitMarks marks() const;
+
+    void reshape(bool full);
+    void follow(bool full);
+    void whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted);
+    void begin(Job::Work work, std::function<void()> done);
+    void stopWork();
+
+    void showVertices(bool full) override;
+    void showDistances();
+    void showLayers();
+    void setSeen(FitPanel::Seen which);
+    QString stateText() const;
+
+    QPointer<FitPanel> panel;
+    int targetId = -1;
+    std::unique_ptr<FitSession> session;
+    std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
+    std::map<int, bool> wasVisible;                  ///< of the layers that are shown or hidden here, by their number
+
+    QPointF pressed;
+    std::optional<FitEnd> dragged;
+    int selected = -1; ///< pair
+    bool isClick = false;
+    JobRunner work{this};
+    bool isFollowWanted = false; ///< once the layer is prepared
+    QTimer progressTimer, optionsTimer;
+};
+
+#endif

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/tool/fit_tool.h"
+
+// Which layer the tool works on, from when to when, and what its panel does.
+
+using vcg::fcd::Error;
+
+MeshModel *FitTool::layer() const {
+    if (!view || !view->md() || !session)
+        return nullptr;
+    MeshModel *found = view->md()->getMesh(layerId);
+    return found == model && found->cm.vn > 0 ? found : nullptr;
+}
+
+MeshModel *FitTool::target() const {
+    MeshModel *found = view && view->md() ? view->md()->getMesh(targetId) : nullptr;
+    return found && found != model && found->cm.vn > 0 ? found : nullptr;
+}
+
+MeshModel &FitTool::expectedTarget() const {
+    MeshModel *found = target();
+    if (!found)
+        throw Error("There is no other layer to fit onto. Open the scan as another layer, or choose a target.");
+    return *found;
+}
+
+bool FitTool::start(MeshDocument &newDocument, GLArea *area) {
+    enterDocument(newDocument, area);
+    forgetGone(left);
+    if (!newDocument.mm() || newDocument.mm()->cm.vn == 0)
+        return false;
+    try {
+        open(*newDocument.mm());
+    } catch (...) {
+        close();
+        throw;
+    }
+    makePanel();
+    enterView();
+    showLayers();
+    refresh();
+    return true;
+}
+
+/// Begins with a layer, or goes on where it was left.
+void FitTool::open(MeshModel &newModel) {
+    std::unique_ptr<FitSession> before;
+    if (const auto found = left.find(newModel.id()); found != left.end()) {
+        before = std::move(found->second);
+        left.erase(found);
+    }
+    if (before && before->isUpToDate()) {
+        session = std::move(before);
+    } else {
+        session = std::make_unique<FitSession>(*view->md(), newModel);
+        if (before && before->isOfShape(session->restShape()))
+            session->resume(before->state());
+        else if (before && !before->state().pairs.empty())
+            say("The layer '" + newModel.label().toStdString() +
+                "' was changed since it was left: its pairs are gone. 'Load pairs' brings those back that were saved.");
+    }
+    enterLayer(newModel);
+    selected = -1;
+}
+
+void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
+    if (isEnding || (document.mm() && document.mm()->id() == layerId && layer())) {
+        showTargets(); // another one may have come or gone
+        return;
+    }
+    close();
+    view = area;
+    if (document.mm() && document.mm()->cm.vn > 0)
+        start(document, area);
+}
+
+/// What the layer shows is what it is, whatever comes next; what something else has made of it stays, too.
+void FitTool::leave() {
+    if (!layer())
+        return;
+    if (session->isUpToDate())
+        guarded([&] {
+            if (session->leave())
+                say("The layer '" + model->label().toStdString() +
+                    "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
+        });
+    display->rest();
+    display->updateShape(true);
+    left[layerId] = std::move(session);
+}
+
+void FitTool::close() {
+    stopWork();
+    optionsTimer.stop();
+    dragged.reset();
+    isStepWanted = isFollowWanted = false;
+    leave();
+    if (view && view->md() && !wasVisible.empty()) {
+        for (const auto &[number, visible] : wasVisible)
+            if (MeshModel *each = view->md()->getMesh(number))
+                host::setVisible(*each, visible);
+        host::showChanges(*view->md());
+    }
+    wasVisible.clear();
+    session.reset();
+    leaveView(panel);
+    panel = nullptr;
+}
+
+/// Whether there is a layer to work on; begins anew with one that something else has changed.
+bool FitTool::isReady() {
+    if (!layer())
+        return false;
+    if (session->isUpToDate())
+        return true;
+    stopWork();
+    say("Something else has changed the layer '" + model->label().toStdString() +
+            "': it is fitted from what it is now.",
+        true);
+    const std::vector<FitPair> pairs = session->state().pairs;
+    MeshModel &same = *model;
+    session.reset();
+    open(same);
+    std::vector<FitPair> stay;
+    for (const FitPair &each : pairs)
+        if (!each.slot || (*each.slot < same.cm.vert.size() && !same.cm.vert[*each.slot].IsD()))
+            stay.push_back(each);
+    session->setPairs(stay);
+    refresh();
+    return true;
+}
+
+void FitTool::makePanel() {
+    panel = new FitPanel(view->window());
+    when(panel.data(), &FitPanel::targetChosen, [this] { onTarget(); });
+    when(panel.data(), &FitPanel::seenChosen, [this] {
+        view->setFocus();
+        showLayers();
+    });
+    when(panel.data(), &FitPanel::shapeChosen, [this] {
+        later([this] { refresh(); });
+        if (!isReady())
+            return;
+        session->change();
+        session->setShape(panel->shape());
+        if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
+            setSeen(FitPanel::Both);
+        reshape(true);
+    });
+    when(panel.data(), &FitPanel::optionsChanged, [this] { onOptions(); });
+    when(panel.data(), &FitPanel::distanceToggled, [this] {
+        if (panel->showsDistance() && panel->seen() != FitPanel::Source)
+            setSeen(FitPanel::Source); // the target lies in it
+        showDistances();
+    });
+    when(panel.data(), &FitPanel::command, [this](int which) {
+        guarded([&] { onCommand(which); });
+        refresh();
+    });
+    const FitPairList *list = &panel->pairs();
+    when(list, &FitPairList::selected, [this](int row) {
+        selected = row;
+        view->update();
+    });
+    when(list, &FitPairList::renamed, [this](int row, const QString &name) {
+        later([this] { refresh(); }); // not in the midst of the list's own events
+        if (!isReady())
+            return;
+        session->change();
+        session->rename(std::size_t(row), name.trimmed().toStdString());
+    });
+    when(list, &FitPairList::removed, [this](int row) {
+        selected = row;
+        later([this] {
+            guarded([&] { act(FitAction::Remove); });
+            refresh();
+        });
+    });
+    showTargets();
+    panel->showOptions(session->state().options);
+    dockPanel(*view, *panel);
+}
+
+/// The layers that there are, with the one of before, or else the first.
+void FitTool::showTargets() {
+    if (!panel || !view || !view->md())
+        return;
+    std::vector<std::pair<int, QString>> layers;
+    for (const MeshModel *each : host::layers(*view->md()))
+        if (each != model && each->cm.vn > 0)
+            layers.emplace_back(each->id(), each->label());
+    if (!target() && !layers.empty())
+        targetId = layers.front().first;
+    panel->showTargets(layers, targetId);
+}
+
+void FitTool::onTarget() {
+    targetId = panel->target();
+    showLayers();
+    if (isReady())
+        reshape(true);
+    refresh();
+}

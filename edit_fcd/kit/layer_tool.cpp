@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/kit/layer_tool.h"
+
+void LayerTool::later(const std::function<void()> &work) {
+    QTimer::singleShot(0, this, [this, work] { guarded(work); });
+}
+
+void LayerTool::every(QTimer &timer, const std::function<void()> &work) {
+    timer.disconnect(this);
+    timer.callOnTimeout(this, [this, &timer, work] {
+        if (!guarded(work))
+            timer.stop();
+    });
+}
+
+void LayerTool::say(const std::string &text, bool warning) {
+    if (!view)
+        return;
+    view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER,
+              (action->text().toStdString() + ": " + plainForLog(text)).c_str());
+    if (!warning)
+        return;
+    hint = QString::fromStdString(text);
+    showHint();
+}
+
+void LayerTool::requestStep() {
+    isStepWanted = true;
+    if (isPainted)
+        takeStep();
+}
+
+void LayerTool::takeStep() {
+    if (!isStepWanted)
+        return;
+    isStepWanted = false;
+    step();
+}
+
+void LayerTool::beginDraw() {
+    isPainted = true;
+    if (view && view->suspendedEditor != isSuspended) {
+        isSuspended = view->suspendedEditor;
+        later([this] { refresh(); });
+    }
+    seen = viewNow();
+    if (isStepWanted)
+        later([this] { takeStep(); });
+}
+
+void LayerTool::enterDocument(MeshDocument &newDocument, GLArea *area) {
+    close();
+    isEnding = false;
+    view = area;
+    if (document == &newDocument)
+        return;
+    document = &newDocument;
+    when(document.data(), &QObject::destroyed, [this](QObject *) { forgetDocument(); });
+}
+
+bool LayerTool::eventFilter(QObject *object, QEvent *event) {
+    bool isTaken = false;
+    if (view && object == view)
+        guarded([&] { isTaken = takesEvent(*event); });
+    return isTaken || HostEditTool::eventFilter(object, event);
+}
+
+void LayerTool::enterView() {
+    view->installEventFilter(this);
+    when(view.data(), &QObject::destroyed, [this](QObject *) { close(); });
+    view->setFocus();
+    // The host takes a layer for changed as soon as a tool has begun with it.
+    later([this, layer = layerId, isChanged = model->meshModified()] {
+        MeshModel *same = view && view->md() && layer == layerId ? view->md()->getMesh(layer) : nullptr;
+        if (same)
+            same->setMeshModified(isChanged);
+    });
+}
+
+void LayerTool::leaveView(QDockWidget *panel) {
+    display.reset();
+    overlay.reset();
+    model = nullptr;
+    layerId = -1;
+    if (panel)
+        panel->deleteLater();
+    if (!view)
+        return;
+    view->removeEventFilter(this);
+    disconnect(view, &QObject::destroyed, this, nullptr);
+    view->setMouseTracking(false);
+    view->unsetCursor();
+}
+
+void LayerTool::enterLayer(MeshModel &newModel) {
+    model = &newModel;
+    layerId = newModel.id();
+    display = std::make_unique<DisplayState>(*view, newModel);
+    overlay = std::make_unique<LayerOverlay>();
+}
+
+void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn) {
+    isEnding = true; // another layer becomes the current one
+    try {
+        apply();
+    } catch (...) {
+        isEnding = false;
+        showVertices(true);
+        throw;
+    }
+    // The host shows new layers when a tool ends, and they have no buffers before that.
+    close();
+    later([this, goesOn] {
+        action->trigger();
+        if (!view || !view->md() || !view->md()->mm())
+            return;
+        host::showTextures(*view, *view->md()->mm());
+        view->md()->mm()->setMeshModified(); // no file has it
+        if (goesOn)
+            action->trigger();
+    });
+}
+
+#include "edit_fcd/kit/moc_layer_tool.cpp" // NOLINT(bugprone-suspicious-include)

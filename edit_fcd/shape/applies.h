@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_APPLIES_H
+#define FCD_APPLIES_H
+
+#include <layer_fcd/rest_shape.h> // before Qt
+
+#include <algorithm>
+
+/// \file
+/// Undo over applies: a layer keeps the rest shapes of before them, as far as RestShape does.
+
+/// A rest shape of before, as shapeOf tells it, is that of the layer again, and what it shows. \return false: it is not
+/// kept, and nothing has changed
+inline bool goBackTo(MeshModel &layer, std::uint64_t shape) {
+    if (!RestShape::exists(layer))
+        return false;
+    RestShape shapes(layer);
+    const std::vector<std::uint64_t> kept = shapes.shapes();
+    const auto place = std::find(kept.begin(), kept.end(), shape);
+    if (place == kept.end())
+        return false;
+    shapes.backTo(std::size_t(place - kept.begin()));
+    shapes.restore();
+    return true;
+}
+
+/// From which apply on the shapes of before are kept. \param shapeBefore each of \p applies
+template <class ShapeBefore>
+std::size_t firstKept(MeshModel &layer, std::size_t applies, const ShapeBefore &shapeBefore) {
+    if (applies == 0 || !RestShape::exists(layer))
+        return applies;
+    const std::vector<std::uint64_t> kept = RestShape(layer).shapes();
+    while (applies > 0 && std::find(kept.begin(), kept.end(), shapeBefore(applies - 1)) != kept.end())
+        --applies;
+    return applies;
+}
+
+#endif

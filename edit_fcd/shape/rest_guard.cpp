@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/shape/rest_guard.h"
+
+#include <layer_fcd/layer_contents.h>
+#include <layer_fcd/layer_matrix.h>
+#include <layer_fcd/layer_normals.h>
+#include <layer_fcd/rest_shape.h>
+
+using vcg::fcd::ParallelFor;
+
+RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
+
+void RestGuard::keep() {
+    const CMeshO &mesh = layer.cm;
+    position.resize(mesh.vert.size());
+    normal.resize(mesh.vert.size());
+    faceNormal.resize(mesh.face.size());
+    for (std::size_t i = 0; i < position.size(); ++i) {
+        position[i] = mesh.vert[i].cP();
+        normal[i] = mesh.vert[i].cN();
+    }
+    for (std::size_t f = 0; f < faceNormal.size(); ++f)
+        faceNormal[f] = mesh.face[f].cN();
+    box = mesh.bbox;
+    Eigen::AlignedBox3d all;
+    surface = {};
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD()) {
+            all.extend(toVector(vertex.cP()));
+            surface.box.extend(matrix * toVector(vertex.cP()));
+            ++surface.vertices;
+        }
+    center = all.center();
+    size = surface.box.diagonal().norm();
+    know();
+    posed = false;
+}
+
+void RestGuard::restoreVertices() {
+    if (!posed || layer.cm.vert.size() != position.size())
+        return;
+    ParallelFor(0, position.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            layer.cm.vert[i].P() = position[i];
+            layer.cm.vert[i].N() = normal[i];
+        }
+    });
+    posed = false;
+}
+
+RestGuard::Shown RestGuard::shown() const {
+    Shown all(posed ? layer.cm.vert.size() : 0);
+    ParallelFor(0, all.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            all[i] = {layer.cm.vert[i].cP(), layer.cm.vert[i].cN()};
+    });
+    return all;
+}
+
+void RestGuard::restore() {
+    if (!fits())
+        return; // another mesh by now
+    restoreVertices();
+    for (std::size_t f = 0; f < faceNormal.size(); ++f)
+        layer.cm.face[f].N() = faceNormal[f];
+    layer.cm.bbox = box;
+    know();
+}
+
+void RestGuard::know() {
+    shape = shapeOf(layer.cm);
+    shownNormals = normalsOf(layer.cm);
+}
+
+bool RestGuard::isAsKnown() const {
+    if (shape != shapeOf(layer.cm))
+        return false;
+    // A host computes the normals of faces when it likes: with other weights they are some tenths of a degree off.
+    return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && shareOfOtherNormals(layer, 1) < 0.01);
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_REST_GUARD_H
+#define FCD_REST_GUARD_H
+
+#include <vcg_ext/sequence/pose_sequence.h> // before Qt
+
+#include <layer_fcd/parameters.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+/// The rest shape of a layer while a tool has it, and whether the layer has it.
+class RestGuard {
+  public:
+    /// \throw vcg::fcd::Error a matrix without an inverse
+    explicit RestGuard(MeshModel &layer);
+    /// The present shape of the layer is the rest shape from now on.
+    void keep();
+
+    /// Whether the layer has as many vertices and faces as it had.
+    bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }
+    bool isPosed() const { return posed; }
+    /// The vertices have another shape from now on; once that is written, know() it.
+    void leave() { posed = true; }
+    void know();
+    /// Whether the layer has the shape, and the normals, that it had when that was known last.
+    bool isAsKnown() const;
+    std::uint64_t known() const { return shape; } ///< the shape that the layer was given last, as shapeOf tells it
+
+    /// Positions and normals of the vertices in a pose; none at rest.
+    using Shown = std::vector<std::pair<Point3m, Point3m>>;
+    Shown shown() const;
+
+    /// Gives the vertices of the layer their positions and normals at rest, where they have others.
+    void restoreVertices();
+    /// The rest shape, to the bit, with normals of faces and the box; nothing where the layer is another mesh by now.
+    void restore();
+
+    /// Per vertex slot, in the layer.
+    const std::vector<Point3m> &positions() const { return position; }
+    const std::vector<Point3m> &normals() const { return normal; }
+    bool isDeleted(std::size_t slot) const { return layer.cm.vert[slot].IsD(); }
+    Eigen::Vector3d at(std::size_t slot) const { return toVector(position[slot]); }
+
+    const Eigen::Affine3d &world() const { return matrix; }  ///< the layer's matrix
+    const Eigen::Vector3d &middle() const { return center; } ///< of the box, layer units
+    double diagonal() const { return size; }                 ///< of the box in the world
+    const vcg::fcd::SurfaceMark &mark() const { return surface; }
+
+  private:
+    MeshModel &layer;
+    Eigen::Affine3d matrix;
+    std::vector<Point3m> position, normal, faceNormal;
+    vcg::Box3<Scalarm> box;
+    Eigen::Vector3d center;
+    double size = 1;
+    vcg::fcd::SurfaceMark surface;
+    std::uint64_t shape = 0, shownNormals = 0;
+    bool posed = false;
+};
+
+#endif

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/view/layer_ray.h"
+
+#include <vcg_ext/base/parallel.h>
+
+#include <layer_fcd/layer_matrix.h>
+#include <layer_fcd/parameters.h>
+
+#include <limits>
+#include <mutex>
+
+namespace {
+
+/// What is nearest to the eye so far; of what is equally near, the first.
+struct Nearest {
+    double depth = std::numeric_limits<double>::infinity();
+    std::size_t element = 0;
+
+    void take(double otherDepth, std::size_t other) {
+        if (otherDepth < depth || (otherDepth == depth && other < element)) {
+            depth = otherDepth;
+            element = other;
+        }
+    }
+    bool isFound() const { return depth < std::numeric_limits<double>::infinity(); }
+};
+
+/// depthOf(i) for n elements, by all threads; infinity where one is not hit.
+template <class Depth>
+Nearest nearestOf(std::size_t n, const Depth &depthOf) {
+    Nearest all;
+    std::mutex lock;
+    vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
+        Nearest here;
+        for (std::size_t i = first; i < last; ++i)
+            here.take(depthOf(i), i);
+        const std::lock_guard<std::mutex> guard(lock);
+        if (here.isFound())
+            all.take(here.depth, here.element);
+    });
+    return all;
+}
+
+/// Where a ray meets a triangle, in lengths of the way, as T. Moeller and B. Trumbore (1997) find it; infinity where it
+/// does not.
+double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3]) {
+    const double none = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = way.cross(b);
+    const double volume = a.dot(across);
+    if (volume == 0)
+        return none;
+    const Eigen::Vector3d off = from - corner[0], other = off.cross(a);
+    const double u = off.dot(across) / volume, v = way.dot(other) / volume, t = b.dot(other) / volume;
+    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t <= 1 ? t : none;
+}
+
+} // namespace
+
+std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window) {
+    const double none = std::numeric_limits<double>::infinity();
+    const CMeshO &mesh = layer.cm;
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    if (mesh.fn == 0) {
+        const double reach = 6; // pixels around the mouse, since points have no size
+        const Nearest hit = nearestOf(mesh.vert.size(), [&](std::size_t i) {
+            if (mesh.vert[i].IsD())
+                return none;
+            const Eigen::Vector3d at = seen.toWindow(world * toVector(mesh.vert[i].cP()));
+            return (at.head<2>() - window).norm() <= reach && at[2] >= 0 && at[2] <= 1 ? at[2] : none;
+        });
+        if (!hit.isFound())
+            return {};
+        const std::size_t slot = hit.element;
+        return LayerHit{world * toVector(mesh.vert[slot].cP()), slot, {slot, slot, slot}, {1, 0, 0}};
+    }
+    const Eigen::Affine3d toLayer = world.inverse();
+    const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
+                          way = toLayer * seen.toWorld({window[0], window[1], 1}) - from;
+    const Nearest hit = nearestOf(mesh.face.size(), [&](std::size_t f) {
+        const CFaceO &face = mesh.face[f];
+        if (face.IsD())
+            return none;
+        const Eigen::Vector3d corner[3] = {toVector(face.cP(0)), toVector(face.cP(1)), toVector(face.cP(2))};
+        return meets(from, way, corner);
+    });
+    if (!hit.isFound())
+        return {};
+    const CFaceO &face = mesh.face[hit.element];
+    const Eigen::Vector3d place = from + hit.depth * way, origin = toVector(face.cP(0)),
+                          a = toVector(face.cP(1)) - origin, b = toVector(face.cP(2)) - origin, normal = a.cross(b);
+    LayerHit found;
+    found.place = world * place;
+    found.weight[1] = (place - origin).cross(b).dot(normal) / normal.squaredNorm();
+    found.weight[2] = a.cross(place - origin).dot(normal) / normal.squaredNorm();
+    found.weight[0] = 1 - found.weight[1] - found.weight[2];
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        found.corner[std::size_t(k)] = std::size_t(face.cV(k) - mesh.vert.data());
+        const double distance = (toVector(face.cP(k)) - place).norm();
+        if (distance < nearest) {
+            nearest = distance;
+            found.slot = found.corner[std::size_t(k)];
+        }
+    }
+    return found;
+}
+
+std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const Camera &seen,
+                                         const Eigen::Vector2d &window) {
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Eigen::Vector3d> first;
+    for (const MeshModel *layer : host::layers(document)) {
+        if (layer == &but || !host::isVisible(*layer))
+            continue;
+        try {
+            const std::optional<LayerHit> hit = hitLayer(*layer, seen, window);
+            if (!hit)
+                continue;
+            const double depth = seen.toWindow(hit->place)[2];
+            if (depth < least) {
+                least = depth;
+                first = hit->place;
+            }
+        } catch (const vcg::fcd::Error &) { // a matrix without an inverse: it is seen nowhere
+        }
+    }
+    return first;
+}

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <edit_fcd/bend/model/handles.h>
+#include <edit_fcd/bend/model/marks.h>
+#include <edit_fcd/bend/model/model.h>
+#include <edit_fcd/bend/model/named_poses.h>
+#include <edit_fcd/bend/model/steps.h>
+#include <edit_fcd/bend/tool/drag.h>
+#include <edit_fcd/kit/history.h>
+#include "test_support.h"
+
+#include <algorithm>
+#include <memory>
+
+using namespace vcg::fcd;
+using namespace fcd_test;
+
+// What FCD: Bend makes of marks, handles and motions, without a window and without a layer.
+
+namespace {
+
+/// A model on a shape at rest, and where its vertices are.
+struct Bent {
+    explicit Bent(const Shape &shape)
+        : position(shape.position),
+          arrays(std::make_shared<const SurfaceArrays>(Read(MeshOf<VertexD, EdgeD, FaceD>(shape)))),
+          reach([this] { return std::make_pair(arrays, Eigen::Matrix3d(Eigen::Matrix3d::Identity())); }) {
+        Eigen::AlignedBox3d box;
+        for (const Eigen::Vector3d &p : position)
+            box.extend(p);
+        model.ground.vertexSlots = position.size();
+        model.ground.diagonal = box.diagonal().norm();
+        model.ground.middle = box.center();
+        model.ground.at = [this](std::size_t i) { return position[i]; };
+        model.ground.normalAt = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
+        model.ground.reach = &reach;
+        update();
+    }
+    Bent(const Bent &) = delete;
+    Bent &operator=(const Bent &) = delete;
+
+    void update() { model.influence = influenceOf(model.state, model.ground, model.influence.tags); }
+    std::size_t nearest(const Eigen::Vector3d &p) const {
+        const auto isNearer = [&](const auto &a, const auto &b) { return (a - p).norm() < (b - p).norm(); };
+        return std::size_t(std::min_element(position.begin(), position.end(), isNearer) - position.begin());
+    }
+    void addPoint(int tag, const Eigen::Vector3d &p, double radius, bool isGrip = false) {
+        model.state.points[tag] = {nearest(p), radius, isGrip};
+        update();
+    }
+    int tagAt(const Eigen::Vector3d &p) const { return (*model.influence.tags)[nearest(p)]; }
+    /// Marks what is \p isIn, with a rim, as the tool does.
+    template <class IsIn>
+    std::set<int> mark(int tag, double rim, const IsIn &isIn) {
+        BendTags marks = model.state.marks ? *model.state.marks : BendTags(position.size(), 1);
+        std::vector<std::size_t> marked;
+        for (std::size_t i = 0; i < position.size(); ++i)
+            if (isIn(position[i])) {
+                marks[i] = tag;
+                marked.push_back(i);
+            }
+        const std::set<int> added = takeMarks(model.state, marks, marked, rim, model.influence.center);
+        update();
+        return added;
+    }
+
+    std::vector<Eigen::Vector3d> position;
+    std::shared_ptr<const SurfaceArrays> arrays;
+    BendReach reach;
+    BendModel model;
+};
+
+/// A closed tube along x, from -1 to 1.
+Shape Limb(double radius = 0.08, int rings = 120, const Eigen::Vector3d &at = {0, 0, 0}, double half = 1) {
+    Shape s;
+    const int columns = 16;
+    for (int r = 0; r < rings; ++r)
+        for (int c = 0; c < columns; ++c) {
+            const double turn = c * 2 * EIGEN_PI / columns;
+            s.position.push_back(at + Eigen::Vector3d(half * (2.0 * r / (rings - 1) - 1), radius * std::cos(turn),
+                                                      radius * std::sin(turn)));
+        }
+    for (const double end : {-half, half})
+        s.position.push_back(at + Eigen::Vector3d(end, 0, 0));
+    const int left = rings * columns;
+    for (int c = 0; c < columns; ++c) {
+        const int next = (c + 1) % columns, last = (rings - 1) * columns;
+        for (int r = 0; r + 1 < rings; ++r) {
+            const int a = r * columns + c, b = r * columns + next;
+            s.face.push_back({a, b, a + columns});
+            s.face.push_back({b, b + columns, a + columns});
+        }
+        s.face.push_back({left, next, c});
+        s.face.push_back({left + 1, last + c, last + next});
+    }
+    return s;
+}
+
+const double radius = 0.3;
+
+} // namespace
+
+TEST(BendModel, AHandleAloneBendsWhatIsAroundIt) {
+    Bent bent(Limb(0.25));
+    EXPECT_FALSE(bent.model.influence.isLocal);
+    bent.addPoint(2, {0, 0.25, 0}, radius);
+    EXPECT_TRUE(bent.model.influence.isLocal);
+    EXPECT_EQ(bent.tagAt({0, 0.25, 0}), 2);
+    EXPECT_EQ(bent.tagAt({0.15, 0.25, 0}), 1);
+    for (const double x : {-0.6, 0.6})
+        EXPECT_EQ(bent.tagAt({x, 0.25, 0}), 0);
+    setRadiusOf(bent.model.state, 2, 2 * radius);
+    bent.update();
+    EXPECT_EQ(bent.tagAt({0.45, 0.25, 0}), 1);
+    EXPECT_EQ(radiusOf(bent.model, 2), 2 * radius);
+}
+
+TEST(BendModel, APullTakesATipAlongAndAGripHoldsIt) {
+    Bent bent(Limb());
+    bent.addPoint(2, {0.5, 0.08, 0}, radius);
+    EXPECT_EQ(bent.tagAt({0.95, 0.08, 0}), 1) << "bends, and is not fixed";
+    EXPECT_EQ(bent.tagAt({-0.5, 0.08, 0}), 0);
+    bent.addPoint(2, {0.5, 0.08, 0}, radius, true);
+    EXPECT_EQ(bent.tagAt({0.95, 0.08, 0}), 2) << "turns with it";
+    EXPECT_EQ(bent.tagAt({0.5 - 0.75 * radius, 0.08, 0}), 1) << "is left to bend";
+    EXPECT_EQ(bent.tagAt({-0.5, 0.08, 0}), 0);
+    EXPECT_TRUE(isAlong(bent.model, bent.nearest({0.95, 0.08, 0})));
+    EXPECT_TRUE(canBecomePoint(bent.model, bent.nearest({0.95, 0.08, 0})));
+    EXPECT_FALSE(canBecomePoint(bent.model, bent.nearest({0.5, 0.08, 0})));
+}
+
+TEST(BendModel, SmallPartsGoWithWhatTheyLieOn) {
+    const Shape limb = Limb();
+    Bent bent(Join(Join(limb, Limb(0.02, 9, {0.5, 0.1, 0}, 0.05)),
+                   Join(Limb(0.02, 9, {-0.5, 0.1, 0}, 0.05), Limb(0.08, 120, {0, 0.5, 0}))));
+    bent.addPoint(2, {0.5, 0.08, 0}, radius);
+    EXPECT_EQ(bent.tagAt({0.5, 0.12, 0}), 1) << "the nail on it";
+    EXPECT_EQ(bent.tagAt({-0.5, 0.12, 0}), 0) << "another one";
+    EXPECT_EQ(bent.tagAt({0.5, 0.42, 0}), 0) << "a large part beside it";
+    const std::size_t nail = bent.nearest({0.5, 0.12, 0}),
+                      carrier = bent.reach.carrierOf(nail, usualGap(bent.model.ground.diagonal));
+    EXPECT_LT(carrier, limb.position.size()) << "is pulled in the nail's place";
+    EXPECT_NEAR(bent.position[carrier][0], 0.5, 0.1);
+}
+
+TEST(BendModel, WhatLiesBeyondGoesAlongUnlessItIsLocked) {
+    Bent bent(Limb());
+    bent.addPoint(2, {0.8, 0.08, 0}, radius);
+    bent.addPoint(3, {0.4, 0.08, 0}, radius);
+    EXPECT_EQ(carriedBy(bent.model, 3), std::vector<int>{2});
+    EXPECT_TRUE(carriedBy(bent.model, 2).empty());
+    setHandle(bent.model.state, 2, {"hand", false, true, {}});
+    EXPECT_TRUE(carriedBy(bent.model, 3).empty());
+    EXPECT_EQ(nameOf(bent.model.state, 2), "hand");
+    setHandle(bent.model.state, 2, {});
+    EXPECT_EQ(nameOf(bent.model.state, 2), "Handle 2");
+    EXPECT_TRUE(bent.model.state.handles.empty());
+}
+
+TEST(BendModel, ANewHandleLeavesWhatOthersBend) {
+    Bent bent(Limb(0.25));
+    bent.addPoint(2, {-0.4, 0.25, 0}, radius);
+    const BendTags before = *bent.model.influence.tags;
+    bent.model.state.motion[2] = {MotionStep::Translate({0, 1, 0})};
+    ASSERT_EQ(rankOfNew(bent.model.state), 1);
+    bent.model.state.rank[3] = 1;
+    bent.addPoint(3, {0.05, 0.25, 0}, radius);
+    EXPECT_TRUE(isKeptApart(bent.model, 3));
+    EXPECT_FALSE(isKeptApart(bent.model, 2));
+    for (std::size_t i = 0; i < before.size(); ++i)
+        if (before[i] != 0)
+            EXPECT_EQ((*bent.model.influence.tags)[i], before[i]) << bent.position[i].transpose();
+    setRadiusOf(bent.model.state, 3, radius); // it is asked for
+    bent.update();
+    EXPECT_FALSE(isKeptApart(bent.model, 3));
+}
+
+TEST(BendModel, MarksNeverTouch) {
+    Bent bent(Limb(0.25));
+    const double rim = 0.5, gap = gapOfRadius * rim;
+    bent.mark(0, rim, [](const auto &p) { return p[0] < 0; });
+    EXPECT_EQ(bent.mark(2, rim, [](const auto &p) { return p[0] >= 0; }), std::set<int>{2});
+    EXPECT_FALSE(bent.model.influence.isLocal) << "something is fixed";
+    EXPECT_EQ(bent.tagAt({-gap / 2, 0.25, 0}), 1) << "what is fixed yields";
+    EXPECT_EQ(bent.tagAt({gap / 2, 0.25, 0}), 2);
+    EXPECT_EQ(bent.tagAt({-2 * gap, 0.25, 0}), 0);
+    EXPECT_EQ((*bent.model.state.marks)[bent.nearest({-gap / 2, 0.25, 0})], 0) << "the mark is as it was made";
+    bent.mark(3, rim, [](const auto &p) { return p[0] > 0.7; });
+    EXPECT_EQ(bent.tagAt({0.7 - gap / 2, 0.25, 0}), 1) << "the older handle yields";
+    EXPECT_EQ(bent.tagAt({0.75, 0.25, 0}), 3);
+    freeHandle(bent.model.state, 3);
+    bent.update();
+    EXPECT_EQ(bent.tagAt({0.75, 0.25, 0}), 1);
+    bent.mark(1, rim, [](const auto &) { return true; });
+    EXPECT_EQ(bent.model.state.marks, nullptr);
+}
+
+TEST(BendModel, AMarkThatWouldBeGoneStays) {
+    Bent bent(Limb(0.25));
+    bent.mark(0, 0.5, [](const auto &p) { return std::abs(p[0]) < 0.02; });
+    bent.mark(2, 0.5, [](const auto &p) { return p[0] > 0.03; });
+    EXPECT_EQ(bent.tagAt({0, 0.25, 0}), 0);
+}
+
+TEST(BendModel, MarksTakeThePlacesOfPoints) {
+    Bent bent(Limb(0.25));
+    bent.addPoint(2, {0.5, 0.25, 0}, radius);
+    bent.addPoint(3, {-0.5, 0.25, 0}, radius);
+    bent.model.state.motion = {{2, {MotionStep::Translate({0, 1, 0})}}, {3, {MotionStep::Translate({0, 1, 0})}}};
+    bent.model.state.weights = {100};
+    bent.mark(0, 0.1, [](const auto &p) { return p[0] > 0.3; });
+    forgetGone(bent.model);
+    EXPECT_EQ(bent.model.influence.handles(), std::vector<int>{3});
+    EXPECT_EQ(bent.model.state.motion.count(2), 0U);
+    EXPECT_EQ(bent.model.state.motion.count(3), 1U);
+    EXPECT_TRUE(bent.model.state.weights.empty()) << "a pose without a handle is another one";
+    EXPECT_EQ(bent.model.influence.unusedTag(), 2);
+}
+
+TEST(BendModel, TheMirrorHasAnotherHandleThere) {
+    Bent bent(Limb(0.25));
+    for (const auto &[tag, x] : {std::pair{2, 0.5}, {3, -0.5}, {4, 0.0}, {5, -0.04}})
+        bent.addPoint(tag, {x, 0.25, 0}, 0.1);
+    EXPECT_EQ(mirrored(bent.model, 2), 0) << "there is no mirror";
+    bent.model.options.mirror = 0;
+    EXPECT_EQ(mirrored(bent.model, 2), 3);
+    EXPECT_EQ(mirrored(bent.model, 3), 2);
+    EXPECT_EQ(mirrored(bent.model, 4), 0) << "it is in the middle, though another one is near";
+    setMotion(bent.model, {{2, {MotionStep::Rotate({0, 0, 1}, 30), MotionStep::Translate({1, 2, 3})}}});
+    EXPECT_EQ(motionTextOf(bent.model.state, 3), "rotate -0 -0 -1 30 translate -1 2 3");
+    setMotion(bent.model, {{4, {MotionStep::Translate({1, 0, 0})}}});
+    EXPECT_EQ(motionOf(bent.model.state, 5).size(), 0U);
+    EXPECT_TRUE(isTwin(bent.model, bent.nearest({0.5, 0.25, 0}), bent.nearest({-0.5, 0.25, 0})));
+    EXPECT_FALSE(isTwin(bent.model, bent.nearest({0.5, 0.25, 0}), bent.nearest({-0.5, -0.25, 0}))) << "a lopsided one";
+}
+
+TEST(BendModel, AHandleTurnsAboutItsPivot) {
+    Bent bent(Limb());
+    bent.addPoint(2, {0.5, 0.08, 0}, radius);
+    EXPECT_EQ(pivotOf(bent.model, 2), bent.position[bent.nearest({0.5, 0.08, 0})]);
+    setMotion(bent.model, {{2, {MotionStep::Translate({0, 1, 0})}}});
+    EXPECT_LT((dotOf(bent.model, 2) - Eigen::Vector3d(0.5, 1.08, 0)).norm(), 0.02);
+    setPivot(bent.model, 2, Eigen::Vector3d(0.2, 1, 0));
+    EXPECT_LT((pivotOf(bent.model, 2) - Eigen::Vector3d(0.2, 1, 0)).norm(), 1e-12);
+    setMotion(bent.model, {{2, {MotionStep::Translate({0, 2, 0})}}});
+    EXPECT_LT((pivotOf(bent.model, 2) - Eigen::Vector3d(0.2, 2, 0)).norm(), 1e-12) << "it goes with the handle";
+    setPivot(bent.model, 2, {});
+    EXPECT_EQ(pivotOf(bent.model, 2), dotOf(bent.model, 2));
+    bent.model.state.weights = {100};
+    setPose(bent.model, 0);
+    EXPECT_FALSE(isMoved(bent.model));
+    EXPECT_TRUE(bent.model.state.weights.empty());
+    EXPECT_THROW(setMotions(bent.model, "9: scale 2"), Error);
+    EXPECT_THROW(setMotionText(bent.model, 2, "foo"), Error);
+}
+
+TEST(BendModel, UndoGoesBackAndForth) {
+    History<BendState> history{3};
+    BendState now;
+    EXPECT_FALSE(history.undo(now));
+    for (int i = 1; i < 6; ++i) {
+        history.begin(now);
+        history.begin(now); // nothing came of it
+        now.pose = i;
+    }
+    for (const double pose : {4.0, 3.0, 2.0}) {
+        EXPECT_TRUE(history.undo(now));
+        EXPECT_EQ(now.pose, pose);
+    }
+    EXPECT_FALSE(history.undo(now)) << "only so many are kept";
+    EXPECT_TRUE(history.redo(now));
+    EXPECT_EQ(now.pose, 3);
+    history.begin(now);
+    now.pose = 9;
+    EXPECT_TRUE(history.cancel(now));
+    EXPECT_EQ(now.pose, 3);
+    EXPECT_FALSE(history.redo(now)) << "another way was taken";
+    history.forget([](const BendState &state) { return state.pose < 3; });
+    EXPECT_FALSE(history.undo(now));
+}
+
+TEST(BendModel, PosesHaveNamesAndTimes) {
+    PoseSequence poses = withPose(withPose({}, "2: scale 2"), "2: scale 3");
+    EXPECT_EQ(poses.pose[1].name, "Pose 2");
+    EXPECT_EQ(poses.key.back().time, 2) << "from rest, a second each";
+    EXPECT_EQ(poses.key.back().weight, (std::vector<double>{0, 100}));
+    EXPECT_EQ(withPose(renamed(poses, 0, "Pose 3"), "").pose.back().name, "Pose 4") << "the name is not taken";
+    poses = withoutPose(poses, 0);
+    EXPECT_EQ(poses.key.size(), 2U) << "its key frame is gone";
+    EXPECT_EQ(poses.key.back().time, 1) << "what came later comes earlier";
+    BendState state;
+    EXPECT_THROW(expectPoses(state), Error);
+    state.poses = std::make_shared<const PoseSequence>(poses);
+    EXPECT_THROW(withKeyFrame(state, true), Error) << "what is shown has no name";
+    EXPECT_EQ(weightsOfPoses(state), std::vector<double>{0});
+    state.weights = {50};
+    EXPECT_EQ(withKeyFrame(state, true).key.back().weight, std::vector<double>{50});
+    EXPECT_EQ(poseOfName(state, "Pose 2", 1), 0U);
+    EXPECT_EQ(poseOfName(state, "Pose 2", 0), std::nullopt);
+    std::vector<KeyFrame> frames = keyFrames(state);
+    frames[0].time = 5;
+    EXPECT_EQ(withKeyFrames(poses, frames).key.back().time, 5) << "they ascend";
+}
+
+TEST(BendModel, StepsTellARigidMotion) {
+    Eigen::Matrix3Xd from = Eigen::Matrix3Xd::Random(3, 30);
+    from.colwise() -= from.rowwise().mean();
+    const Eigen::Vector3d middle(4, 5, 6);
+    EXPECT_TRUE(rigidSteps(from, from, middle, 1e-6).empty());
+    const Eigen::Matrix3Xd to =
+        (Eigen::Matrix3d(Eigen::Quaterniond(std::cos(0.25), 0, 0, std::sin(0.25))) * from).colwise() +
+        Eigen::Vector3d(1, 0, 2);
+    const std::vector<MotionStep> steps = rigidSteps(from, to, middle, 1e-6);
+    EXPECT_EQ(WriteMotionText({{2, steps}}), "2: rotate 0 0 1 28.6479 translate 1 0 2");
+    const Eigen::Affine3d whole(ToMotion(steps, middle).matrix);
+    for (Index i = 0; i < from.cols(); ++i)
+        EXPECT_LT((whole * (from.col(i) + middle) - (to.col(i) + middle)).norm(), 1e-4);
+    std::vector<MotionStep> placed = {MotionStep::Translate({1, 0, 0}), MotionStep::Rotate({0, 0, 1}, 90)};
+    EXPECT_TRUE(setPlaces(placed, middle));
+    EXPECT_EQ(*placed[1].about, middle + Eigen::Vector3d(1, 0, 0));
+    EXPECT_FALSE(setPlaces(placed, middle)) << "they say it already";
+}
+
+TEST(BendDrag, TheMouseAndNumbersMakeMotions) {
+    Camera view; // 100 pixels are two units
+    view.width = view.height = 100;
+    BendDrag drag;
+    drag.tag = 2;
+    drag.pivot = {0, 0, 0};
+    drag.from = drag.last = {50, 50, 0.5};
+    drag.carried[3] = {MotionStep::Translate({0, 1, 0})};
+    const auto text = [&](int tag) { return WriteMotionText({{tag, drag.motions(view).at(tag)}}); };
+    EXPECT_FALSE(drag.step(view));
+    drag.moveTo(view, {75, 50, 0.5});
+    EXPECT_EQ(text(2), "2: translate 0.5 0 0");
+    EXPECT_EQ(text(3), "3: translate 0.5 1 0") << "it goes along";
+    drag.axis = 1;
+    EXPECT_FALSE(drag.step(view)) << "along y it did not move";
+    for (const auto &[typed, isRefused] : {std::pair{"1.5", false}, {"1x", true}, {"-", true}}) {
+        drag.typed = typed;
+        EXPECT_EQ(drag.isRefused(), isRefused) << typed;
+        EXPECT_EQ(drag.step(view).has_value(), !isRefused);
+    }
+    drag.typed = "45";
+    drag.kind = BendDrag::Turn;
+    drag.axis = 2;
+    EXPECT_EQ(text(2), "2: rotate 0 0 1 45");
+    EXPECT_EQ(text(3), "3: translate 0 1 0 rotate 0 0 1 45 about 0 0 0") << "about the same place";
+    drag.typed.clear();
+    drag.angle = 33;
+    drag.snap = true;
+    EXPECT_EQ(std::abs(drag.step(view)->degrees), 35) << "in steps";
+    drag.kind = BendDrag::Scale;
+    drag.snap = false;
+    drag.typed = "2";
+    EXPECT_EQ(text(2), "2: scale 1 1 2");
+}
