@@ -26,6 +26,16 @@ def test_python_of_a_page_in_one_session(tmp_path, page, check):
     assert done.returncode == 0, done.stderr[-2000:]
 
 
+@pytest.mark.parametrize("page", ["docs/jobs.md"])
+def test_each_block_of_a_page_alone(tmp_path, page):
+    blocks = re.findall(r"^```python\n(.*?)^```$", (ROOT / page).read_text(), re.M | re.S)
+    assert len(blocks) > 1
+    for code in blocks:
+        assert "assert " in code  # each sees itself whether it did what it tells
+        done = subprocess.run([sys.executable, "-W", "error::UserWarning", "-c", code], cwd=tmp_path, text=True, stderr=subprocess.PIPE, timeout=300)
+        assert done.returncode == 0, done.stderr[-2000:]
+
+
 def test_the_reference_has_all_there_is():
     told = set(re.findall(r"^::: pymeshlab_fcd\.(\w+)$", (ROOT / "docs/python.md").read_text(), re.M))
     assert told == set(pymeshlab_fcd.__all__) - {"__version__"}
