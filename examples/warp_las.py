@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Applies a saved deformation to LAS or LAZ tiles, in chunks: memory does not grow with the tiles.
 
-    python warp_las.py bend.ply OUT-FOLDER TILE.laz...
+    python warp_las.py bend.ply OUT-FOLDER [--vectors] TILE.laz...
 
 Needs laspy (with lazrs for LAZ) and pymeshlab_fcd. All that the points carry is kept, and so are the records before and after them
 (VLRs and EVLRs, with the coordinate system); normals in extra dimensions turn with the surface. A file stores coordinates as whole
-numbers of its scale, so a point moves to the nearest of these. Each tile is written aside and then renamed: what stands there is whole
+numbers of its scale, so a point moves to the nearest of these; where they do not reach to where the points go, the file gets another offset,
+and, where the points lie too far apart for that, a coarser scale. --vectors adds extra dimensions: how far each point went, as displacement_x, _y
+and _z, and the length of that, displacement. Each tile is written aside and then renamed: what stands there is whole
 at any time. Tiles of one name from several folders keep their folders. A tile that cannot be read or written is told at the end, and the
 others are done all the same."""
 from __future__ import annotations
 
 import contextlib
+import copy
 import os
 import sys
 from collections.abc import Iterable
@@ -25,6 +28,8 @@ import pymeshlab_fcd
 
 CHUNK = 1_000_000  # points
 NORMALS = (("NormalX", "NormalY", "NormalZ"), ("normal_x", "normal_y", "normal_z"), ("nx", "ny", "nz"))  # CloudCompare, PDAL, others
+
+VECTORS = ("displacement_x", "displacement_y", "displacement_z", "displacement")
 
 
 def columns(points: Any, names: Iterable[str]) -> NDArray[np.float64]:
@@ -49,8 +54,37 @@ def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]
     return goals
 
 
-def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK, threads: int = 0) -> int:
+def reaching(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np.float64]) -> laspy.LasHeader:
+    """The header of a file that has points from low to high: with another offset, and a scale that is coarser by a power of ten where needed."""
+    made = copy.deepcopy(header)
+    whole = np.array(header.offsets), np.array(header.scales)  # as they are where they do
+    for d in range(3):
+        if max(abs(low[d] - whole[0][d]), abs(high[d] - whole[0][d])) / whole[1][d] < 2 ** 31 - 1:
+            continue
+        while (high[d] - low[d]) / whole[1][d] >= 2 ** 32 - 4:
+            whole[1][d] *= 10
+        whole[0][d] = np.round((low[d] + high[d]) / 2 / whole[1][d]) * whole[1][d]
+    made.offsets, made.scales = whole
+    return made
+
+
+def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK, threads: int = 0,
+         vectors: bool = False) -> int:
     """Deforms one tile, by so many threads (0: one a core). Returns how many points it has."""
+    try:
+        return warp_within(bend, source, target, chunk, threads, vectors)
+    except OverflowError:  # the points go farther than the whole numbers reach: seen first how far
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        with laspy.open(source) as reader:
+            for points in reader.chunk_iterator(chunk):
+                xyz = bend(columns(points, "xyz"), threads=threads)
+                low, high = np.minimum(low, xyz.min(0)), np.maximum(high, xyz.max(0))
+        return warp_within(bend, source, target, chunk, threads, vectors, (low, high))
+
+
+def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int, threads: int, vectors: bool,
+                reach: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None) -> int:
+    """The same with the file's own whole numbers, or with those that reach from one corner to the other."""
     source, target = Path(source), Path(target)
     if target.exists() and source.exists() and target.samefile(source):
         raise ValueError(f"{source} would be written over itself. Give another file")
@@ -59,9 +93,17 @@ def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path
     try:
         with laspy.open(source) as reader:
             names = [each for each in NORMALS if set(each) <= set(reader.header.point_format.dimension_names)]
-            with laspy.open(aside, mode="w", header=reader.header, do_compress=target.suffix.lower() == ".laz") as writer:
+            header = reader.header if reach is None else reaching(reader.header, *reach)
+            if vectors:
+                header = copy.deepcopy(header)
+                present = set(header.point_format.dimension_names)
+                header.add_extra_dims([laspy.ExtraBytesParams(name, "f4") for name in VECTORS if name not in present])
+            with laspy.open(aside, mode="w", header=header, do_compress=target.suffix.lower() == ".laz") as writer:
                 for points in reader.chunk_iterator(chunk):
-                    xyz = columns(points, "xyz")
+                    xyz = before = columns(points, "xyz")
+                    if header is not reader.header:
+                        points, given = laspy.ScaleAwarePointRecord.zeros(len(points), header=header), points
+                        points.copy_fields_from(given)
                     if names:
                         xyz, turned = bend(xyz, columns(points, names[0]), threads=threads)
                         for name, values in zip(names[0], turned.T):
@@ -69,6 +111,10 @@ def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path
                     else:
                         xyz = bend(xyz, threads=threads)
                     points.x, points.y, points.z = xyz.T
+                    if vectors:
+                        way = xyz - before
+                        for name, values in zip(VECTORS, (*way.T, np.linalg.norm(way, axis=1))):
+                            points[name] = values
                     writer.write_points(points)
                 if reader.evlrs:
                     writer.write_evlrs(reader.evlrs)
@@ -84,11 +130,13 @@ def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path
 
 
 def main(deformation: str, folder: str, *tiles: str) -> int:
+    vectors = "--vectors" in tiles
+    tiles = tuple(tile for tile in tiles if tile != "--vectors")
     bend = pymeshlab_fcd.Deformation.load(deformation)
     failed = []
     for source, target in targets(tiles, folder).items():
         try:
-            print(source, warp(bend, source, target), "points", flush=True)
+            print(source, warp(bend, source, target, vectors=vectors), "points", flush=True)
         except Exception as error:  # whatever laspy finds in it
             failed.append(f"{source}: {error or type(error).__name__}")
     if failed:

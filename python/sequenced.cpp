@@ -77,7 +77,8 @@ std::vector<std::map<int, Motion>> Sequence::motionsOf(const Prepared &prepared)
 }
 
 nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                         const nb::object &pointCache, const nb::object &report) const {
+                         const nb::object &pointCache, const std::optional<Colors> &colors,
+                         const nb::object &report) const {
     const std::vector<std::map<int, Motion>> motions = motionsOf(*prepared);
     vcg::fcd::SequenceOutput output;
     output.rate = rate;
@@ -85,6 +86,11 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
     output.shapes = vcg::fcd::SequenceOutput::Shapes(shapes);
     output.gltf = writerOf(gltf);
     output.pointCache = writerOf(pointCache);
+    if (colors) {
+        expectRows(*colors, prepared->view.vertexSlots);
+        output.color.resize(prepared->view.vertexSlots);
+        std::copy_n(colors->data(), 4 * output.color.size(), output.color.front().data());
+    }
     vcg::fcd::SequenceReport made;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         made = vcg::fcd::WriteFrames(prepared->view, prepared->handles, *prepared->deformer, sequence, motions,

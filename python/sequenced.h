@@ -32,9 +32,11 @@ class Sequence {
     /// The motions of each pose, of handles that \p prepared has. \throw BadInput others, or another surface
     std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const Prepared &prepared) const;
 
+    using Colors = Given<std::uint8_t, nb::shape<-1, 4>>; ///< of each vertex
+
     /// Writes frames. \param gltf, pointCache called with what they get, at which place; or None
     nb::dict write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                   const nb::object &pointCache, const nb::object &report) const;
+                   const nb::object &pointCache, const std::optional<Colors> &colors, const nb::object &report) const;
 
   private:
     vcg::fcd::PoseSequence sequence;

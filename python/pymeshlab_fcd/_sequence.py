@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO, Literal, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _core, _files, _inputs
 from ._deformer import Deformer, Transforms
@@ -249,7 +250,8 @@ class PoseSequence:
         return pose
 
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
-              rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", progress: Progress = None) -> AnimationInfo:
+              rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", colors: ArrayLike | None = None,
+              progress: Progress = None) -> AnimationInfo:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
         that are there are replaced together, when all is written; otherwise each is as it was.
 
@@ -265,6 +267,9 @@ class PoseSequence:
             How many frames a second.
         shapes : {'frames', 'poses'}, default 'frames'
             What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
+        colors : array_like, optional
+            n x 3 or n x 4: red, green, blue (and opacity) of each vertex, as they are seen (sRGB): whole numbers from 0 to 255, or others
+            from 0 to 1. The `.glb` file has them.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -290,6 +295,7 @@ class PoseSequence:
             writers = [_writer(file) for file in files]
             info = AnimationInfo(**self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate),
                                                     None if gltf is None else writers[0], kind, None if pc2 is None else writers[-1],
+                                                    None if colors is None else _inputs.colors(colors, len(deformer.vertices)),
                                                     report(progress)))
         warn(_words(info.folded, info.converged, "A frame"), 2)
         return info

@@ -44,9 +44,9 @@ class Glb:
     def array(self, accessor):
         told = self.json["accessors"][accessor]
         view = self.json["bufferViews"][told["bufferView"]]
-        array = np.frombuffer(self._buffer, {5126: "<f4", 5125: "<u4"}[told["componentType"]],
-                              told["count"] * {"SCALAR": 1, "VEC3": 3}[told["type"]], view["byteOffset"])
-        array = array.reshape(-1, 3) if told["type"] == "VEC3" else array
+        array = np.frombuffer(self._buffer, {5126: "<f4", 5125: "<u4", 5123: "<u2"}[told["componentType"]],
+                              told["count"] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[told["type"]], view["byteOffset"])
+        array = array.reshape(told["count"], -1) if told["type"] != "SCALAR" else array
         if "min" in told:
             assert (array.min(0) == np.float32(told["min"])).all() and (array.max(0) == np.float32(told["max"])).all()
         return array
@@ -202,6 +202,39 @@ def test_gltf_is_what_it_should_be(tmp_path):
     assert file.json["meshes"][0]["extras"]["targetNames"] == ["bent", "twisted"] and info.largest_difference > 1e-3 * diagonal
     target = file.json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"]
     assert np.abs(rest.astype(float) + file.array(target) + node["translation"] - deformer.pose({2: TURN}).vertices).max() < 1e-6 * diagonal
+
+
+@pytest.mark.parametrize("faces", [True, False])
+@pytest.mark.parametrize("rate", [4, 2000])  # all weights, and those alone that are not 0
+def test_colours_are_in_the_file(tmp_path, faces, rate):
+    vertices, corners, tags = SURFACE
+    if rate > 4:  # a small surface for many frames
+        vertices, corners, tags = np.eye(4, 3) * 3, [[0, 1, 3], [1, 2, 3]], np.array([0, 1, 2, 1])
+    deformer, made = Deformer(vertices, corners if faces else None, tags), sequence()
+    colors = np.random.default_rng(1).integers(0, 256, (len(vertices), 4))
+    colors[:3] = [[0, 1, 255, 128], [10, 11, 12, 0], [255, 0, 188, 255]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pymeshlab_fcd.DeformationWarning)
+        made.write(deformer, gltf=tmp_path / "plain.glb", rate=rate)
+        made.write(deformer, gltf=tmp_path / "a.glb", rate=rate, colors=colors)
+        made.write(deformer, gltf=tmp_path / "b.glb", rate=rate, colors=colors[:, :3] / 255)
+    file, plain, opaque = (Glb(tmp_path / f"{name}.glb") for name in ("a", "plain", "b"))
+    primitive, before = file.json["meshes"][0]["primitives"][0], plain.json["meshes"][0]["primitives"][0]
+    at = primitive["attributes"].pop("COLOR_0")
+    assert file.json["accessors"][at]["normalized"] and primitive == before and len(file.json["accessors"]) == len(plain.json["accessors"]) + 1
+    c = colors[:, :3] / 255  # as seen, and as light
+    light = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    assert np.abs(file.array(at)[:, :3] / 65535 - light).max() < 1e-5 and (file.array(at)[:, 3] == 257 * colors[:, 3]).all()
+    assert (opaque.array(at)[:, :3] == file.array(at)[:, :3]).all() and (opaque.array(at)[:, 3] == 65535).all()
+    for name in ("POSITION", *(["NORMAL"] if faces else [])):
+        for shape in (primitive["attributes"], primitive["targets"][2]):
+            assert (file.array(shape[name]) == plain.array(shape[name])).all()
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.exchange.gltf.validate(file.json)
+    for wrong, message in ((colors[1:], "one row for each vertex"), (colors[:, :2], "one row for each"), (colors + 1, "from 0 to 255"),
+                           (colors * 1.0, "from 0 to 1"), (colors > 3, "one row for each")):
+        with pytest.raises(ValueError, match=message):
+            made.write(deformer, gltf=tmp_path / "c.glb", colors=wrong)
 
 
 def test_a_cloud_and_far_from_the_origin(tmp_path):

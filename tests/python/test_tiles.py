@@ -233,3 +233,41 @@ def test_a_full_disk_or_a_kill_leaves_what_was_there(sink, tiles, tmp_path):
               "warp(dies, sys.argv[3], sys.argv[4], 1000)")
     done = subprocess.run([sys.executable, "-c", killed, str(EXAMPLES), str(sink), str(tiles[0]), str(target)])
     assert done.returncode == -9 and target.read_bytes() == b"old"
+
+
+def test_vectors_and_distances_are_extra_dimensions(sink, tiles, tmp_path):
+    done = subprocess.run([sys.executable, str(EXAMPLES / "warp_las.py"), str(sink), str(tmp_path / "out"), "--vectors", str(tiles[0])], text=True,
+                          capture_output=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    bend = pymeshlab_fcd.Deformation.load(sink)
+    before, after = laspy.read(tiles[0]), laspy.read(tmp_path / "out" / tiles[0].name)
+    way = bend(xyz(before)) - xyz(before)
+    names = ["displacement_x", "displacement_y", "displacement_z"]
+    assert np.abs(np.stack([after[name] for name in names], 1) - way).max() < 1e-6 and np.abs(way).max() > 1
+    assert np.abs(after["displacement"] - np.linalg.norm(way, axis=1)).max() < 1e-6
+    assert (after.intensity == before.intensity).all() and (after.gps_time == before.gps_time).all()
+    assert np.abs(xyz(after) - xyz(before) - way).max() < 0.51 * SCALE
+    warp(bend, tmp_path / "out" / tiles[0].name, tmp_path / "again.las", vectors=True)  # which has them already: they are those of this time
+    again = laspy.read(tmp_path / "again.las")
+    assert len(list(again.point_format.extra_dimensions)) == 4 and np.abs(again["displacement"] - after["displacement"]).max() > 1e-3
+
+
+@pytest.mark.parametrize("far", [2 ** 31 - 1500, 2 ** 31 - 1])  # of the offset, in whole numbers; and that to both sides
+def test_a_tile_whose_numbers_reach_no_farther_gets_others(tmp_path, far):
+    header = laspy.LasHeader(point_format=3, version="1.4")
+    header.scales, header.offsets = [SCALE] * 3, ORIGIN
+    las = laspy.LasData(header)
+    las.X, las.Y, las.Z = ([0, 5, far if axis == 2 else 7, -far if far == 2 ** 31 - 1 and axis == 2 else 7] for axis in range(3))
+    las.intensity = [1, 2, 3, 4]
+    las.write(tmp_path / "far.las")
+
+    def bend(points, threads=1):
+        return points + [0, 0, 3]
+
+    assert warp(bend, tmp_path / "far.las", tmp_path / "moved.las", chunk=2) == 4
+    made = laspy.read(tmp_path / "moved.las")
+    coarse = far == 2 ** 31 - 1  # then no offset helps
+    assert list(made.header.scales) == pytest.approx([SCALE, SCALE, 10 * SCALE if coarse else SCALE])
+    assert (made.header.offsets[:2] == ORIGIN[:2]).all() and made.header.offsets[2] != ORIGIN[2]
+    assert np.abs(xyz(made) - xyz(las) - [0, 0, 3]).max() < 0.51 * made.header.scales[2]
+    assert list(made.intensity) == [1, 2, 3, 4]

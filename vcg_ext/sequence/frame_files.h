@@ -4,6 +4,7 @@
 
 #include <vcg_ext/surface/surface_arrays.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -12,6 +13,9 @@ namespace vcg::fcd {
 
 /// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
 using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
+
+/// Red, green, blue and opacity of each vertex slot, as sRGB has them; empty: there are none.
+using VertexColors = std::vector<std::array<std::uint8_t, 4>>;
 
 /// What files know of a surface: its vertices and triangles, without what is deleted.
 struct PackedSurface {

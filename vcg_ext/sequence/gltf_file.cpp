@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/sequence/gltf_file.h>
 
@@ -45,9 +46,9 @@ std::string List(std::size_t count, const Item &item) {
 } // namespace
 
 GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
-                   const Eigen::Matrix3Xd &normal, MorphAnimation animation)
+                   const Eigen::Matrix3Xd &normal, MorphAnimation animation, const VertexColors &color)
     : write(std::move(write)), name(std::move(name)), surface(surface), rest(position), restNormal(normal),
-      animation(std::move(animation)), isCloud(surface.corner.empty()),
+      animation(std::move(animation)), isCloud(surface.corner.empty()), hasColors(!color.empty()),
       isSparse(this->animation.weight.empty() && this->animation.time.size() > mostDense) {
     Eigen::AlignedBox3d box;
     for (std::uint32_t slot : surface.slot)
@@ -55,7 +56,7 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
     origin = box.center();
     const std::size_t n = surface.slot.size(), targets = this->animation.target.size(),
                       times = this->animation.time.size(), numbers = times * targets;
-    const int vertices = 34962, indices = 34963, unsignedInt = 5125, real = 5126;
+    const int vertices = 34962, indices = 34963, unsignedShort = 5123, unsignedInt = 5125, real = 5126;
     AddPart(times, real, "SCALAR", 4 * times, 0, 1);
     if (isSparse && times > mostFrames)
         throw BadInput("A .glb file holds " + std::to_string(mostFrames) + " frames with a shape each, and this one " +
@@ -69,6 +70,8 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
         if (!isCloud)
             AddPart(n, real, "VEC3", 12 * n, vertices, 0);
     }
+    if (hasColors)
+        AddPart(n, unsignedShort, "VEC4", 8 * n, vertices, 0);
     if (isSparse)
         AddPart(times, unsignedInt, "SCALAR", 4 * times, 0, 0); // where the weights are that are not 0
     jsonBytes = (Json(true).size() + 3) / 4 * 4;
@@ -103,6 +106,8 @@ GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface
             at[i] = std::uint32_t(i * targets + i);
         writePart(parts.back(), at);
     }
+    if (hasColors)
+        WriteColors(color);
     writeNext(seconds);
     writeNext(weights);
     if (!isCloud)
@@ -131,6 +136,23 @@ void GltfFile::AddPart(std::size_t count, int component, const char *type, std::
     bufferBytes += bytes;
 }
 
+void GltfFile::WriteColors(const VertexColors &color) {
+    std::array<std::uint16_t, 256> linear;
+    for (std::size_t i = 0; i < linear.size(); ++i) { // IEC 61966-2-1
+        const double c = double(i) / 255;
+        linear[i] = std::uint16_t(65535 * (c <= 0.04045 ? c / 12.92 : detail::Power((c + 0.055) / 1.055, 2.4)) + 0.5);
+    }
+    std::vector<std::uint16_t> all;
+    all.reserve(4 * surface.slot.size());
+    for (std::uint32_t slot : surface.slot) {
+        for (std::size_t k = 0; k < 3; ++k)
+            all.push_back(linear[color[slot][k]]);
+        all.push_back(std::uint16_t(257 * color[slot][3])); // opacity is linear
+    }
+    write(headBytes + jsonBytes + 8 + parts[parts.size() - 1 - isSparse].at, reinterpret_cast<const char *>(all.data()),
+          2 * all.size());
+}
+
 void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot)> &row) {
     Part &part = parts[next++];
     detail::WriteRows(
@@ -147,7 +169,7 @@ void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot
 }
 
 void GltfFile::Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal) {
-    assert(next + isSparse < parts.size());
+    assert(next + hasColors + isSparse < parts.size());
     const auto change = [](const Eigen::Matrix3Xd &after, const Eigen::Matrix3Xd &before, std::size_t slot) {
         return Eigen::Vector3f((after.col(Eigen::Index(slot)) - before.col(Eigen::Index(slot))).cast<float>());
     };
@@ -166,12 +188,15 @@ std::string GltfFile::Json(bool longest) const {
     const auto shape = [&](std::size_t part) {
         return "{\"POSITION\":" + number(part) + (isCloud ? "" : ",\"NORMAL\":" + number(part + 1)) + "}";
     };
-    const std::size_t targets = animation.target.size();
+    const std::size_t targets = animation.target.size(), accessors = parts.size() - isSparse;
+    std::string atRest = shape(first);
+    if (hasColors)
+        atRest.insert(atRest.size() - 1, ",\"COLOR_0\":" + number(accessors - 1));
     std::string json =
         "{\"asset\":{\"version\":\"2.0\",\"generator\":\"FCD\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
         "\"nodes\":[{\"mesh\":0,\"name\":" +
         Quoted(name) + ",\"translation\":" + List(3, [&](std::size_t i) { return detail::ToText(origin[i]); }) +
-        "}],\"meshes\":[{\"name\":" + Quoted(name) + ",\"primitives\":[{\"attributes\":" + shape(first) +
+        "}],\"meshes\":[{\"name\":" + Quoted(name) + ",\"primitives\":[{\"attributes\":" + atRest +
         (isCloud ? ",\"mode\":0" : ",\"indices\":2") +
         ",\"targets\":" + List(targets, [&](std::size_t i) { return shape(first + each * (i + 1)); }) +
         "}],\"weights\":" + List(targets, [](std::size_t) { return std::string("0"); }) +
@@ -184,7 +209,6 @@ std::string GltfFile::Json(bool longest) const {
             return longest ? std::string("-1.2345678901e-38") : detail::ToText(values[Eigen::Index(i)]);
         });
     };
-    const std::size_t accessors = parts.size() - isSparse;
     json += List(accessors, [&](std::size_t i) {
         const Part &part = parts[i];
         const std::string sparse = "{\"sparse\":{\"count\":" + number(animation.time.size()) +
@@ -192,7 +216,7 @@ std::string GltfFile::Json(bool longest) const {
                                    ",\"componentType\":5125},\"values\":{\"bufferView\":1}}";
         return (isSparse && i == 1 ? sparse : "{\"bufferView\":" + number(i)) +
                ",\"componentType\":" + std::to_string(part.component) + ",\"count\":" + number(part.count) +
-               ",\"type\":\"" + part.type + "\"" +
+               ",\"type\":\"" + part.type + "\"" + (part.component == 5123 ? ",\"normalized\":true" : "") +
                (part.numbers > 0 ? ",\"min\":" + extreme(part, part.low) + ",\"max\":" + extreme(part, part.high)
                                  : "") +
                "}";
@@ -207,7 +231,7 @@ std::string GltfFile::Json(bool longest) const {
 }
 
 void GltfFile::Finish() {
-    assert(next + isSparse == parts.size());
+    assert(next + hasColors + isSparse == parts.size());
     std::string json = Json(false);
     json.resize(jsonBytes, ' ');
     std::uint32_t head[] = {0x46546C67u, // "glTF"

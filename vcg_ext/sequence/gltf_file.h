@@ -23,10 +23,11 @@ struct MorphAnimation {
 class GltfFile {
   public:
     /// \param position, normal 3 x vertex slots, at rest; the normals are not read for a cloud
+    /// \param color which the format holds linear, in 16 bits, so that dark ones stay apart
     /// \throw BadInput a file of 4 GB or more, or of more than 65536 frames with a shape each, which the format
     /// cannot hold
     GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
-             const Eigen::Matrix3Xd &normal, MorphAnimation animation);
+             const Eigen::Matrix3Xd &normal, MorphAnimation animation, const VertexColors &color = {});
 
     /// The next target. \param position, normal as those at rest
     void Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal);
@@ -48,6 +49,7 @@ class GltfFile {
 
     void AddPart(std::size_t count, int component, const char *type, std::size_t bytes, int target, int numbers);
     std::string Json(bool longest) const;
+    void WriteColors(const VertexColors &color);
     void WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot)> &row);
 
     const WriteAt write;
@@ -56,7 +58,8 @@ class GltfFile {
     const Eigen::Matrix3Xd &rest, &restNormal;
     const MorphAnimation animation;
     const bool isCloud;
-    const bool isSparse; ///< only weights that are not 0 are written, and the last part tells where they are
+    const bool hasColors; ///< behind the shapes
+    const bool isSparse;  ///< only weights that are not 0 are written, and the last part tells where they are
     Eigen::Vector3d origin;
     std::vector<Part> parts;
     std::size_t next = 0;      ///< part to write

@@ -86,7 +86,7 @@ class Morphs {
         }
         weight = animation.weight;
         file = std::make_unique<GltfFile>(output.gltf, output.name, packed, rest.position, rest.normal,
-                                          std::move(animation));
+                                          std::move(animation), output.color);
     }
 
     void AddPose(const Eigen::Matrix3Xd &position) {

@@ -20,9 +20,10 @@ struct SequenceOutput {
         EachPose   ///< each pose has one, mixed in straight lines
     };
 
-    double rate = 24; ///< frames a second
-    std::string name; ///< of the mesh, in glTF
-    WriteAt gltf;     ///< gets a .glb file in the world, or is empty
+    double rate = 24;   ///< frames a second
+    std::string name;   ///< of the mesh, in glTF
+    VertexColors color; ///< in glTF
+    WriteAt gltf;       ///< gets a .glb file in the world, or is empty
     Shapes shapes = EachFrame;
     WriteAt pointCache; ///< gets a .pc2 file in mesh units, or is empty
 

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `python -m pymeshlab_fcd` does: one job on many files, in several processes, gone on with where it stopped."""
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import csv
+import hashlib
+import importlib
+import io
+import multiprocessing
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _files
+from ._deform import _posed
+from ._deformation import Deformation
+from ._fit import fit
+from ._inputs import Points
+from ._motion import Motion
+from ._ply import Ply
+from ._pose import Pose
+from ._straighten import straighten
+
+Row = dict[str, object]
+
+_FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "folded", "contact", "contact_depth", "converged")
+_POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
+
+
+def _points(path: Path, columns: int) -> Points:
+    rows = np.loadtxt(path, delimiter=",", ndmin=2)
+    if rows.shape[1] != columns:
+        raise ValueError(f"{path} must have {columns} numbers in a line, with commas between them; it has {rows.shape[1]}")
+    return rows
+
+
+def _target(path: Path) -> tuple[Points, NDArray[np.int64] | None]:
+    """A scan, of which nothing is written."""
+    if path.suffix.lower() == ".ply":
+        ply = Ply(path)
+        return ply.vertices, ply.faces
+    try:
+        files: Any = importlib.import_module("trimesh")
+    except ImportError:
+        raise ValueError(f"{path} is no PLY file: trimesh, which reads others, is not installed") from None
+    mesh = files.load(path, process=False)
+    return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None)
+
+
+def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], keep: bool) -> Row:
+    """The file as the pose is, its deformation where that is to be kept, and its figures."""
+    normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
+    ply.save(out, pose.vertices, normals)
+    if keep:
+        pose.deformation().save(out.with_suffix(".fcd"))
+    info = pose.info
+    return {name: getattr(info, name) for name in names}
+
+
+def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
+    template = Ply(given.template)
+    target, faces = _target(scan)
+    landmarks = None
+    if given.landmarks:
+        pairs = _points(Path(given.landmarks) / f"{scan.stem}.csv", 6)
+        landmarks = pairs[:, :3], pairs[:, 3:]
+    fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, normals=template.normals, start=given.start,
+                 stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
+    return _write(template, fitted, out, _FITTED, given.deformations)
+
+
+def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    ply = Ply(path)
+    tags = ply.column(given.tags)
+    if not (tags == np.round(tags)).all():
+        raise ValueError(f"{given.tags} of the vertices of {path} must be tags, whole numbers")
+    moves: Mapping[int, Motion] = {int(tag): Motion(text) for tag, text in given.move}
+    pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), moves, None, given.percent, given.steps, None, None,
+                  {"normals": ply.normals, "smoothness": given.smoothness, "threads": threads})
+    return _write(ply, pose, out, _POSED, given.deformations)
+
+
+def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    ply, bend = Ply(path), Deformation.load(given.deformation)
+    if ply.normals is None:
+        moved, turned = bend(ply.vertices, threads=threads), None
+    else:
+        moved, turned = bend(ply.vertices, ply.normals, threads=threads)
+    ply.save(out, moved, turned)
+    way = np.linalg.norm(moved - ply.vertices, axis=1)
+    return {"vertices": len(way), "largest_displacement": float(way.max(initial=0)), "off_by": bend.largest_difference}
+
+
+def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    ply = Ply(path)
+    line = _points(Path(given.lines) / f"{path.stem}.csv", 3)
+    made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, untwist=given.untwist, normals=ply.normals,
+                      threads=threads)
+    measured = made.line
+    return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
+            **_write(ply, made, out, _POSED, given.deformations)}
+
+
+def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    if path.suffix.lower() == ".fcd":
+        bend = Deformation.load(path)
+        samples = bend.samples
+        return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
+    vertices, faces = _target(path)
+    return {"vertices": len(vertices), "faces": 0 if faces is None else len(faces), "low": np.nanmin(vertices, axis=0).tolist(),
+            "high": np.nanmax(vertices, axis=0).tolist()}
+
+
+_JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {
+    "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "info": _info}
+
+
+def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    """Does one file. What goes wrong is told in the row."""
+    begin = time.perf_counter()
+    row: Row = {}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            row.update(_JOBS[given.job](given, path, out, threads))
+            row["error"] = ""
+        except Exception as error:  # whatever is in a file: the others are done all the same
+            row["error"] = f"{error}" or type(error).__name__
+    row["seconds"] = round(time.perf_counter() - begin, 3)
+    row["warnings"] = " | ".join(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, UserWarning)))
+    return row
+
+
+def _stamp(path: Path) -> str:
+    try:
+        known = path.stat()
+        return f"{path.resolve()} {known.st_size} {known.st_mtime_ns}"
+    except OSError:
+        return f"{path} is not there"
+
+
+def _key(given: argparse.Namespace, path: Path) -> str:
+    """Of all that a result depends on: what has the same is not done again."""
+    asked = {name: value for name, value in vars(given).items() if name not in ("files", "out", "processes", "again")}
+    known = [path, *(Path(value) for name, value in asked.items() if name in ("template", "deformation")),
+             *(Path(value) / f"{path.stem}.csv" for name, value in asked.items() if name in ("landmarks", "lines") and value)]
+    return hashlib.sha256("\n".join([repr(sorted(asked.items())), *map(_stamp, known)]).encode()).hexdigest()[:16]
+
+
+def _read_rows(path: Path) -> dict[str, Row]:
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return {row["file"]: dict(row) for row in csv.DictReader(file)}
+    except (OSError, KeyError):
+        return {}
+
+
+def _write_rows(path: Path, rows: Mapping[str, Row], order: Sequence[str]) -> None:
+    names = list(dict.fromkeys(["file", *(name for row in rows.values() for name in row if name not in ("seconds", "warnings", "error", "key")),
+                                "seconds", "warnings", "error", "key"]))
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, names, restval="")
+    writer.writeheader()
+    writer.writerows(rows[name] for name in order if name in rows)
+    _files.write(path, text.getvalue().encode("utf-8"))
+
+
+def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
+    """The rows of the files, as they come."""
+    processes = min(given.processes, len(jobs))
+    if processes <= 1:
+        for path, out in jobs:
+            yield path, _job(given, path, out, 0)
+        return
+    threads = max(1, (os.cpu_count() or 1) // processes)
+    # No copies of this process, which may have threads.
+    pool = concurrent.futures.ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        waiting = {pool.submit(_job, given, path, out, threads): path for path, out in jobs}
+        for each in concurrent.futures.as_completed(waiting):
+            try:
+                row = each.result()
+            except BrokenProcessPool:
+                row = {"error": "the process that did it was ended, perhaps as there was no memory left: use fewer processes"}
+            yield waiting[each], row
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. What the folder of the results "
+                                     "has already, of the same files and options, is left; a table there has a row for each file, with its "
+                                     "figures and warnings. The status is 0 where all files are done, 1 where some could not be, 2 where the "
+                                     "command is wrong.")
+    jobs = parser.add_subparsers(dest="job", required=True, metavar="JOB")
+
+    def job(name: str, text: str, files: str, *own: str) -> argparse.ArgumentParser:
+        made = jobs.add_parser(name, help=text, description=text)
+        for each in own:
+            made.add_argument(each.lower(), metavar=each)
+        made.add_argument("files", nargs="+", metavar=files)
+        made.add_argument("--out", required=name != "info", metavar="FOLDER", help="where results and table (JOB.csv) go")
+        made.add_argument("--processes", type=int, default=1, help="how many files are done at a time (default: 1, with all cores)")
+        made.add_argument("--again", action="store_true", help="also do what is done")
+        if name not in ("apply", "info"):
+            made.add_argument("--deformations", action="store_true", help="also save the deformation of each, NAME.fcd")
+        return made
+
+    made = job("fit", "Lays a template onto each scan; all that the template's vertices and faces carry is kept.", "SCAN", "TEMPLATE")
+    made.add_argument("--landmarks", metavar="FOLDER", help="NAME.csv for each scan: x, y, z on the template, and x, y, z on the scan")
+    made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"])
+    made.add_argument("--stiffness", type=float, default=1.0)
+    made.add_argument("--landmark-tolerance", type=float, default=0.0)
+    made = job("deform", "Moves the handles of each mesh.", "FILE")
+    made.add_argument("--tags", default="quality", metavar="PROPERTY", help="of the vertices: 0 fixed, 1 free, 2 and up handles (default: quality)")
+    made.add_argument("--move", nargs=2, action="append", default=[], metavar=("TAG", "MOTION"), help="as 2 'rotate 0 0 1 30 translate 0 0 5'")
+    made.add_argument("--percent", type=float, default=100.0)
+    made.add_argument("--steps", type=int, default=1)
+    made.add_argument("--smoothness", type=float, default=0.0058)
+    job("apply", "Carries each mesh or cloud by a saved deformation.", "FILE", "DEFORMATION")
+    made = job("straighten", "Straightens each mesh along its line.", "FILE")
+    made.add_argument("--lines", required=True, metavar="FOLDER", help="NAME.csv for each file: x, y, z of the points of its line")
+    made.add_argument("--degrees", type=float, default=0.0)
+    made.add_argument("--middle", action="store_true")
+    made.add_argument("--untwist", action="store_true")
+    job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    if given.processes < 1:
+        parser.error("--processes must be 1 or more")
+    paths = list(dict.fromkeys(Path(each) for each in given.files))
+    ending = "" if given.job == "info" else ".ply"
+    outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
+    if given.job != "info":
+        names: dict[str, Path] = {}
+        read = [*paths, *(Path(getattr(given, name)) for name in ("template",) if hasattr(given, name))]
+        for path, out in outs.items():
+            if names.setdefault(out.name.casefold(), path) != path:
+                parser.error(f"{names[out.name.casefold()]} and {path} would have one result, {out}: rename one of them")
+            if any(_files.same_file(out, each) for each in read):
+                parser.error(f"{out} would be written over what is read: give another folder")
+    table: Path | None = None
+    rows: dict[str, Row] = {}
+    if given.out:
+        Path(given.out).mkdir(parents=True, exist_ok=True)
+        table = Path(given.out) / f"{given.job}.csv"
+        rows = _read_rows(table)
+    keys = {path: _key(given, path) for path in paths}
+    known = [path for path in paths if not given.again and (row := rows.get(str(path))) is not None and row.get("key") == keys[path]
+             and not row.get("error") and (given.job == "info" or outs[path].exists())]
+    left = [(path, outs[path]) for path in paths if path not in known]
+    if known:
+        print(f"{len(known)} of {len(paths)} files are done already", flush=True)
+    order = list(dict.fromkeys([*map(str, paths), *rows]))
+    failed = 0
+    try:
+        for number, (path, row) in enumerate(_done(given, left), len(known) + 1):
+            rows[str(path)] = {"file": str(path), **row, "key": keys[path]}
+            failed += bool(row["error"])
+            if table:  # first: what is said to be done is not done again
+                _write_rows(table, rows, order)
+            told = f"failed: {row['error']}" if row["error"] else ", ".join(
+                f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
+                if name not in ("error", "warnings") and value is not None)
+            print(f"{number}/{len(paths)} {path}: {told}", flush=True)
+            for text in filter(None, str(row.get("warnings", "")).split(" | ")):
+                print(f"    warning: {text}", flush=True)
+    except KeyboardInterrupt:
+        print("interrupted: the same command goes on from here", file=sys.stderr)
+        return 130
+    if failed:
+        print(f"{failed} of {len(paths)} files could not be done", file=sys.stderr)
+    return 1 if failed else 0

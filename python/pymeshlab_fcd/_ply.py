@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""PLY files whose vertices move: all else in them, labels, colours, textures, other elements, stays as it is, to the byte."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _files
+from ._inputs import Points
+from ._numbers import shown
+
+_TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
+          "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
+_NORMALS = ("nx", "ny", "nz")
+
+
+@dataclass
+class _Element:
+    name: str
+    count: int
+    properties: list[tuple[str, str, str]]  # name, type, type of the count of a list or ""
+
+
+class Ply:
+    """A file, as it was read."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._name = shown(path)
+        with open(os.fspath(path), "rb") as file:
+            content = file.read()
+        end = content.find(b"end_header")
+        begin = content.find(b"\n", end) + 1
+        if not content.startswith(b"ply") or end < 0 or begin == 0:
+            raise ValueError(f"{self._name} is no PLY file")
+        self._head, self._elements, order = content[:begin], list[_Element](), ""
+        try:
+            for words in (line.split() for line in content[:end].decode("latin-1").splitlines()):
+                if words[:1] == ["format"]:
+                    order = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}[words[1]]
+                elif words[:1] == ["element"]:
+                    self._elements.append(_Element(words[1], int(words[2]), []))
+                elif words[:1] == ["property"]:
+                    is_list = words[1] == "list"
+                    self._elements[-1].properties.append((words[-1], _TYPES[words[-2]], _TYPES[words[2]] if is_list else ""))
+            self._order = order
+            self._read(content, begin)
+        except (KeyError, IndexError, ValueError) as error:
+            raise ValueError(f"{self._name} cannot be read as PLY: {error}") from error
+
+    def _read(self, content: bytes, at: int) -> None:
+        self._faces: NDArray[np.int64] | None = None
+        if not self._elements or self._elements[0].name != "vertex" or any(kind for _, _, kind in self._elements[0].properties):
+            raise ValueError("its first element is not vertices with numbers alone")
+        first = self._elements[0]
+        names = [name for name, _, _ in first.properties]
+        if not {"x", "y", "z"} <= set(names):
+            raise ValueError("its vertices have no x, y, z")
+        self._names = names
+        if self._order == "ascii":
+            lines = content[at:].split(b"\n")
+            self._rows = [line.split() for line in lines[:first.count]]
+            if len(self._rows) < first.count or any(len(row) != len(names) for row in self._rows):
+                raise ValueError("it has fewer vertices than it says")
+            self._rest = b"\n".join(lines[first.count:])
+            self.vertices = self._columns(("x", "y", "z"))
+            line = first.count
+            for element in self._elements[1:]:
+                if element.name == "face":
+                    corners = [self._corners(element, [float(each) for each in row.split()]) for row in lines[line:line + element.count]]
+                    self._faces = _triangles(corners)
+                line += element.count
+            return
+        kind = np.dtype([(name, self._order + each) for name, each, _ in first.properties])
+        end = at + first.count * kind.itemsize
+        if end > len(content):
+            raise ValueError("it has fewer vertices than it says")
+        self._table = np.frombuffer(content[at:end], kind).copy()
+        self._rest = content[end:]
+        self.vertices = self._columns(("x", "y", "z"))
+        at = 0
+        for element in self._elements[1:]:
+            faces, at = self._binary(element, at)
+            if element.name == "face":
+                self._faces = _triangles(faces)
+                break  # nothing else is needed
+
+    def _corners(self, element: _Element, numbers: list[float]) -> list[int]:
+        found, at = [0], 0
+        for name, _, kind in element.properties:
+            count = int(numbers[at]) if kind else 1
+            at += bool(kind)
+            if name in ("vertex_indices", "vertex_index"):
+                found = [int(each) for each in numbers[at:at + count]]
+            at += count
+        return found
+
+    def _binary(self, element: _Element, at: int) -> tuple[list[list[int]] | NDArray[np.int64], int]:
+        lists = [name for name, _, kind in element.properties if kind]
+        # As nearly all files have it: of each list, all are as long as the first.
+        fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
+        place = at
+        for name, each, kind in element.properties:
+            if kind and element.count:
+                count = int(np.frombuffer(self._rest, self._order + kind, 1, place)[0])
+                fields += [(f"count {name}", self._order + kind), (name, self._order + each, (count,))]
+                place += np.dtype(kind).itemsize + count * np.dtype(each).itemsize
+            else:
+                fields.append((name, self._order + each))
+                place += np.dtype(each).itemsize
+        table = np.dtype(fields)
+        end = at + element.count * table.itemsize
+        if end <= len(self._rest):
+            all_of_it = np.frombuffer(self._rest, table, element.count, at)
+            if all((all_of_it[f"count {name}"] == table[name].shape[0]).all() for name in lists if element.count):
+                corners = next((name for name in ("vertex_indices", "vertex_index") if name in lists), None)
+                return (np.zeros((0, 3), np.int64) if corners is None or not element.count else all_of_it[corners].astype(np.int64)), end
+        faces: list[list[int]] = []
+        for _ in range(element.count):
+            for name, each, kind in element.properties:
+                count = 1
+                if kind:
+                    count = int(np.frombuffer(self._rest, self._order + kind, 1, at)[0])
+                    at += np.dtype(kind).itemsize
+                values = np.frombuffer(self._rest, self._order + each, count, at)
+                at += values.nbytes
+                if name in ("vertex_indices", "vertex_index"):
+                    faces.append([int(value) for value in values])
+        return faces, at
+
+    def _columns(self, names: tuple[str, ...]) -> Points:
+        if self._order == "ascii":
+            places = [self._names.index(name) for name in names]
+            return np.array([[float(row[k]) for k in places] for row in self._rows], np.float64).reshape(-1, len(names))
+        return np.stack([self._table[name].astype(np.float64) for name in names], axis=1)
+
+    @property
+    def faces(self) -> NDArray[np.int64] | None:
+        """m x 3, polygons as fans; None of a cloud."""
+        return self._faces if self._faces is not None and len(self._faces) else None
+
+    @property
+    def normals(self) -> Points | None:
+        return self._columns(_NORMALS) if set(_NORMALS) <= set(self._names) else None
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """A number of each vertex."""
+        if name not in self._names:
+            raise ValueError(f"the vertices of {self._name} have no {name}; they have {', '.join(self._names)}")
+        return self._columns((name,))[:, 0]
+
+    def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None) -> None:
+        """The same file with other positions, and, where it has normals and some are given, with these."""
+        new = list(zip("xyz", vertices.T))
+        if normals is not None and self.normals is not None:
+            new += list(zip(_NORMALS, normals.T))
+        if self._order == "ascii":
+            rows = [list(row) for row in self._rows]
+            for name, values in new:
+                k = self._names.index(name)
+                for row, value in zip(rows, values):
+                    row[k] = repr(float(value)).encode()
+            body = b"".join(b" ".join(row) + b"\n" for row in rows)
+        else:
+            table = self._table.copy()
+            for name, values in new:
+                table[name] = values
+            body = table.tobytes()
+        with _files.written([path]) as files:
+            files[0].write(self._head + body + self._rest)
+
+
+def _triangles(faces: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]:
+    if isinstance(faces, np.ndarray):
+        return np.concatenate([faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)] or [np.zeros((0, 3), np.int64)])
+    return np.array([[each[0], each[k], each[k + 1]] for each in faces for k in range(1, len(each) - 1)], np.int64).reshape(-1, 3)

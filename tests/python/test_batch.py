@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""python -m pymeshlab_fcd: one job on many files."""
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from shapes import bar
+
+from pymeshlab_fcd import Deformer, Motion, deform, fit
+from pymeshlab_fcd._batch import main
+from pymeshlab_fcd._ply import Ply
+
+
+def write_ply(path, vertices, faces=None, label=None, order="<", normals=None, quad=False):
+    """Double positions, a float label and a colour of each vertex; faces with a colour; and an element that nobody knows."""
+    label = np.zeros(len(vertices)) if label is None else label
+    faces = np.zeros((0, 3), int) if faces is None else faces
+    name = {"<": "binary_little_endian", ">": "binary_big_endian", "": "ascii"}[order]
+    more = [] if normals is None else ["nx", "ny", "nz"]
+    head = (f"ply\nformat {name} 1.0\ncomment kept\nelement vertex {len(vertices)}\n"
+            + "".join(f"property {kind} {each}\n" for kind, each in [*(("double", each) for each in "xyz"), *(("float", each) for each in more),
+                                                                      ("float", "quality"), ("uchar", "red")])
+            + f"element face {len(faces)}\nproperty uchar region\nproperty list uchar int vertex_indices\nelement odd 2\nproperty list uchar short what\n"
+              "end_header\n")
+    rows = [(*p, *n, q, i % 251) for i, (p, n, q) in enumerate(zip(vertices, normals if more else [()] * len(vertices), label))]
+    corners = [(i % 7, list(map(int, f))) for i, f in enumerate(faces)]
+    if quad:  # the first two, as one of four
+        corners[0:2] = [(9, [*corners[0][1], corners[1][1][1]])]
+        head = head.replace(f"element face {len(faces)}", f"element face {len(corners)}")
+    if order:
+        o = order
+        body = np.array(rows, [*((each, o + "f8") for each in "xyz"), *((each, o + "f4") for each in more), ("q", o + "f4"), ("r", "u1")]).tobytes()
+        body += b"".join(bytes([region, len(f)]) + np.array(f, o + "i4").tobytes() for region, f in corners)
+        body += b"\1\0\0\2\0\0\0\0"
+    else:
+        body = "".join([*(" ".join(map(repr, map(float, row[:-1]))) + f" {row[-1]}\n" for row in rows),
+                        *(f"{region} {len(f)} {' '.join(map(str, f))}\n" for region, f in corners), "1 0\n2 0 0\n"]).encode()
+    path.write_bytes(head.encode() + body)
+
+
+@pytest.mark.parametrize("order", ["<", ">", ""])
+@pytest.mark.parametrize("quad", [False, True])
+def test_a_file_keeps_all_but_its_positions_to_the_byte(tmp_path, order, quad):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags, order, quad=quad)
+    ply = Ply(tmp_path / "a.ply")
+    assert (ply.vertices == vertices).all() and (ply.column("quality") == tags).all() and ply.normals is None
+    assert len(ply.faces) == len(faces) and (ply.faces[2:] == faces[2:]).all() and (quad or (ply.faces == faces).all())
+    moved = vertices + [1, 2, 3]
+    ply.save(tmp_path / "b.ply", moved, None)
+    write_ply(tmp_path / "c.ply", moved, faces, tags, order, quad=quad)
+    assert (tmp_path / "b.ply").read_bytes() == (tmp_path / "c.ply").read_bytes()
+    for damage, message in ((lambda text: text[:200], "is no PLY file"), (lambda text: b"PK" + text, "is no PLY file"),
+                            (lambda text: text[:text.index(b"end_header") + 40], "fewer vertices than it says"),
+                            (lambda text: text.replace(b"double x", b"double a", 1), "no x, y, z"),
+                            (lambda text: text.replace(b"float quality", b"half quality", 1), "cannot be read as PLY")):
+        (tmp_path / "d.ply").write_bytes(damage((tmp_path / "a.ply").read_bytes()))
+        with pytest.raises(ValueError, match=message):
+            Ply(tmp_path / "d.ply")
+    with pytest.raises(ValueError, match="have no tag; they have x, y, z, quality, red"):
+        ply.column("tag")
+
+
+def table(path):
+    with open(path, newline="") as file:
+        return {row["file"]: row for row in csv.DictReader(file)}
+
+
+def scans(folder, count=3):
+    """A template, and its scans: bent by so much, moved, each with landmarks."""
+    vertices, faces, tags, _ = bar(41, 7)
+    write_ply(folder / "template.ply", vertices, faces, tags)
+    (folder / "marks").mkdir()
+    for i in range(count):
+        bent = deform(vertices, faces, tags, {2: Motion.rotate([0, 1, 0], 15 * i + 10, about=[5, 0, 0])}) + [0, 0, 1]
+        write_ply(folder / f"scan{i}.ply", bent, faces)
+        at = np.array([0, 6, 140, 280, 286])
+        np.savetxt(folder / "marks" / f"scan{i}.csv", np.c_[vertices[at], bent[at]], delimiter=",")
+    return vertices, faces, tags, [str(folder / f"scan{i}.ply") for i in range(count)]
+
+
+def test_fits_are_those_of_the_package_and_are_not_done_twice(tmp_path, capsys):
+    vertices, faces, tags, files = scans(tmp_path)
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--landmarks", str(tmp_path / "marks"), "--start", "landmarks_rigid",
+               "--out", str(tmp_path / "out"), "--deformations"]
+    (tmp_path / "marks" / "scan1.csv").rename(tmp_path / "later.csv")
+    assert main(command) == 1
+    said = capsys.readouterr()
+    assert "3/3" in said.out and "1 of 3 files could not be done" in said.err and "failed: " in said.out and "scan1.csv" in said.out
+    rows = table(tmp_path / "out" / "fit.csv")
+    assert list(rows) == files and rows[files[1]]["error"] and not rows[files[0]]["error"]
+    for i in (0, 2):
+        scan, marks = Ply(files[i]), np.loadtxt(tmp_path / "marks" / f"scan{i}.csv", delimiter=",")
+        fitted = fit(vertices, faces, scan.vertices, scan.faces, landmarks=(marks[:, :3], marks[:, 3:]), start="landmarks_rigid")
+        made = Ply(tmp_path / "out" / f"scan{i}.ply")
+        assert (made.vertices == fitted.vertices).all() and (made.column("quality") == tags).all()
+        assert float(rows[files[i]]["rms"]) == fitted.info.rms and float(rows[files[i]]["matched"]) > 0.9
+        assert (tmp_path / "out" / f"scan{i}.fcd").stat().st_size > 1000
+
+    (tmp_path / "later.csv").rename(tmp_path / "marks" / "scan1.csv")
+    times = [(tmp_path / "out" / f"scan{i}.ply").stat().st_mtime_ns for i in (0, 2)]
+    assert main(command) == 0  # what had failed, alone
+    said = capsys.readouterr().out
+    assert "2 of 3 files are done already" in said and said.count("rms") == 1
+    assert [(tmp_path / "out" / f"scan{i}.ply").stat().st_mtime_ns for i in (0, 2)] == times
+    assert not any(row["error"] for row in table(tmp_path / "out" / "fit.csv").values())
+    (tmp_path / "out" / "scan0.ply").unlink()
+    os.utime(files[1])
+    assert main(command) == 0 and capsys.readouterr().out.count("rms") == 2  # one is gone, one has changed
+    assert main([*command, "--stiffness", "3"]) == 0 and capsys.readouterr().out.count("rms") == 3  # other options
+    assert main([*command, "--stiffness", "3", "--again"]) == 0 and capsys.readouterr().out.count("rms") == 3
+
+
+def test_processes_have_the_same_bits_and_carry_on_after_an_interrupt(tmp_path):
+    _, _, _, files = scans(tmp_path, 6)
+    command = [sys.executable, "-m", "pymeshlab_fcd", "fit", str(tmp_path / "template.ply"), *files]
+    done = subprocess.run([*command, "--out", str(tmp_path / "one")], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    with subprocess.Popen([*command, "--out", str(tmp_path / "two"), "--processes", "2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          start_new_session=True) as run:
+        run.stdout.readline()
+        if sys.platform != "win32":
+            os.killpg(run.pid, signal.SIGINT)
+            begin = time.monotonic()
+            _, said = run.communicate(timeout=120)
+            assert run.returncode in (0, 130) and time.monotonic() - begin < 60
+            assert run.returncode == 0 or "goes on from here" in said
+    done = subprocess.run([*command, "--out", str(tmp_path / "two"), "--processes", "2"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and "files are done already" in done.stdout, done.stderr
+    for i in range(6):
+        assert (tmp_path / "one" / f"scan{i}.ply").read_bytes() == (tmp_path / "two" / f"scan{i}.ply").read_bytes()
+
+
+def test_meshes_are_deformed_carried_straightened_and_told_of(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(41, 7)
+    (tmp_path / "lines").mkdir()
+    normals = np.tile([0, 0, 1.0], (len(vertices), 1))
+    for name in "ab":
+        write_ply(tmp_path / f"{name}.ply", vertices, faces, tags, normals=normals)
+        np.savetxt(tmp_path / "lines" / f"{name}.csv", np.c_[np.linspace(0, 10, 21), np.full((21, 2), [0.5, 0])], delimiter=",")
+    files = [str(tmp_path / "a.ply"), str(tmp_path / "b.ply")]
+    assert main(["deform", *files, "--move", "2", "rotate 0 1 0 170", "--deformations", "--out", str(tmp_path / "bent")]) == 0
+    pose = Deformer(vertices, faces, tags, normals=normals).pose({2: Motion("rotate 0 1 0 170")}, check=False)
+    bent = Ply(tmp_path / "bent" / "a.ply")
+    assert (bent.vertices == pose.vertices).all() and (bent.normals == pose.normals.astype(np.float32)).all()
+    row = table(tmp_path / "bent" / "deform.csv")[files[0]]
+    assert int(row["contact"]) == pose.contact.triangles and row["converged"] == "True"
+
+    assert main(["apply", str(tmp_path / "bent" / "a.fcd"), *files, "--out", str(tmp_path / "carried")]) == 0
+    off = float(table(tmp_path / "carried" / "apply.csv")[files[1]]["off_by"])
+    assert abs(Ply(tmp_path / "carried" / "b.ply").vertices - pose.vertices).max() <= off * 1.0001 < 0.1
+    assert main(["straighten", *files, "--lines", str(tmp_path / "lines"), "--degrees", "90", "--out", str(tmp_path / "arc")]) == 0
+    assert float(table(tmp_path / "arc" / "straighten.csv")[files[0]]["length"]) == pytest.approx(10, abs=0.1)
+    capsys.readouterr()
+    assert main(["info", *files, str(tmp_path / "bent" / "a.fcd")]) == 0
+    said = capsys.readouterr().out
+    assert f"vertices {len(vertices)}, faces {len(faces)}, low [0.0, 0.0, " in said and "samples " in said
+
+
+def test_wrong_commands_are_refused_before_anything_is_done(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    (tmp_path / "other").mkdir()
+    for folder in (tmp_path, tmp_path / "other"):
+        write_ply(folder / "a.ply", vertices, faces, tags)
+    here, other = str(tmp_path / "a.ply"), str(tmp_path / "other" / "a.ply")
+    for command, message in ((["deform", here, "--out", str(tmp_path)], "would be written over what is read"),
+                             (["deform", here, other, "--out", str(tmp_path / "o")], "would have one result"),
+                             (["deform", here, "--out", str(tmp_path / "o"), "--processes", "0"], "must be 1 or more"),
+                             (["deform", here], "--out"), (["bend", here], "invalid choice"), ([], "JOB")):
+        with pytest.raises(SystemExit) as ended:
+            main(command)
+        assert ended.value.code == 2 and message in capsys.readouterr().err
+    assert not (tmp_path / "o").exists()
+    assert main(["deform", here, "--tags", "label", "--out", str(tmp_path / "o")]) == 1
+    assert "have no label; they have x, y, z, quality, red" in capsys.readouterr().out
+    assert main(["deform", here, "--out", str(tmp_path / "o")]) == 0
+    assert "No handle moves" in table(tmp_path / "o" / "deform.csv")[here]["warnings"]
+    write_ply(tmp_path / "a.ply", vertices, faces, tags + 0.5)
+    assert main(["deform", here, "--out", str(tmp_path / "o")]) == 1
+    assert "must be tags, whole numbers" in capsys.readouterr().out
