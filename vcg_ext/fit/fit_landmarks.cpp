@@ -48,9 +48,9 @@ Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eig
 }
 
 FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x, double weight) {
-    // As much as the matches of a two-thousandth of the surface, and a hundredth of the pull from without where there are
-    // many: more than the stiffness has in the end, and less than what lies on the target around it. Beyond what a hand
-    // misses, a tolerance says that places are wrong and not only uncertain: then it falls with its square.
+    // As much as the matches of a two-thousandth of the surface, and a hundredth of the pull from without where there
+    // are many: more than the stiffness has in the end, and less than what lies on the target around it. Beyond what a
+    // hand misses, a tolerance says that places are wrong and not only uncertain: then it falls with its square.
     constexpr double byHand = 0.01; // of the diagonal
     const double within = std::min({5e-4, 0.01 * weight, 5e-4 * detail::Squared(byHand / std::max(tolerance, 1e-9))});
     const Eigen::Vector3d off = x - Within(tolerance, place, x);

@@ -4,6 +4,7 @@
 
 #include <vcg_ext/fit/fit_samples.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -65,6 +66,7 @@ class FitSystem {
     void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
                   const std::vector<Index> &place, std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const;
     Eigen::VectorXd Solve(const Eigen::VectorXd &right);
+    Eigen::MatrixXd ByFactor(const Eigen::MatrixXd &right) const;
 
     const RegionDeformer &deformer;
     const FitSamples &samples;
@@ -81,6 +83,8 @@ class FitSystem {
     std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose; of affine maps, the lever
     Eigen::SparseMatrix<double> matrix; ///< the lower half
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
+    Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> denseFactor; ///< instead, where isDense
+    bool isDense = false;
     bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
 };
 
