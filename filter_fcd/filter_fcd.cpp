@@ -9,6 +9,7 @@
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_straightener.h>
+#include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 #include <layer_fcd/tagging.h>
@@ -39,8 +40,9 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, PoseSequence, PoseInPlace, ResetPose, CopyDeformation,
-              SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags, SaveSession, LoadSession});
+    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, PoseSequence, PoseInPlace, ResetPose,
+              CopyDeformation, SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags, SaveSession,
+              LoadSession});
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -49,7 +51,8 @@ HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     // After a filter of textures the host shows those of the current layer, which is new.
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == PoseSequence || id == CopyDeformation
+    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == Symmetrize || id == PoseSequence ||
+                   id == CopyDeformation
                ? FilterClass(both)
                : Smoothing;
 }
@@ -106,6 +109,7 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case DeformMesh: return toRichParameters(DeformMeshParam(), document);
     case FitMesh: return toRichParameters(FitMeshParam(), document);
     case StraightenMesh: return toRichParameters(StraightenMeshParam(), document);
+    case Symmetrize: return toRichParameters(SymmetrizeParam(), document);
     case PoseSequence: return toRichParameters(SequenceParam(), document);
     case PoseInPlace: return toRichParameters(PoseParam(), document);
     case ResetPose: return toRichParameters(ResetPoseParam());
@@ -125,34 +129,34 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     const TidyLater tidy(document);
     if (host::inWindow() && document.mm())
         lastValues.keep(id, parameters, document, meant(id, *document.mm(), document));
+    const Progress progress(callback);
+    MeshModel &layer = input(document);
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, callback);
     case DeformMesh: return deformMesh(parameters, document, callback);
-    case FitMesh:
-        return tell(
-            fitLayer(document, input(document), fitMeshParam(parameters, document), toLog(), Progress(callback)));
+    case FitMesh: return tell(fitLayer(document, layer, fitMeshParam(parameters, document), toLog(), progress));
     case StraightenMesh:
-        return tell(straightenLayer(document, input(document), straightenMeshParam(parameters, document), toLog(),
-                                    Progress(callback)));
+        return tell(straightenLayer(document, layer, straightenMeshParam(parameters, document), toLog(), progress));
+    case Symmetrize: return tell(symmetrizeLayer(document, layer, symmetrizeParam(parameters), toLog(), progress));
     case PoseSequence:
-        return tell(makeSequence(document, input(document), preparedLayers, sequenceParam(parameters, document),
-                                 toLog(), Progress(callback)));
+        return tell(
+            makeSequence(document, layer, preparedLayers, sequenceParam(parameters, document), toLog(), progress));
     case PoseInPlace: return pose(parameters, document, callback);
     case CopyDeformation: return copy(parameters, document, callback);
     case SaveDeformation: return save(parameters, document, callback);
-    case ResetPose: resetPose(document, input(document), resetPoseParam(parameters), toLog()); return {};
+    case ResetPose: resetPose(document, layer, resetPoseParam(parameters), toLog()); return {};
     case TagSelection: {
         const TagSelectionParam param = tagSelectionParam(parameters);
-        return reportTags(input(document), tagSelection(document, input(document), param), param.target);
+        return reportTags(layer, tagSelection(document, layer, param), param.target);
     }
     case TagsFromFiles: {
         const TagsFromFilesParam param = tagsFromFilesParam(parameters);
-        return reportTags(input(document), tagFromFiles(document, input(document), param), param.target);
+        return reportTags(layer, tagFromFiles(document, layer, param), param.target);
     }
-    case ClearTags: return clearTags(document, input(document));
+    case ClearTags: return clearTags(document, layer);
     case SaveSession:
-    case LoadSession: return session(id, parameters, document, input(document));
-    case SaveTags: return report(saveTags(document, input(document), saveTagsParam(parameters, document), toLog()));
+    case LoadSession: return session(id, parameters, document, layer);
+    case SaveTags: return report(saveTags(document, layer, saveTagsParam(parameters, document), toLog()));
     }
     throw Error("Unknown filter.");
 }

@@ -21,6 +21,7 @@ class FilterFcd : public HostFilterPlugin {
         DeformMesh,
         FitMesh,
         StraightenMesh,
+        Symmetrize,
         PoseSequence,
         PoseInPlace,
         ResetPose,

@@ -12,6 +12,7 @@ RichParameterList toRichParameters(const BuildGraphParam &param, const MeshDocum
 RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const SymmetrizeParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const SequenceParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const ResetPoseParam &param);
@@ -30,6 +31,7 @@ BuildGraphParam buildGraphParam(const RichParameterList &list);
 DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocument &document);
 FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document);
 StraightenMeshParam straightenMeshParam(const RichParameterList &list, const MeshDocument &document);
+SymmetrizeParam symmetrizeParam(const RichParameterList &list);
 SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &document);
 PoseParam poseParam(const RichParameterList &given, const MeshDocument &document);
 ResetPoseParam resetPoseParam(const RichParameterList &list);

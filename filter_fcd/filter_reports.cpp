@@ -200,6 +200,34 @@ HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
     return values;
 }
 
+HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made) {
+    const vcg::fcd::SymmetryReport &report = made.report;
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
+    const Eigen::Vector3d &point = report.plane.point, &normal = report.plane.normal;
+    values.insert({{"plane_point_x", point[0]},
+                   {"plane_point_y", point[1]},
+                   {"plane_point_z", point[2]},
+                   {"plane_normal_x", normal[0]},
+                   {"plane_normal_y", normal[1]},
+                   {"plane_normal_z", normal[2]},
+                   {"plane_is_sure", report.isSure},
+                   {"rms_before", made.before},
+                   {"rms_after", made.after},
+                   {"asymmetry", report.way},
+                   {"asymmetry_most", report.wayMost},
+                   {"moved", report.moved},
+                   {"moved_most", report.movedMost},
+                   {"matched", report.fit.matched},
+                   {"pairs", int(made.pairs)},
+                   {"midline_points", int(made.midline)},
+                   {"mirrored_vertices", int(made.mirrored)},
+                   {"folded_triangles", made.result.check.flipped},
+                   {"nodes", int(made.result.rest.position.cols())},
+                   {"converged", made.result.converged},
+                   {"seconds", made.seconds}});
+    return values;
+}
+
 std::string describe(const SequenceLayers &made) {
     const vcg::fcd::SequenceReport &report = made.report;
     std::ostringstream line;

@@ -11,6 +11,7 @@
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/layer_straightener.h>
+#include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/parameters.h>
 #include <layer_fcd/saved_deformation.h>
 
@@ -54,6 +55,7 @@ std::vector<std::string> warningsOf(const FittedLayers &made);
 
 /// How a layer was straightened, in numbers.
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made);
 
 /// What was made of poses, in words and in numbers.
 std::string describe(const SequenceLayers &made);

@@ -17,6 +17,7 @@ QString FilterFcd::filterName(int id) const {
     case DeformMesh: return "FCD: Deform Mesh";
     case FitMesh: return "FCD: Fit to Layer";
     case StraightenMesh: return "FCD: Straighten Mesh";
+    case Symmetrize: return "FCD: Symmetrize";
     case PoseSequence: return "FCD: Pose Sequence";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
@@ -38,6 +39,7 @@ QString FilterFcd::scriptName(int id) const {
     case DeformMesh: return "generate_fcd_deformed_mesh";
     case FitMesh: return "generate_fcd_fitted_mesh";
     case StraightenMesh: return "generate_fcd_straightened_mesh";
+    case Symmetrize: return "generate_fcd_symmetrized_mesh";
     case PoseSequence: return "generate_fcd_pose_sequence";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
@@ -90,6 +92,17 @@ QString FilterFcd::filterInfo(int id) const {
                        "longer, and the outer side shorter. Where cross-sections would meet, the surface follows as "
                        "rigidly as possible instead; the log says where.<br>The result is a new layer with all that "
                        "the layer carries. Straighten, unbend, unroll, bend along a curve.") +
+               reference;
+    case Symmetrize:
+        return QString(
+                   "Restores the symmetry of what was <b>sheared, bent or pressed</b>: fits the current layer onto its "
+                   "own mirror image, and goes half of the way (retrodeformation). Rotations go half of their angle, "
+                   "so that what was bent keeps its length.<br>"
+                   "The plane of symmetry is found by itself, or told by pairs of landmarks and points of the "
+                   "midline, or given. What has no counterpart on the other side is carried along; its mirror image "
+                   "may be added over what is missing. The log says how asymmetric it was, and the quality of the "
+                   "result where.<br>"
+                   "The result is a new layer with all that the layer carries.") +
                reference;
     case PoseSequence:
         return QString("Makes an animation of the current layer, or a row of its poses. Each pose has a name and says "

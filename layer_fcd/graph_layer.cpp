@@ -164,6 +164,24 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
     return layer;
 }
 
+MeshModel &NewLayers::addSurface(const QString &what, const Eigen::Matrix3Xd &vertices,
+                                 const std::vector<std::array<std::size_t, 3>> &faces) {
+    MeshModel &layer = add(what);
+    CMeshO &mesh = layer.cm;
+    const auto count = std::size_t(vertices.cols());
+    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, count);
+    for (std::size_t i = 0; i < count; ++i)
+        mesh.vert[i].P() = toPoint(vertices.col(Eigen::Index(i)));
+    auto face = vcg::tri::Allocator<CMeshO>::AddFaces(mesh, faces.size());
+    for (const auto &corner : faces) {
+        for (int c = 0; c < 3; ++c)
+            face->V(c) = &mesh.vert[corner[std::size_t(c)]];
+        ++face;
+    }
+    computeBoxAndNormals(mesh);
+    return layer;
+}
+
 MeshModel &NewLayers::addLine(const QString &what, const Eigen::Matrix3Xd &points) {
     MeshModel &layer = add(what);
     CMeshO &mesh = layer.cm;

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -37,6 +39,10 @@ class NewLayers {
     /// base's vertices, \p color per patch. Textures, which would hide the colours, are left out.
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
                           const std::vector<vcg::Color4b> &color);
+
+    /// "NAME what": \p vertices, 3 x n, mesh units of the base, and \p faces of them.
+    MeshModel &addSurface(const QString &what, const Eigen::Matrix3Xd &vertices,
+                          const std::vector<std::array<std::size_t, 3>> &faces);
 
     /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p linear
     /// per slot turns normals that are not those of the faces, and principal directions; empty: there are none.

@@ -103,6 +103,22 @@ struct FitMeshParam {
     Quality quality = Input;                   ///< of the fitted layer
 };
 
+/// What "FCD: Symmetrize" is asked for. All in the world.
+struct SymmetrizeParam {
+    enum Quality { Input, Asymmetry, Moved, Matched };
+
+    QString pairsFile;                                       ///< .csv or .pp: left and right landmarks; may be empty
+    QString midlineFile;                                     ///< .pp, .csv or .txt: points of the plane; may be empty
+    Eigen::Vector3d planePoint = Eigen::Vector3d::Zero();    ///< on the plane of symmetry
+    Eigen::Vector3d planeNormal = Eigen::Vector3d::Zero();   ///< 0: the plane is not given
+    FitMeshParam::Weights weights = FitMeshParam::AllCounts; ///< how much the vertices count
+    QString weightAttribute = "fcd_weight";                  ///< (WeightsAttribute)
+    bool mirrorMissing = false;                              ///< also a layer with what is missing on the other side
+    vcg::fcd::FitParam fit;                                  ///< without nodes
+    bool graphLayers = true;                                 ///< keep the rest and the deformed graph as layers
+    Quality quality = Asymmetry;                             ///< of the new layer
+};
+
 /// What "FCD: Straighten Mesh" is asked for. All in the world.
 struct StraightenMeshParam {
     enum Shape { Straight, Arc, Line };

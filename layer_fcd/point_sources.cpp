@@ -36,6 +36,10 @@ std::vector<PointPair> readPairs(const QString &path, const QString &targets, st
 
 } // namespace
 
+std::vector<PointPair> readPointPairs(const MeshModel &layer, const QString &file) {
+    return readPairs(file, QString(), mostBytes(layer, 1000));
+}
+
 std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
                                           const QString &targets) {
     const std::vector<PointPair> pairs = readPairs(file, targets, mostBytes(layer, 1000));

@@ -3,6 +3,7 @@
 #define FCD_POINT_SOURCES_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/handles.h>
 
 #include "meshlab_host.h"
@@ -17,5 +18,8 @@
 /// \throw vcg::fcd::Error when the file cannot be read or names a vertex that there is not: says what to do
 std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
                                                     const QString &targets = QString());
+
+/// The pairs of such a file, as they are there. \throw vcg::fcd::Error as readPointHandles
+std::vector<vcg::fcd::PointPair> readPointPairs(const MeshModel &layer, const QString &file);
 
 #endif

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "layer_contents.h"
+#include "layer_labels.h"
+#include "layer_matrix.h"
+#include "layer_symmetrizer.h"
+#include "line_sources.h"
+#include "line_surface.h"
+#include "new_layers.h"
+#include "point_sources.h"
+#include "results.h"
+#include "weight_sources.h"
+
+#include <vcg_ext/base/point_tree.h>
+
+#include <array>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+using vcg::fcd::Deformer;
+using vcg::fcd::Error;
+using vcg::fcd::Fitter;
+using vcg::fcd::Progress;
+using vcg::fcd::SurfaceView;
+using vcg::fcd::SymmetryGoal;
+using vcg::fcd::SymmetryMark;
+
+namespace {
+
+/// Finds the vertices that stand for landmarks.
+class MarkReader {
+  public:
+    MarkReader(const SurfaceView &view, const Eigen::Affine3d &world) : view(view), world(world) {
+        for (std::size_t i = 0; i < view.vertexSlots; ++i)
+            if (!view.IsDeleted(i)) {
+                slot.push_back(i);
+                position.emplace_back(world * view.At(i));
+            }
+        tree = std::make_unique<vcg::fcd::PointTree<double>>(position);
+    }
+
+    SymmetryMark at(const Eigen::Vector3d &place) const { return {slot[std::size_t(tree->Nearest(place))], place}; }
+    /// \param number as a file counts them
+    SymmetryMark at(std::int64_t number, const QString &file) const {
+        if (std::size_t(number) >= slot.size())
+            throw Error(inQuotes(file) + " names vertex " + std::to_string(number) + ", but the layer has only " +
+                        std::to_string(slot.size()) + " vertices, from 0.");
+        return {slot[std::size_t(number)], position[std::size_t(number)]};
+    }
+
+  private:
+    const SurfaceView view;
+    const Eigen::Affine3d world;
+    std::vector<std::size_t> slot; // of live vertices
+    std::vector<Eigen::Vector3d> position;
+    std::unique_ptr<vcg::fcd::PointTree<double>> tree;
+};
+
+SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const SurfaceView &view,
+                    const Eigen::Affine3d &world) {
+    SymmetryGoal goal;
+    if (!param.planeNormal.isZero(0))
+        goal.plane = vcg::fcd::MirrorPlane{param.planePoint, param.planeNormal};
+    if (param.pairsFile.isEmpty() && param.midlineFile.isEmpty())
+        return goal;
+    const MarkReader marks(view, world);
+    if (!param.pairsFile.isEmpty())
+        for (const vcg::fcd::PointPair &pair : readPointPairs(layer, param.pairsFile))
+            goal.pairs.push_back({pair.vertex >= 0 ? marks.at(pair.vertex, param.pairsFile) : marks.at(pair.start),
+                                  marks.at(pair.target)});
+    if (!param.midlineFile.isEmpty()) {
+        const Eigen::Matrix3Xd points = readLine(param.midlineFile);
+        for (Eigen::Index i = 0; i < points.cols(); ++i)
+            goal.midline.push_back(marks.at(points.col(i)));
+    }
+    return goal;
+}
+
+/// Adds mirror images of what has no counterpart. \return how many vertices
+std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::Affine3d &world,
+                       const vcg::fcd::MirrorPlane &plane, const std::vector<char> &matched,
+                       const Eigen::Matrix3Xd &position) {
+    std::vector<std::size_t> number(view.vertexSlots, view.vertexSlots), chosen;
+    std::vector<std::array<std::size_t, 3>> faces;
+    const auto numberOf = [&](std::size_t i) {
+        if (number[i] == view.vertexSlots) {
+            number[i] = chosen.size();
+            chosen.push_back(i);
+        }
+        return number[i];
+    };
+    for (std::size_t f = 0; f < view.faces; ++f) {
+        const std::uint32_t *corner = view.corner + 3 * f;
+        if (view.IsFace(f) && !matched[corner[0]] && !matched[corner[1]] && !matched[corner[2]])
+            faces.push_back({numberOf(corner[0]), numberOf(corner[2]), numberOf(corner[1])});
+    }
+    for (std::size_t i = 0; view.faces == 0 && i < view.vertexSlots; ++i)
+        if (!view.IsDeleted(i) && !matched[i])
+            numberOf(i);
+    if (chosen.empty())
+        return 0;
+    Eigen::Matrix3Xd places(3, Eigen::Index(chosen.size()));
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+        places.col(Eigen::Index(k)) =
+            world.inverse() * plane(world * Eigen::Vector3d(position.col(Eigen::Index(chosen[k]))));
+    layers.addSurface("mirrored", places, faces);
+    return chosen.size();
+}
+
+} // namespace
+
+SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, const SymmetrizeParam &asked,
+                                  const Remark &remark, const Progress &progress) {
+    const vcg::fcd::Stopwatch watch;
+    SymmetrizeParam param = asked;
+    const LineSurface surface(layer, progress.Slice(0, 0.02));
+    param.fit.linear = surface.hasDirections;
+    const SurfaceView view = surface.arrays.View();
+    const Eigen::Affine3d &world = surface.world;
+    const vcg::fcd::NormalOf normal = [&](std::size_t i) { return toVector(surface.normal[i]); };
+    const std::vector<float> weights = readWeights(layer, param.weights, param.weightAttribute);
+    const vcg::fcd::WeightOf weight =
+        weights.empty() ? vcg::fcd::WeightOf() : [&](std::size_t i) { return double(weights[i]); };
+    const SymmetryGoal goal = goalOf(layer, param, view, world);
+
+    SymmetrizedLayers made;
+    made.pairs = goal.pairs.size();
+    made.midline = goal.midline.size();
+    vcg::fcd::DeformationResult &result = made.result;
+    result.tags = vcg::fcd::CountTags(surface.handles.tag, view.deleted);
+    const auto fitter =
+        std::make_shared<const Fitter>(view, normal, surface.handles, param.fit, progress.Slice(0.02, 0.2), weight);
+    const Deformer &deformer = fitter->Surface();
+    made.diagonal = deformer.frame.scale;
+    vcg::fcd::SymmetricPose pose =
+        vcg::fcd::Symmetrize(*fitter, view, normal, world, goal, made.report, progress.Slice(0.2, 0.75), weight);
+    if (made.report.fit.matched == 0)
+        throw Error("Nothing of " + inQuotes(layer) +
+                    " has a counterpart on its other side. Give pairs, a midline or the plane, or raise "
+                    "largest_distance.");
+    const auto carried = [&](const Deformer::Pose &of, const Progress &part) {
+        Eigen::Matrix3Xd position = view.Copy();
+        vcg::fcd::Carrier(deformer, of).Apply(position, nullptr, part);
+        return position;
+    };
+    std::vector<float> distance, quality;
+    std::vector<char> matched;
+    fitter->Compare(*pose.target, made.report.fit, carried(pose.fitted, progress.Slice(0.75, 0.78)), distance, matched,
+                    progress.Slice(0.78, 0.8));
+    pose.target = nullptr;
+    result.pose = std::move(pose.half);
+    result.converged = made.report.fit.converged;
+    result.position = view.Copy();
+    vcg::fcd::CarryPose(view, normal, surface.handles, deformer, param.fit, progress.Slice(0.8, 0.9), result);
+    vcg::fcd::PutPartners(*fitter, view, world, goal, made.report, result.position);
+    const auto apart = [&](const vcg::fcd::PositionsRef &position, const Progress &part) {
+        return vcg::fcd::DistanceFromMirror(*fitter, view, normal, world, made.report.plane, position, part, weight);
+    };
+    made.before = apart(view.Positions(), progress.Slice(0.9, 0.92));
+    made.after = apart(result.position, progress.Slice(0.92, 0.94));
+    if (param.quality == SymmetrizeParam::Matched) {
+        quality.assign(matched.begin(), matched.end());
+    } else if (param.quality != SymmetrizeParam::Input) {
+        const Eigen::Matrix3Xd to = param.quality == SymmetrizeParam::Moved
+                                        ? result.position
+                                        : carried(pose.mirror, progress.Slice(0.94, 0.95));
+        for (std::size_t i = 0; i < view.vertexSlots; ++i)
+            quality.push_back(float((world.linear() * (to.col(Eigen::Index(i)) - view.At(i))).norm()));
+    }
+
+    progress(0.95, "Adding layers...");
+    NewLayers layers(document, layer, remark);
+    std::shared_ptr<Prepared> graphOf;
+    if (param.graphLayers) {
+        graphOf = std::make_shared<Prepared>();
+        graphOf->deformer = std::shared_ptr<const Deformer>(fitter, &deformer); // lives as long as the fitter
+        graphOf->tags = result.tags;
+    }
+    if (param.mirrorMissing)
+        made.mirrored = addMissing(layers, view, world, made.report.plane, matched, result.position);
+    made.layers = layers.addResult("symmetrized", result, quality, graphOf);
+    layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
+    if (host::inWindow()) // one sees what one asked for
+        showLast(document, layer, made.layers);
+    made.seconds = watch.Seconds();
+    return made;
+}
+
+std::string describe(const SymmetrizedLayers &made) {
+    const vcg::fcd::SymmetryReport &report = made.report;
+    const auto text = [](const Eigen::Vector3d &v) {
+        std::ostringstream out;
+        out << v[0] << " " << v[1] << " " << v[2];
+        return out.str();
+    };
+    std::ostringstream line;
+    line << "The plane of symmetry, "
+         << (report.isGiven         ? "as given"
+             : report.isOfLandmarks ? "of the landmarks"
+                                    : "as the surface tells it")
+         << ", goes through " << text(report.plane.point) << " with the normal " << text(report.plane.normal)
+         << ". The surface was " << made.before << " (rms) from its mirror image, and is " << made.after
+         << " from it now. It was moved by " << report.moved << " (rms), at most by " << report.movedMost << "; "
+         << 100 * report.fit.matched << " percent have a counterpart on the other side.";
+    if (made.mirrored > 0)
+        line << " " << made.mirrored << " vertices are mirrored over what is missing.";
+    line << " " << made.seconds << " s.";
+    return line.str();
+}
+
+std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
+    const vcg::fcd::SymmetryReport &report = made.report;
+    std::vector<std::string> warnings;
+    if (!report.isSure)
+        warnings.emplace_back(
+            "The surface is nearly as much like its mirror image in another plane: look at the plane, "
+            "and give pairs, a midline or the plane itself where it is the wrong one.");
+    std::ostringstream share;
+    if (report.fit.matched < 0.3) // then most of the shape is a guess
+        share << "Only " << 100 * report.fit.matched
+              << " percent of the surface have a counterpart on the other side: do not trust the rest. Give pairs or a "
+                 "midline.";
+    else if (report.fit.guessed > 0.05 && report.fit.guessError > 0.01 * made.diagonal) // 1 %: no hand misses so much
+        share << 100 * report.fit.guessed
+              << " percent of the surface have no counterpart on the other side, were carried along, and may be off by "
+                 "about "
+              << report.fit.guessError << ".";
+    if (!share.str().empty())
+        warnings.push_back(share.str());
+    if (!report.contradicted.empty()) {
+        std::string names;
+        for (std::size_t each : report.contradicted)
+            names += (names.empty() ? "" : ", ") + std::to_string(each);
+        warnings.push_back("Landmarks " + names +
+                           ", counted from 0, the pairs first, do not go with the others. Look whether they are mixed "
+                           "up.");
+    }
+    if (made.result.check.flipped > 0)
+        warnings.push_back(std::to_string(made.result.check.flipped) +
+                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
+                           " turned over: the surface is folded there. Give pairs, or raise stiffness.");
+    if (!made.result.converged)
+        warnings.emplace_back("The fit onto the mirror image did not come to rest: raise fit_steps.");
+    return warnings;
+}
