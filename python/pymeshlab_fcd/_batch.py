@@ -188,6 +188,7 @@ def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Itera
     try:
         waiting = {pool.submit(_job, given, path, out, threads): path for path, out in jobs}
         for each in concurrent.futures.as_completed(waiting):
+            row: Row
             try:
                 row = each.result()
             except BrokenProcessPool:
