@@ -109,8 +109,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "ways the one that fits best. Needs a layer without fixed vertices and handles. Where nothing of the two "
         "overlaps, "
         "and there are no landmarks, <b>As they lie</b> moves the layer onto the target's middle, too; and where it "
-        "fits "
-        "far better turned by its axes or scaled by up to 2.2, it begins so, and says so.");
+        "fits far better turned by its axes or scaled by up to 2.2, it begins so, and says so.");
     addParameter<RichFloat>(
         list, Shown::Always, "stiffness", Scalarm(fit.stiffness), "Stiffness (1 is the default, 10 stiff)",
         "How rigid the surface is in the end. <b>Raising it</b> smooths over noise and holes of the target; "
