@@ -62,7 +62,7 @@ def test_links_of_the_readme_lead_somewhere():
 
 
 def test_no_page_has_python_that_is_not_run():
-    of_the_package = {"README.md", "python.md", "tiles.md", "symmetry.md"}  # which tests/python/test_pages.py runs
+    of_the_package = {"README.md", "python.md", "tiles.md", "symmetry.md", "compensation.md"}  # which tests/python/test_pages.py runs
     assert {page for page in PAGES if blocks(page, "python")} == {"scripts.md", "layers.md", "straighten.md", "sequences.md"} | of_the_package
 
 

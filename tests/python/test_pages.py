@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
     ("python/README.md", "assert abs(bend(vertices) - positions).max() < 1.2e-3 and moved.shape == normals.shape"),
     ("docs/python.md", "assert abs(moved - bend(vertices)).max() == 0 and abs(pose.vertices[tags == 0] - vertices[tags == 0]).max() == 0"),
     ("docs/symmetry.md", "assert restored.symmetry.after < 0.1 * restored.symmetry.before and others.shape == (98, 3)"),
+    ("docs/compensation.md", "assert made.info.left < 0.1 * made.info.before and support.shape == (1, 3)"),
     ("docs/tiles.md", "assert -1 < moved[:, 2].min() + 2 < 1.5")])
 def test_python_of_a_page_in_one_session(tmp_path, page, check):
     code = "\n".join(re.findall(r"^```python\n(.*?)^```$", (ROOT / page).read_text(), re.M | re.S))
@@ -33,7 +34,7 @@ def test_the_reference_has_all_there_is():
 
 
 def test_every_parameter_is_explained():
-    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
+    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "compensate", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
         thing = getattr(pymeshlab_fcd, name)
         members = [thing] if callable(thing) and not inspect.isclass(thing) else [
             member for key, member in vars(thing).items() if not key.startswith("_") and (inspect.isfunction(member) or isinstance(member, classmethod))]
