@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The extension of pymeshlab_fcd: the method on numpy's arrays. What is called here has been looked at in Python:
 // kinds, shapes, layout.
+#include "compensated.h"
 #include "field.h"
 #include "fitted.h"
 #include "posed.h"
@@ -132,6 +133,13 @@ NB_MODULE(_core, module) {
         .def("symmetrize", &Fitting::symmetrize, arg("goal"), arg("normals").none(), arg("weights").none(),
              arg("report").none())
         .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
+    nb::class_<Compensating>(module, "Compensating")
+        .def(nb::init<const Rows &, const std::optional<Corners> &, const Rows &, const std::optional<Corners> &,
+                      const std::optional<Rows> &, const nb::dict &, unsigned, const nb::object &>(),
+             arg("vertices"), arg("faces").none(), arg("scan"), arg("scan_faces").none(), arg("scan_normals").none(),
+             arg("param"), arg("threads"), arg("report").none())
+        .def("told", &Compensating::told)
+        .def("apply", &Compensating::apply, arg("points"), arg("predicted"), arg("report").none());
     nb::class_<Sequence>(module, "Sequence")
         .def(nb::init<const std::vector<std::pair<std::string, std::string>> &, const std::vector<Sequence::Key> &>(),
              arg("poses"), arg("keys"))

@@ -3,6 +3,7 @@
 
 Nothing but numpy is imported. Where the filters for pymeshlab are installed, `enable_pymeshlab` makes them methods of its MeshSet.
 """
+from ._compensate import Compensated, CompensationInfo, compensate
 from ._core import __version__
 from ._contact import Contact
 from ._deform import deform, deformation
@@ -18,11 +19,13 @@ from ._progress import Progress
 from ._sequence import AnimationInfo, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
 from ._symmetrize import OtherSide, Symmetrized, SymmetryInfo, symmetrize
-from ._warnings import (AccuracyWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning, NodeWarning,
-                        NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning, SymmetryWarning)
+from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning,
+                        NodeWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning,
+                        SymmetryWarning)
 
-__all__ = ["AccuracyWarning", "AnimationInfo", "Contact", "ContactWarning", "Deformation", "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
+__all__ = ["AccuracyWarning", "AnimationInfo", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Deformation",
+           "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
            "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "Weights",
-           "__version__", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]
+           "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]

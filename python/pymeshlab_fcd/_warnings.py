@@ -67,6 +67,10 @@ class SymmetryWarning(DeformationWarning):
     """The plane of symmetry is not sure, or little of a surface has a counterpart on its other side."""
 
 
+class CompensationWarning(DeformationWarning):
+    """Little of a part is scanned, or its warp leaves much."""
+
+
 class LineWarning(DeformationWarning):
     """Parts of a surface do not go with the line."""
 

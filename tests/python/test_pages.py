@@ -23,6 +23,7 @@ CHECKS = {
     "fitted = pymeshlab_fcd.fit(template, faces, scan, faces)": "assert fitted.info.matched > 0.9",
     "bent = pymeshlab_fcd.straighten(vertices, faces, [[0, 1, 0], [5, 1, 0], [10, 1, 0]]": "assert bent.vertices[:, 2].max() - bent.vertices[:, 2].min() > 1.5",
     "poses.write(deformer, gltf='bar.glb', pc2='bar.pc2')": "from pathlib import Path; assert Path('bar.glb').stat().st_size > 10000",
+    "made = pymeshlab_fcd.compensate(nominal, faces, scan, faces)": "assert made.info.left < 0.1 * made.info.before and support.shape == (1, 3)",
     "restored = pymeshlab_fcd.symmetrize(sheared, faces)": "assert restored.symmetry.after < 0.1 * restored.symmetry.before and others.shape == (98, 3)",
     "np.save('bent_numpy.npy', positions)": "assert abs(positions[tags == 0] - vertices[tags == 0]).max() == 0 and abs(positions[tags == 2][:, 0] - 4).max() < 0.6",
 }
@@ -63,7 +64,7 @@ def test_the_reference_has_all_there_is():
 
 
 def test_every_parameter_is_explained():
-    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
+    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "compensate", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
         thing = getattr(pymeshlab_fcd, name)
         members = [thing] if callable(thing) and not inspect.isclass(thing) else [
             member for key, member in vars(thing).items() if not key.startswith("_") and (inspect.isfunction(member) or isinstance(member, classmethod))]

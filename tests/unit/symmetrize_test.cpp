@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/rotation_vector.h>
+#include <vcg_ext/compensate.h>
 #include <vcg_ext/symmetrize.h>
 #include <vcg_ext/symmetry/half_pose.h>
 #include <vcg_ext/warp/smooth_warp.h>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace {
@@ -85,6 +87,88 @@ TEST(SmoothWarp, ComesBackAndKnowsItsSlope) {
     const Eigen::Vector3d p(1.5, -0.7, 0.9), step(1e-6, 2e-6, -1e-6);
     EXPECT_LT((warp.Back(warp.At(p), warp.At(p)) - p).norm(), 1e-12);
     EXPECT_LT((warp.At(p + step) - warp.At(p) - warp.LinearAt(p) * step).norm(), 1e-11);
+}
+
+/// A sheet with bumps.
+struct Sheet {
+    std::vector<double> position;
+    std::vector<std::uint32_t> corner;
+
+    explicit Sheet(int n) {
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) {
+                const double x = double(i) / n, y = double(j) / n;
+                position.insert(position.end(), {x, y, 0.1 * std::sin(5 * x) * std::cos(4 * y)});
+            }
+        for (int j = 0; j + 1 < n; ++j)
+            for (int i = 0; i + 1 < n; ++i) {
+                const auto a = std::uint32_t(j * n + i), b = a + std::uint32_t(n);
+                corner.insert(corner.end(), {a, a + 1, b, a + 1, b + 1, b});
+            }
+    }
+    SurfaceView View() const {
+        SurfaceView view;
+        view.position = position.data();
+        view.vertexSlots = position.size() / 3;
+        view.corner = corner.data();
+        view.faces = corner.size() / 3;
+        return view;
+    }
+};
+
+template <class Body>
+std::string MessageOf(const Body &body) {
+    try {
+        body();
+    } catch (const BadInput &error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(Compensation, TellsWhatIsOutOfRange) {
+    const Sheet sheet(20);
+    CompensateParam param;
+    const auto message = [&] { return MessageOf([&] { Compensation(sheet.View(), sheet.View(), {}, param); }); };
+    EXPECT_EQ(message(), "");
+    param.degree = 8;
+    EXPECT_NE(message().find("degree of the warp must be from 1 to 7"), std::string::npos);
+    param = {};
+    param.samples = 99;
+    EXPECT_NE(message().find("At least 100 places of the nominal part"), std::string::npos);
+    param = {};
+    param.largestDistance = 0;
+    EXPECT_NE(message().find("largest distance of matches must be positive"), std::string::npos);
+    Sheet far(20);
+    for (double &each : far.position)
+        each += 100;
+    param.largestDistance = 0.1;
+    EXPECT_NE(MessageOf([&] { Compensation(sheet.View(), far.View(), {}, param); }).find("counterpart on the scan"),
+              std::string::npos);
+    SurfaceView points = sheet.View();
+    points.faces = 0;
+    EXPECT_NE(MessageOf([&] { Compensation(points, sheet.View(), {}, param); }).find("no triangles with an area"),
+              std::string::npos);
+}
+
+TEST(Symmetrize, TellsWhichLandmarkIsWrong) {
+    const Sheet sheet(20);
+    Handles handles;
+    handles.tag.assign(sheet.View().vertexSlots, 1);
+    const Fitter fitter(sheet.View(), {}, handles, FitParam());
+    const auto message = [&](const SymmetryGoal &goal) {
+        SymmetryReport report;
+        return MessageOf([&] { Symmetrize(fitter, sheet.View(), {}, Eigen::Affine3d::Identity(), goal, report); });
+    };
+    const auto mark = [&](std::size_t i) { return SymmetryMark{i, Eigen::Vector3d::Zero()}; };
+    SymmetryGoal goal;
+    goal.midline = {mark(400)};
+    EXPECT_NE(message(goal).find("Vertex 400 of the pairs or the midline is no vertex"), std::string::npos);
+    goal.midline = {mark(1), mark(1)};
+    EXPECT_NE(message(goal).find("Vertex 1 is named twice"), std::string::npos);
+    goal.midline.clear();
+    goal.plane = MirrorPlane{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    EXPECT_NE(message(goal).find("The plane has no direction"), std::string::npos);
 }
 
 } // namespace

@@ -81,7 +81,6 @@ constexpr int mostSteps = 40; // of each degree; it mostly comes to rest in 10 t
 // The weight of a match along the surface, beside that across it: in the beginning, where the surface lies in the wrong
 // place along itself, and later.
 constexpr double alongFirst = 0.1, along = 0.001;
-constexpr double typicalBending = 1; // of what was bent, radians over the diagonal
 // Cosines of the angle between two normals: less is another side; more is the same one.
 constexpr double anotherSide = 0.3, sameSide = 0.7;
 
@@ -113,6 +112,7 @@ class NormalEquations {
         for (int i = 0; i < 3; ++i)
             matrix.block(i * n, i * n, n, n) += weight * square;
     }
+    void Add(double weight, const Eigen::MatrixXd &square) { matrix += weight * square; }
     Eigen::Matrix3Xd Solution() const {
         Eigen::MatrixXd whole = matrix;
         whole.diagonal().array() += 1e-12 * matrix.trace() / double(3 * n); // what nothing tells stays
@@ -161,6 +161,17 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfi
                 for (Eigen::Index c = 0; c < n; ++c)
                     bending.col(c) += ((k < 3 ? 1 : 2) / double(places) * curvature(c, k)) * curvature.col(k);
         }
+        const bool hasStrain = std::isfinite(goal.typicalStrain);
+        Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(hasStrain ? 3 * n : 0, hasStrain ? 3 * n : 0);
+        for (std::size_t s = 0; s < places && hasStrain; ++s) // the square of the symmetric part of C times the slopes
+            for (int i = 0; i < 3; ++i)
+                for (int k = 0; k < 3; ++k)
+                    for (Eigen::Index c = 0; c < n; ++c) {
+                        auto column = strain.col(k * n + c).segment(i * n, n);
+                        column += (0.5 / double(places) * slope[s](c, i)) * slope[s].col(k);
+                        for (int j = 0; i == k && j < 3; ++j)
+                            column += (0.5 / double(places) * slope[s](c, j)) * slope[s].col(j);
+                    }
         for (int step = 0; step < mostSteps; ++step) {
             progress((degree - 1 + double(step) / mostSteps) / goal.degree, "Warping");
             ParallelFor(progress.threads, places, 64, [&](std::size_t first, std::size_t last) {
@@ -204,8 +215,10 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfi
                              Eigen::Matrix3d::Identity(),
                          warp.Basis(goal.from[l]), goal.to[l] - goal.from[l]);
             // As likely as noise of that width is bending by a radian over the diagonal (a maximum a posteriori
-            // estimate); the first shapes of all are farther off, and bend less.
-            sums.AddBending(width * width / (typicalBending * typicalBending), bending);
+            // estimate); so is strain. In the first steps all is farther off, and bends less.
+            sums.AddBending(width * width / (goal.typicalBending * goal.typicalBending), bending);
+            if (hasStrain)
+                sums.Add(width * width / (goal.typicalStrain * goal.typicalStrain), strain);
             warp.coefficient = sums.Solution();
             double moved = 0;
             for (std::size_t s = 0; s < places; ++s) {

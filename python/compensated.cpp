@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "compensated.h"
+#include "fitted.h"
+#include "listener.h"
+
+#include <limits>
+
+namespace {
+
+vcg::fcd::SurfaceView viewOf(const Rows &vertices, const std::optional<Corners> &faces) {
+    vcg::fcd::SurfaceView view;
+    view.position = vertices.data();
+    view.vertexSlots = vertices.shape(0);
+    if (faces) {
+        view.corner = faces->data();
+        view.faces = faces->shape(0);
+    }
+    view.isCloud = view.faces == 0;
+    return view;
+}
+
+} // namespace
+
+Compensating::Compensating(const Rows &vertices, const std::optional<Corners> &faces, const Rows &scan,
+                           const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals,
+                           const nb::dict &given, unsigned threads, const nb::object &report)
+    : threads(threads) {
+    vcg::fcd::CompensateParam param;
+    param.degree = nb::cast<int>(given["degree"]);
+    param.samples = nb::cast<int>(given["samples"]);
+    param.largestDistance = nb::cast<double>(given["largest_distance"]);
+    if (param.largestDistance == 0)
+        param.largestDistance = std::numeric_limits<double>::infinity();
+    const vcg::fcd::NormalOf normal = normalsOf(scanNormals);
+    Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
+        const vcg::fcd::SurfaceView nominal = viewOf(vertices, faces), target = viewOf(scan, scanFaces);
+        nominal.Validate();
+        target.Validate();
+        way = std::make_unique<const vcg::fcd::Compensation>(nominal, target, normal, param, progress);
+    });
+}
+
+nb::dict Compensating::told() const {
+    const vcg::fcd::CompensateReport &found = way->report;
+    nb::dict all;
+    all["before"] = found.before;
+    all["left"] = found.left;
+    all["scanned"] = found.scanned;
+    all["change"] = found.change;
+    all["change_most"] = found.changeMost;
+    all["missed"] = found.missed;
+    return all;
+}
+
+nb::object Compensating::apply(const Rows &points, bool predicted, const nb::object &report) const {
+    double *to;
+    nb::object made = newArray({points.shape(0), 3}, to);
+    Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
+        ParallelFor(progress, "Compensating", points.shape(0), 1 << 10, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                const Eigen::Vector3d p = rowOf(points.data(), i);
+                rowOf(to, i) = predicted ? way->Predicted(p) : (*way)(p);
+            }
+        });
+    });
+    return made;
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef PYMESHLAB_FCD_COMPENSATED_H
+#define PYMESHLAB_FCD_COMPENSATED_H
+
+#include "arrays.h"
+
+#include <vcg_ext/compensate.h>
+
+#include <memory>
+#include <optional>
+
+/// The way from a nominal part to what to make.
+class Compensating {
+  public:
+    /// \param param by name; see compensate in Python
+    Compensating(const Rows &vertices, const std::optional<Corners> &faces, const Rows &scan,
+                 const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals, const nb::dict &param,
+                 unsigned threads, const nb::object &report);
+
+    nb::dict told() const;
+    /// What to make at points, or what comes out of that.
+    nb::object apply(const Rows &points, bool predicted, const nb::object &report) const;
+
+  private:
+    const unsigned threads;
+    std::unique_ptr<const vcg::fcd::Compensation> way;
+};
+
+#endif

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compensation: what to print so that it becomes what is wanted."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, _inputs, _meshes
+from ._inputs import Points
+from ._meshes import MeshLike
+from ._progress import Progress, report, shared
+from ._warnings import CompensationWarning, Told, warn
+
+
+@dataclass(frozen=True)
+class CompensationInfo:
+    """How far a part was warped, and what is made of it. Lengths are in units of the vertices."""
+
+    before: float
+    """Distance of the nominal part, laid rigidly onto the scan, from it, root mean square where it is scanned."""
+    left: float
+    """The same after the warp: noise of the scan, and what is not smooth."""
+    scanned: float
+    """Share of the nominal surface that has a counterpart on the scan, 0 to 1."""
+    change: float
+    """From the nominal vertices to what to print, root mean square."""
+    change_most: float
+    """And at most."""
+    missed: float
+    """How far what is predicted to come out is from the nominal vertices, at most."""
+
+
+class Compensated:
+    """What to print, by [compensate][pymeshlab_fcd.compensate]."""
+
+    def __init__(self, way: _core.Compensating, nominal: Points, told: Progress) -> None:
+        self._way = way
+        self._nominal = nominal
+        self._vertices: Points = way.apply(nominal, False, report(told, 90, 100))
+        self._vertices.flags.writeable = False
+
+    @property
+    def vertices(self) -> Points:
+        """n x 3, read-only: what to print, with the faces of the nominal part."""
+        return self._vertices
+
+    @property
+    def info(self) -> CompensationInfo:
+        """How far the part was warped, and what is made of it."""
+        return CompensationInfo(**self._way.told())
+
+    @property
+    def change(self) -> NDArray[np.float64]:
+        """n: how far each vertex is from where it is in the nominal part."""
+        return np.asarray(np.linalg.norm(self._vertices - self._nominal, axis=1), np.float64)
+
+    def map(self, points: ArrayLike, *, progress: Progress = None) -> Points:
+        """Other points of the nominal part, where they are in what to print: supports, other resolutions, drawings.
+
+        Parameters
+        ----------
+        points : array_like
+            k x 3, finite.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        """
+        return self._way.apply(_inputs.finite("points", _inputs.rows("points", points, lent=True)), False, report(progress))
+
+    def predict(self, points: ArrayLike, *, progress: Progress = None) -> Points:
+        """Where points of what is printed come to lie, placed as the nominal part is, if it is warped again as it was.
+
+        Parameters
+        ----------
+        points : array_like
+            k x 3, finite.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        """
+        return self._way.apply(_inputs.finite("points", _inputs.rows("points", points, lent=True)), True, report(progress))
+
+    def __repr__(self) -> str:
+        return f"<Compensated of {len(self._vertices)} vertices, changed by {self.info.change_most:g} at most>"
+
+
+def compensate(
+    vertices: ArrayLike | MeshLike,
+    faces: ArrayLike | MeshLike | None = None,
+    scan_vertices: ArrayLike | MeshLike | None = None,
+    scan_faces: ArrayLike | None = None,
+    *,
+    scan_normals: ArrayLike | None = None,
+    degree: int = 5,
+    largest_distance: float = 0.0,
+    samples: int = 12000,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Compensated:
+    """What to print so that the nominal part comes out: its scan tells how it is warped, and that is turned round. The warp is one of all
+    of space that is smooth, so that flat faces, round holes and sharp edges stay what they are, what is not scanned goes with what is, and
+    noise does not come through; whether vertices are welded makes no difference. Meshes of another library have their faces:
+    `compensate(mesh, scan)`.
+
+    It is assumed that what is printed at a place is warped as the nominal part was there: exactly so if the changes are small.
+
+    Parameters
+    ----------
+    vertices : array_like or mesh
+        n x 3, of the nominal part, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
+    faces : array_like, optional
+        m x 3 numbers of vertices, or what the mesh has.
+    scan_vertices : array_like or mesh
+        k x 3, of the scan of the printed part in the same units, rigidly aligned with the nominal one; vertices that are not finite are
+        left out.
+    scan_faces : array_like, optional
+        m x 3 numbers of vertices of the scan; None: a cloud, or what the mesh has.
+    scan_normals : array_like, optional
+        k x 3, of a cloud: they tell the two sides of something thin apart.
+    degree : int, default 5
+        Of the polynomial that warps, 1 to 7: 1 is shrinkage and shear, more follows finer warps.
+    largest_distance : float, default 0.0
+        What is farther than this from the scan is not scanned. 0: no limit.
+    samples : int, default 12000
+        How many places of the nominal part are matched, from 100.
+    threads : int, default 0
+        How many to use; 0 is one a core.
+    progress : Progress, optional
+        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+    Returns
+    -------
+    Compensated
+        What to print, `Compensated.vertices`, and how far that is from the nominal part, `Compensated.info`.
+
+    Raises
+    ------
+    TypeError
+        Something is of another kind than what is asked for here.
+    ValueError
+        It has another shape or is out of range, the nominal part has no faces, or nothing of it has a counterpart on the scan.
+    KeyboardInterrupt
+        Ctrl-C, at once; nothing is half done.
+
+    Warns
+    -----
+    DeformationWarning
+        Little is scanned, the warp leaves half of what there was, or it cannot be turned round.
+    """
+    own: Any = faces
+    scan: object = scan_vertices
+    corners: object = scan_faces
+    if _meshes.is_beside_mesh(vertices, faces):
+        if scan_vertices is None:
+            own, scan = None, faces
+        elif scan_faces is None:
+            own, scan, corners = None, faces, scan_vertices
+    if scan is None:
+        raise TypeError("there is no scan: it comes after the faces, compensate(vertices, faces, scan_vertices, scan_faces)")
+    told = shared(progress)
+    nominal, triangles = _meshes.surface(vertices, own, lent=False)[1:]
+    places, of_scan = _meshes.surface(scan, corners, "scan_")[1:]
+    if len(places) == 0:
+        raise ValueError("the scan has no vertices; give a surface, or points, as scan_vertices")
+    normals = None if scan_normals is None else _inputs.normals(scan_normals, len(places), "scan_normals")
+    param: dict[str, Any] = {"degree": _inputs.whole("degree", degree, 1, 7), "samples": _inputs.whole("samples", samples, 100),
+                             "largest_distance": _inputs.number("largest_distance", largest_distance)}
+    way = _core.Compensating(nominal, triangles, places, of_scan, normals, param, _inputs.whole("threads", threads, 0, 1024),
+                             report(told, 0, 90))
+    made = Compensated(way, nominal, told)
+    warn(_words(made.info), 2)
+    return made
+
+
+def _words(info: CompensationInfo) -> list[Told]:
+    """What is not to be trusted, in words."""
+    found = list[Told]()
+    if info.scanned < 0.3:  # then most of the warp is a guess
+        found.append((CompensationWarning, f"Only {100 * info.scanned:.3g} percent of the nominal part have a counterpart on the scan: the "
+                                           "rest is a guess. Scan more of it, or align the two first."))
+    if info.left > 0.5 * info.before:
+        found.append((CompensationWarning, f"The warp leaves {info.left:.3g} of the {info.before:.3g} (root mean square) that the part is off: "
+                                           "the part is hardly warped, the scan is noisy, or the warp is not smooth. Raise degree, if it is "
+                                           "the latter."))
+    if info.missed > 1e-6 * max(info.change_most, 1e-300):
+        found.append((CompensationWarning, f"The warp cannot be turned round everywhere: what comes out would be off by {info.missed:.3g} "
+                                           "somewhere. Lower degree."))
+    return found

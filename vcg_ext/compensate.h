@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_COMPENSATE_H
+#define VCG_FCD_COMPENSATE_H
+
+#include <vcg_ext/base/progress.h>
+#include <vcg_ext/deformer.h>
+#include <vcg_ext/surface/surface_arrays.h>
+#include <vcg_ext/warp/smooth_warp.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+
+/// \file
+/// What to make so that it becomes what is wanted: the warp of a printed, sintered or pressed part, as its scan tells
+/// it, turned round.
+
+namespace vcg::fcd {
+
+/// How a part is compensated.
+struct CompensateParam {
+    int degree = 5;      ///< of the warp, 1 to 7
+    int samples = 12000; ///< places of the nominal surface that are matched, >= 100
+    double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, > 0
+};
+
+/// What became of it. Lengths are in units of the vertices.
+struct CompensateReport {
+    double before = 0, left = 0; ///< distance of the scan from the nominal surface laid onto it, root mean square where
+                                 ///< that is scanned: as it is, and after the warp
+    double scanned = 0;          ///< share of the nominal surface that is matched, [0, 1]
+    double change = 0, changeMost = 0; ///< of the vertices: root mean square, most
+    double missed = 0;                 ///< how far what is predicted to come out is from the nominal vertices, at most
+    Eigen::Affine3d placed = Eigen::Affine3d::Identity(); ///< the rigid motion from the nominal part to the scan
+};
+
+/// The way from a nominal part to what to make.
+class Compensation {
+  public:
+    /// Finds it. The scan lies where the nominal part does, but for the warp and what matching finds.
+    /// \param nominal triangles \param scan triangles or points \param scanNormal of points; may be empty
+    /// \throw BadInput a nominal surface without area, a scan without vertices, nothing matched, a parameter out of
+    /// range \throw Cancelled
+    Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
+                 const CompensateParam &param, const Progress &progress = {});
+
+    /// What to make at a place of the nominal part.
+    Eigen::Vector3d operator()(const Eigen::Vector3d &p) const;
+    /// What comes out of that at a place, where it lies as the nominal part does.
+    Eigen::Vector3d Predicted(const Eigen::Vector3d &p) const;
+
+    CompensateReport report; ///< of all vertices
+
+  private:
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    double scale = 1;
+    SmoothWarp warp;                                      // of the frame
+    Eigen::Affine3d placed = Eigen::Affine3d::Identity(); // the rigid part of it
+};
+
+} // namespace vcg::fcd
+
+#endif

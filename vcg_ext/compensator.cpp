@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/compensate.h>
+#include <vcg_ext/fit/fit_start.h>
+#include <vcg_ext/fit/fit_target.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace vcg::fcd {
+
+namespace {
+
+/// Places of triangles that stand for the same area each, and the normals there.
+void SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal) {
+    std::vector<double> area(mesh.faces, 0);
+    const auto at = [&](std::size_t f, std::size_t k) {
+        return Eigen::Vector3d((mesh.At(mesh.corner[3 * f + k]) - middle) / scale);
+    };
+    double all = 0;
+    for (std::size_t f = 0; f < mesh.faces; ++f)
+        if (mesh.IsFace(f)) {
+            area[f] = (at(f, 1) - at(f, 0)).cross(at(f, 2) - at(f, 0)).norm();
+            all += area[f];
+        }
+    if (!(all > 0))
+        throw BadInput("The nominal part has no triangles with an area. Give its surface as a mesh.");
+    double passed = 0;
+    for (std::size_t f = 0; f < mesh.faces; ++f) {
+        passed += area[f] / all * wanted;
+        while (passed >= double(goal.place.size()) + 0.5) {
+            // Within a triangle, places of a low-discrepancy sequence (Roberts' R2).
+            const double n = double(goal.place.size()) + 1;
+            double u = n * 0.7548776662466927, v = n * 0.5698402909980532;
+            u -= std::floor(u);
+            v -= std::floor(v);
+            if (u + v > 1) {
+                u = 1 - u;
+                v = 1 - v;
+            }
+            const Eigen::Vector3d p = at(f, 0), a = at(f, 1) - p, b = at(f, 2) - p;
+            goal.place.emplace_back(p + u * a + v * b);
+            goal.normal.emplace_back(a.cross(b).stableNormalized());
+        }
+    }
+    goal.weight.assign(goal.place.size(), 1);
+}
+
+// A match that is farther than so many times the distance that nineteen in twenty are within is none.
+constexpr double farOff = 3;
+// Of printed, sintered and pressed parts: they shrink by a hundredth or two unevenly, and lift at their ends by a
+// hundredth of their length, which is bending by 8 hundredths.
+constexpr double typicalStrain = 0.01, typicalBending = 0.1;
+
+} // namespace
+
+Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
+                           const CompensateParam &param, const Progress &progress) {
+    if (param.degree < 1 || param.degree > 7)
+        throw BadInput("The degree of the warp must be from 1 to 7; 5 is the default.");
+    if (param.samples < 100)
+        throw BadInput("At least 100 places of the nominal part have to be matched.");
+    if (!(param.largestDistance > 0))
+        throw BadInput("The largest distance of matches must be positive.");
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < nominal.vertexSlots; ++i)
+        if (!nominal.IsDeleted(i))
+            box.extend(Eigen::Vector3d(nominal.At(i)));
+    middle = box.center();
+    scale = std::max(box.diagonal().norm(), 1e-300);
+    WarpGoal goal;
+    SampleEvenly(nominal, param.samples, middle, scale, goal);
+    const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
+    const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.2));
+    goal.match = [&](std::size_t, const Eigen::Vector3d &at) {
+        const FitTarget::Match match = target.Nearest(at);
+        return WarpMatch{match.point, match.normal, match.isOriented, match.onBorder ? 0 : match.weight};
+    };
+    goal.degree = param.degree;
+    goal.typicalBending = typicalBending;
+    goal.typicalStrain = typicalStrain;
+    goal.farthest = param.largestDistance / scale;
+    warp = FitWarp(goal, progress.Slice(0.2, 0.9));
+
+    // Where the scan lies is no warp: the rigid motion nearest to it is taken out.
+    std::vector<Eigen::Vector3d> warped;
+    for (const Eigen::Vector3d &each : goal.place)
+        warped.push_back(warp.At(each));
+    placed = StartFromLandmarks(goal.place, warped, false);
+    std::vector<double> before, left;
+    for (std::size_t s = 0; s < goal.place.size(); ++s) {
+        const FitTarget::Match match = target.Nearest(warped[s]);
+        const double side = match.isOriented ? match.normal.dot(goal.normal[s]) : 1;
+        const double far = (match.point - warped[s]).norm();
+        if (match.onBorder || side < 0.5 || far > goal.farthest)
+            continue;
+        left.push_back(far);
+        const Eigen::Vector3d rigid = placed * goal.place[s];
+        before.push_back((target.Nearest(rigid).point - rigid).norm());
+    }
+    if (left.size() < 10)
+        throw BadInput("Nothing of the nominal part has a counterpart on the scan. Lay one onto the other first, with "
+                       "a rigid alignment, or raise largest_distance.");
+    std::vector<double> sorted = left;
+    std::sort(sorted.begin(), sorted.end());
+    const double most = farOff * sorted[sorted.size() * 19 / 20];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < left.size(); ++i)
+        if (left[i] <= most) {
+            report.left += left[i] * left[i];
+            report.before += before[i] * before[i];
+            ++count;
+        }
+    report.left = std::sqrt(report.left / double(count)) * scale;
+    report.before = std::sqrt(report.before / double(count)) * scale;
+    report.scanned = double(count) / double(goal.place.size());
+    report.placed = toFrame.inverse() * placed * toFrame;
+    double vertices = 0;
+    for (std::size_t i = 0; i < nominal.vertexSlots; ++i) {
+        if (nominal.IsDeleted(i))
+            continue;
+        const Eigen::Vector3d p = nominal.At(i), made = (*this)(p);
+        const double change = (made - p).norm();
+        report.change += change * change;
+        report.changeMost = std::max(report.changeMost, change);
+        report.missed = std::max(report.missed, (Predicted(made) - p).norm());
+        ++vertices;
+    }
+    report.change = std::sqrt(report.change / std::max(vertices, 1.0));
+    progress(1, "Compensating");
+}
+
+Eigen::Vector3d Compensation::operator()(const Eigen::Vector3d &p) const {
+    const Eigen::Vector3d at = (p - middle) / scale;
+    return middle + scale * warp.Back(placed * at, at);
+}
+
+Eigen::Vector3d Compensation::Predicted(const Eigen::Vector3d &p) const {
+    return middle + scale * (placed.inverse(Eigen::Isometry) * warp.At((p - middle) / scale));
+}
+
+} // namespace vcg::fcd
