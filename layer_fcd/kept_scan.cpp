@@ -66,8 +66,8 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
             points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
-    // Another filter may compute other tags: whole numbers, none larger than before, or half of those above 0 unchanged.
-    // Any other quality, as a number of things, stays.
+    // Another filter may compute other tags: whole numbers, none larger than before, or half of those above 0
+    // unchanged. Any other quality, as a number of things, stays.
     const auto number = [&](const auto &is) {
         return sumOfVertices(mesh, [&](std::size_t i) { return isOld(i) && is(vertexOf(i).tag, mesh.vert[i].cQ()); });
     };
