@@ -14,7 +14,7 @@ DEFAULTS = {
 RETURNS = {
     **SURFACE_RETURNS, **{f"plane_{what}_{axis}": float for what in ("point", "normal") for axis in "xyz"}, "plane_is_sure": bool,
     "rms_before": float, "rms_after": float, "asymmetry": float, "asymmetry_most": float, "moved": float, "moved_most": float, "matched": float,
-    "pairs": int, "midline_points": int, "mirrored_vertices": int, "folded_triangles": int, "nodes": int, "converged": bool, "seconds": float}
+    "pairs": int, "midline_points": int, "mirrored_vertices": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "seconds": float}
 MIRROR = np.array([-1, 1, 1.0])
 
 

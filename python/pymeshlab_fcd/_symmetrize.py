@@ -136,10 +136,11 @@ def _marks(deformer: Deformer, name: str, values: ArrayLike | None) -> tuple[NDA
 
 def _ends(values: ArrayLike | None) -> NDArray[Any] | None:
     """Of pairs: k x 2 or k x 2 x 3, as 2 k or 2 k x 3."""
-    array = _NONE if values is None else plain("pairs", values)
+    array: NDArray[Any] = _NONE if values is None else plain("pairs", values)
     if array.size == 0:
         return None
-    if array.ndim not in (2, 3) or array.shape[1] != 2:
+    shape: tuple[int, ...] = array.shape
+    if len(shape) not in (2, 3) or shape[1] != 2:
         raise ValueError(f"pairs must be k x 2 numbers of vertices, or k x 2 x 3 places, left and right; it is {told_shape(array)}")
     return array.reshape(2 * len(array), *array.shape[2:])
 
