@@ -174,7 +174,7 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
     if (report.mayMove)
         if (const auto better = StartFarBetter(from, sampleNormal, target, report.fromAfar, threads)) {
             report.wasTurned = !report.fromAfar;
-            report.scaledBy = better->linear().col(0).norm();
+            report.scaledBy = std::cbrt(better->linear().determinant());
             return *better;
         }
     if (!report.fromAfar && param.start == FitStart::AsItLies)

@@ -50,8 +50,8 @@ constexpr double apart = 0.01;   // of the diagonal: nearer than this, mirror im
 constexpr std::size_t few = 200; // places that tell it
 // What bends changes how far it spreads by some percent; what is larger by less is found by the fit itself.
 constexpr double someSize = 0.1;
-// The cosine of an angle: what is turned by less, 45 degrees, is found by the fit itself, too, and bends turn axes.
-constexpr double someTurn = 0.7;
+// What is turned by less, radians, is found by the fit itself, too, and bends turn axes.
+constexpr double someTurn = 0.8;
 
 /// How far points, moved, are from a target: the sum over the nearest four fifths. A side that looks the other way is
 /// no counterpart: as if it were so much farther; the target's normals are taken as they are, or turned over.
@@ -193,7 +193,7 @@ std::optional<Eigen::Affine3d> StartFarBetter(const std::vector<Eigen::Vector3d>
     if (std::abs(scale - 1) > someSize && scale < otherUnits && scale > 1 / otherUnits &&
         best(scale, scaled) < farBetter * std::min(least, 1.0))
         return scaled;
-    if (!isAfar && least < farBetter && motion.linear().trace() < 1 + 2 * someTurn)
+    if (!isAfar && least < farBetter && Eigen::AngleAxisd(motion.linear()).angle() > someTurn)
         return motion;
     return {};
 }
