@@ -47,14 +47,15 @@ Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from) {
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others) {
     const CMeshO &mesh = layer.cm;
     for (const LayerState *other : others) {
-        if (!other->rest)
+        const RestState *their = other->rest ? &*other->rest : nullptr;
+        if (!their)
             continue;
-        const std::vector<std::size_t> from = copiedSlots(mesh, *other->rest);
+        const std::vector<std::size_t> from = copiedSlots(mesh, *their);
         if (from.empty())
             continue;
         RestState rest;
-        static_cast<Shape &>(rest) = copyOf(*other->rest, from);
-        for (const Shape &earlier : other->rest->earlier)
+        static_cast<Shape &>(rest) = copyOf(*their, from);
+        for (const Shape &earlier : their->earlier)
             rest.earlier.push_back(copyOf(earlier, from));
         rest.vertex.resize(from.size());
         bool isOther = !rest.earlier.empty();
@@ -68,7 +69,7 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
             continue;
         rest.faces = facesOf(mesh);
         rest.vertexSlots = mesh.vert.size();
-        rest.ownNormals = other->rest->ownNormals;
+        rest.ownNormals = their->ownNormals;
         rest.normalsNow = rest.normalsBefore = rest.ownNormals ? normalsOf(mesh) : 0;
         return rest;
     }

@@ -99,14 +99,14 @@ std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<
         scan.colors[number] = vertex.cC();
         scan.qualities[number] = vertex.cQ();
         scan.number[i] = number + 1;
-        TaggedVertex &its = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), -1, false};
+        TaggedVertex &its = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), TaggedVertex::noTag, false};
         for (TaggedPlaces &source : tagged) {
             const KeptScan &kept = source.kept();
             const std::uint32_t found = its.hasColor || its.hasQuality() ? 0 : source.find(vertex);
             if (found == 0)
                 continue;
             its.hasColor = kept.color;
-            its.tag = source.isTag(vertex, found) ? int(vertex.cQ()) : -1;
+            its.tag = source.isTag(vertex, found) ? int(vertex.cQ()) : TaggedVertex::noTag;
             if (its.hasColor)
                 scan.colors[number] = kept.colors[found - 1];
             if (its.hasQuality())

@@ -50,7 +50,7 @@ void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool 
         next.vertices[j] = {vertex.cP(), kept.tagColor(i),
                             quality                ? 0
                             : kept.isQualityTag(i) ? int(vertex.cQ())
-                                                   : -1,
+                                                   : TaggedVertex::noTag,
                             color || kept.isColorOfTag(i)};
         if (!next.colors.empty()) {
             const auto own = kept.color(i);

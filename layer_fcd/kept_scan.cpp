@@ -71,8 +71,10 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
     const auto number = [&](const auto &is) {
         return sumOfVertices(mesh, [&](std::size_t i) { return isOld(i) && is(vertexOf(i).tag, mesh.vert[i].cQ()); });
     };
-    areTags = number([](int tag, double now) { return tag >= 0 && now != std::round(now); }) == 0 &&
-              (number([&](int tag, double now) { return tag >= 0 && (now < 0 || now > scan.highTag); }) == 0 ||
+    areTags = number([](int tag, double now) { return tag != TaggedVertex::noTag && now != std::round(now); }) == 0 &&
+              (number([&](int tag, double now) {
+                   return tag != TaggedVertex::noTag && (now < scan.lowTag || now > scan.highTag);
+               }) == 0 ||
                2 * number([](int tag, double now) { return tag > 0 && now == tag; }) >=
                    number([](int tag, double) { return tag > 0; }));
 }

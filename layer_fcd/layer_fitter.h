@@ -82,10 +82,10 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
 template <class PositionAt, class NormalAt>
 void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &positionAt, const NormalAt &normalAt) {
     CMeshO &mesh = layer.cm;
+    if (const LayerState *state = LayerState::of(layer))
+        handDownRest(document, *state);
     if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
         RestShape::keep(document, layer);
-    else
-        handDownRest(document, *LayerState::of(layer));
     RestShape rest(layer);
     forVertices(mesh, [&](std::size_t i) { rest.place(i, positionAt(i)); });
     computeBoxAndNormals(mesh);

@@ -83,11 +83,11 @@ QString lostWithProjects(const LayerState &state) {
 }
 
 /// Once a person has saved a project, the log says what is not in it.
-void tellWhenProjectsAreSaved(MeshDocument &document, const std::shared_ptr<States> &states) {
-    const auto tell = [&document, states] {
+void tellWhenProjectsAreSaved(MeshDocument &document) {
+    const auto tell = [&document] {
         for (const MeshModel *layer : host::layers(document)) {
-            const auto its = states->find(layer->id());
-            const QString lost = its == states->end() ? QString() : lostWithProjects(*its->second);
+            const LayerState *its = LayerState::of(*layer);
+            const QString lost = its ? lostWithProjects(*its) : QString();
             if (!lost.isEmpty())
                 host::log(document, "FCD: a project has no room for what is kept of '" + layer->label().toStdString() +
                                         "': " + lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
@@ -118,7 +118,7 @@ States &madeStatesOf(const MeshDocument &document) {
         }
     });
     if (host::inWindow())
-        tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document), states);
+        tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document));
     const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
                                                      QVariant::fromValue(static_cast<void *>(known)));
     return *known; // which the connection keeps

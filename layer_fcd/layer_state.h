@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,11 +47,12 @@ struct RestState : Shape {
 
 /// A vertex that was live when its layer was tagged.
 struct TaggedVertex {
-    bool hasQuality() const { return tag >= 0; } ///< by its tag
+    static constexpr int noTag = std::numeric_limits<int>::min();
+    bool hasQuality() const { return tag != noTag; } ///< by its tag
 
     Point3m place;          ///< then
     std::uint32_t tagColor; ///< that it got by its tag, as numberOf tells it
-    int tag;                ///< that its quality is since then; -1: its quality is its own
+    int tag;                ///< that its quality is since then; noTag: its quality is its own
     bool hasColor;          ///< by its tag
 };
 

@@ -84,7 +84,7 @@ std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::
                        const Eigen::Matrix3Xd &position) {
     std::vector<std::size_t> number(view.vertexSlots, view.vertexSlots), chosen;
     std::vector<std::array<std::size_t, 3>> faces;
-    const auto numberOf = [&](std::size_t i) {
+    const auto numberAmong = [&](std::size_t i) {
         if (number[i] == view.vertexSlots) {
             number[i] = chosen.size();
             chosen.push_back(i);
@@ -94,11 +94,11 @@ std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::
     for (std::size_t f = 0; f < view.faces; ++f) {
         const std::uint32_t *corner = view.corner + 3 * f;
         if (view.IsFace(f) && !matched[corner[0]] && !matched[corner[1]] && !matched[corner[2]])
-            faces.push_back({numberOf(corner[0]), numberOf(corner[2]), numberOf(corner[1])});
+            faces.push_back({numberAmong(corner[0]), numberAmong(corner[2]), numberAmong(corner[1])});
     }
     for (std::size_t i = 0; view.faces == 0 && i < view.vertexSlots; ++i)
         if (!view.IsDeleted(i) && !matched[i])
-            numberOf(i);
+            numberAmong(i);
     if (chosen.empty())
         return 0;
     Eigen::Matrix3Xd places(3, Eigen::Index(chosen.size()));

@@ -22,12 +22,13 @@ using vcg::fcd::Error;
 namespace {
 
 const char *const formatName = "FCD session";
-const int version = 1;
+const int version = 2;
 
 QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
     const CMeshO &mesh = live.mesh;
     const auto vertexOf = [&](std::size_t i) {
-        return scan.number[i] ? scan.vertices[scan.number[i] - 1] : TaggedVertex{Point3m(), 0, -1, false};
+        return scan.number[i] ? scan.vertices[scan.number[i] - 1]
+                              : TaggedVertex{Point3m(), 0, TaggedVertex::noTag, false};
     };
     const auto copy = [](const vcg::Color4b &color, std::uint8_t *to) { std::copy_n(&color[0], 4, to); };
     QCborMap map{{QString("color"), scan.color},

@@ -24,8 +24,8 @@
 ///       "rest"               {"own_normals", "position", "normal", "earlier": [{"position", "normal"}, ...]}
 ///       "scan"               {"shown_color", "shown_quality": what the layer has; "colors", "qualities": what it had
 ///                            before it was tagged, where "color", "quality" say so; "has_color":
-///                            whether a vertex has that of its tag; "tag": that its quality is, or -1; and the other
-///                            fields of KeptScan}
+///                            whether a vertex has that of its tag; "tag": that its quality is, or the least int; and
+///                            the other fields of KeptScan}
 ///       "poses"              a table, as ReadPoseSequence reads it
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.

@@ -126,7 +126,7 @@ def test_what_differs_is_said(tmp_path):
     refused(ms, "is no session of 'FCD: Save Session'", session_file=str(tmp_path / "text.fcd"))
     data = bytearray((tmp_path / "s.fcd").read_bytes())
     at = data.index(b"version") + 7
-    assert data[at] == 1
+    assert data[at] == 2
     data[at] = 9
     (tmp_path / "later.fcd").write_bytes(data)
     refused(ms, "a session of another version", session_file=str(tmp_path / "later.fcd"))

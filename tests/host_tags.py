@@ -213,6 +213,20 @@ def test_a_quality_of_whole_numbers_that_is_no_tags_stays(computed, stays):
     assert same_points(look(ms)[0], color) and same_points(look(ms)[1], now if stays else quality)
 
 
+def test_what_lies_outside_has_its_quality_back_too():
+    """Its tag is -1, which is a number as others are."""
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    color, quality = look(ms)
+    tag_ends(ms)
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.4 && x < 0.5")
+    ms.apply_filter(TAG, role=3)
+    tag_ends(ms)
+    assert (look(ms)[1] == -1).sum() > 50
+    assert ms.apply_filter(CLEAR)["other_vertices"] == 0
+    assert same_points(look(ms)[0], color) and same_points(look(ms)[1], quality)
+
+
 def test_where_there_is_no_colour_none_is_left(tmp_path):
     def properties():
         ms.save_current_mesh(str(tmp_path / "mesh.ply"), binary=False)

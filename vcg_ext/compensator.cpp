@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -65,8 +66,11 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
         throw BadInput("The largest distance of matches must be positive.");
     Eigen::AlignedBox3d box;
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i)
-        if (!nominal.IsDeleted(i))
-            box.extend(Eigen::Vector3d(nominal.At(i)));
+        if (!nominal.IsDeleted(i) && !nominal.At(i).allFinite())
+            throw BadInput("Vertex " + std::to_string(i) + " of the nominal part has a coordinate that is not finite.");
+    for (std::size_t f = 0; f < nominal.faces; ++f) // what is at no face is no part of it
+        for (std::size_t k = 0; nominal.IsFace(f) && k < 3; ++k)
+            box.extend(Eigen::Vector3d(nominal.At(nominal.corner[3 * f + k])));
     middle = box.center();
     scale = std::max(box.diagonal().norm(), 1e-300);
     WarpGoal goal;
@@ -85,6 +89,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
 
     // Where the scan lies is no warp: the rigid motion nearest to it is taken out.
     std::vector<Eigen::Vector3d> warped;
+    warped.reserve(goal.place.size());
     for (const Eigen::Vector3d &each : goal.place)
         warped.push_back(warp.At(each));
     placed = StartFromLandmarks(goal.place, warped, false);
@@ -118,7 +123,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     report.placed = toFrame.inverse() * placed * toFrame;
     double vertices = 0;
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i) {
-        if (nominal.IsDeleted(i))
+        if (nominal.IsDeleted(i) || !box.contains(Eigen::Vector3d(nominal.At(i))))
             continue;
         const Eigen::Vector3d p = nominal.At(i), made = (*this)(p);
         const double change = (made - p).norm();

@@ -99,9 +99,6 @@ struct FitReport {
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     bool fromAfar = false;  ///< they lay far apart, and the fit began where it moved the surface to by itself
     bool isSureFromAfar = true; ///< false: another way round fits nearly as well
-    bool mayMove = false;       ///< nothing is asked for that says where the surface begins
-    bool wasTurned = false;     ///< it was moved first, as it fits far better turned by its axes
-    double scaledBy = 1;        ///< and scaled
     bool otherSize = false;     ///< so much larger, or smaller, that the fit is not to be trusted
     bool mirrored = false;      ///< the target is the surface's mirror image, or its faces look inwards as of one
     bool flat = false;          ///< the target is a plane, and the surface is none

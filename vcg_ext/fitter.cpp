@@ -151,7 +151,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
             at.push_back(samples.At(s, graph));
         Judge(target, PlacementOf(at, target, progress.threads), !place.empty(), report);
     }
-    if (param.start != FitStart::AsItLies || report.mayMove || report.fromAfar) {
+    if (param.start != FitStart::AsItLies || report.fromAfar) {
         const Eigen::Affine3d start = Start(target, samples, matched, place, report, progress.threads);
         for (Index j = 0; j < region.graph.Size(); ++j) {
             graph.position.col(j) = start * graph.position.col(j).eval();

@@ -7,7 +7,6 @@
 #include <vcg_ext/fit/fit_target.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -20,9 +19,9 @@ namespace {
 constexpr double noShape = 1e-6, someShape = 1e-3;
 // Of the diagonal between the boxes: so far apart, hardly anything has its counterpart nearest.
 constexpr double afar = 0.5;
-// A target otherUnits as large, and farther than astray of the diagonal from most of the surface, is in other units. Of
-// a smaller one, a part may have been scanned.
-constexpr double smallPart = 0.2, astray = 0.1;
+// A target so many times as large, and farther than astray of the diagonal from most of the surface, is in other units:
+// the closest that people mix, centimetres and inches, are 2.54 apart. Of a smaller one, a part may have been scanned.
+constexpr double otherUnits = 2.2, smallPart = 0.2, astray = 0.1;
 // So many times as much as the landmarks are off, nodes may give way: one that few nodes lead takes twice to three
 // times; two that are close and go apart, more. Or so much of the diagonal, in which no ripple is seen.
 constexpr double mostGivingWay = 10, unseen = 0.01;
@@ -118,8 +117,6 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
     // Where it is 0, rounding has taken it: the target is so far away.
     report.otherSize = report.larger > 0 && (report.larger > otherUnits || report.larger < smallPart) &&
                        (placement.median > astray || isApart) && param.start != FitStart::Similar;
-    report.mayMove = param.start == FitStart::AsItLies && !isLed && IsAllFree() && !report.otherSize &&
-                     std::isinf(param.largestDistance);
 }
 
 std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t first,
@@ -167,18 +164,10 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
         throw BadInput("A start that moves all of the surface does not go with fixed vertices or handles: start "
                        "from where the layers lie.");
     std::vector<Eigen::Vector3d> from;
-    const bool byAxes = param.start == FitStart::AsItLies || param.start == FitStart::TriedAxes || report.fromAfar;
+    const bool byAxes = param.start == FitStart::TriedAxes || report.fromAfar;
     const auto &node = samples.surfaceNode;
     for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
         from.emplace_back(deformer->Whole().surface.graph.position.col(node[s]).cast<double>());
-    if (report.mayMove)
-        if (const auto better = StartFarBetter(from, sampleNormal, target, report.fromAfar, threads)) {
-            report.wasTurned = !report.fromAfar;
-            report.scaledBy = better->linear().col(0).norm();
-            return *better;
-        }
-    if (!report.fromAfar && param.start == FitStart::AsItLies)
-        return Eigen::Affine3d::Identity();
     if (report.fromAfar)
         return StartFromAfar(from, sampleNormal, target, threads, report.isSureFromAfar);
     if (byAxes)

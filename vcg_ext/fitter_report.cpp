@@ -140,11 +140,6 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isSureFromAfar ? "."
                                           : ", but which way round is not sure. Look at it; if it is turned, give "
                                             "landmarks and start from these."));
-    if (wasTurned || std::abs(scaledBy - 1) > 1e-6)
-        remarks.push_back("The surface was first " + std::string(wasTurned ? "turned by its axes" : "moved") +
-                          (std::abs(scaledBy - 1) > 1e-6 ? " and scaled by " + Rounded(scaledBy) : "") +
-                          ", as it fits the target far better so. Look at it; if that is wrong, give landmarks and "
-                          "start from these.");
     if (mirrored)
         remarks.emplace_back("The target looks like the mirror image of the surface. If it is, mirror one of the two "
                              "first: negate one coordinate, and turn its faces over.");

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -200,6 +201,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     made.target =
         fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight}, progress.Slice(0.45, 0.55));
     std::vector<Landmark> landmarks;
+    landmarks.reserve(marks.vertex.size());
     for (std::size_t l = 0; l < marks.vertex.size(); ++l)
         landmarks.push_back({marks.vertex[l], inWorld(plane(warp.At(marks.Partner(l, plane))))});
     made.fitted = fitter.Solve(*made.target, landmarks, report.fit, progress.Slice(0.55, 0.95));
@@ -292,9 +294,11 @@ void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::A
         return (world * Eigen::Vector3d(source.At(mark.vertex)) - mark.place).norm() <= 1e-6 * rounding;
     };
     const Eigen::Affine3d back = world.inverse();
+    const std::vector<Index> &nodeOf = fitter.Surface().nodeOf;
+    std::map<Index, Eigen::Vector3d> placed; // with all vertices at the same place
     const auto put = [&](std::size_t vertex, const Eigen::Vector3d &to) {
         if ((at(vertex) - to).norm() <= rounding)
-            position.col(Eigen::Index(vertex)) = back * to;
+            placed[nodeOf[vertex]] = back * to;
     };
     for (const auto &[a, b] : goal.pairs)
         if (isVertex(a) && isVertex(b)) {
@@ -305,6 +309,9 @@ void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::A
     for (const SymmetryMark &each : goal.midline)
         if (isVertex(each))
             put(each.vertex, report.plane.Onto(at(each.vertex)));
+    for (std::size_t i = 0; i < source.vertexSlots && !placed.empty(); ++i)
+        if (const auto found = placed.find(nodeOf[i]); nodeOf[i] >= 0 && found != placed.end())
+            position.col(Eigen::Index(i)) = found->second;
 }
 
 } // namespace vcg::fcd

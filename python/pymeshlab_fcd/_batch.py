@@ -159,9 +159,9 @@ def _key(given: argparse.Namespace, path: Path) -> str:
 
 def _read_rows(path: Path) -> dict[str, Row]:
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8-sig") as file:
             return {row["file"]: dict(row) for row in csv.DictReader(file)}
-    except (OSError, KeyError):
+    except (OSError, KeyError, ValueError, csv.Error):  # none, or not as it was written
         return {}
 
 
@@ -248,7 +248,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
     if given.job != "info":
         names: dict[str, Path] = {}
-        read = [*paths, *(Path(getattr(given, name)) for name in ("template",) if hasattr(given, name))]
+        read = [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]
         for path, out in outs.items():
             if names.setdefault(out.name.casefold(), path) != path:
                 parser.error(f"{names[out.name.casefold()]} and {path} would have one result, {out}: rename one of them")
@@ -263,7 +263,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     keys = {path: _key(given, path) for path in paths}
     known = [path for path in paths if not given.again and (row := rows.get(str(path))) is not None and row.get("key") == keys[path]
              and not row.get("error") and (given.job == "info" or outs[path].exists())]
-    left = [(path, outs[path]) for path in paths if path not in known]
+    done = set(known)
+    left = [(path, outs[path]) for path in paths if path not in done]
     if known:
         print(f"{len(known)} of {len(paths)} files are done already", flush=True)
     order = list(dict.fromkeys([*map(str, paths), *rows]))

@@ -169,21 +169,21 @@ def compensate(
     way = _core.Compensating(nominal, triangles, places, of_scan, normals, param, _inputs.whole("threads", threads, 0, 1024),
                              report(told, 0, 90))
     made = Compensated(way, nominal, told)
-    warn(_words(made.info), 2)
+    warn(_words(made.info, 1e-12 * float(np.abs(nominal).max())), 2)
     return made
 
 
-def _words(info: CompensationInfo) -> list[Told]:
+def _words(info: CompensationInfo, rounding: float) -> list[Told]:
     """What is not to be trusted, in words."""
     found = list[Told]()
     if info.scanned < 0.3:  # then most of the warp is a guess
         found.append((CompensationWarning, f"Only {100 * info.scanned:.3g} percent of the nominal part have a counterpart on the scan: the "
                                            "rest is a guess. Scan more of it, or align the two first."))
-    if info.left > 0.5 * info.before:
+    if info.left > max(0.5 * info.before, rounding):
         found.append((CompensationWarning, f"The warp leaves {info.left:.3g} of the {info.before:.3g} (root mean square) that the part is off: "
                                            "the part is hardly warped, the scan is noisy, or the warp is not smooth. Raise degree, if it is "
                                            "the latter."))
-    if info.missed > 1e-6 * max(info.change_most, 1e-300):
+    if info.missed > max(1e-6 * info.change_most, rounding):
         found.append((CompensationWarning, f"The warp cannot be turned round everywhere: what comes out would be off by {info.missed:.3g} "
                                            "somewhere. Lower degree."))
     return found

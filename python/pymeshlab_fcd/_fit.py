@@ -155,9 +155,8 @@ class Fitter(Unchanging):
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
         scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
-        best. `as_they_lie`, the only one where something is fixed or a handle: not at all; but without landmarks and `largest_distance`,
-        where nothing of the two overlaps, onto the target's middle (`FitInfo.from_afar`), and where it fits far better turned by its axes
-        or scaled by up to 2.2, so, which is warned of.
+        best. `as_they_lie`, the only one where something is fixed or a handle: not at all, or, where nothing of the two overlaps and there are
+        no landmarks, onto the target's middle (`FitInfo.from_afar`).
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
     rigidity : float, default 1.0

@@ -72,9 +72,12 @@ class DisplacementGrid:
                 f"space origin: {vector(flip * self.origin)}\ndisplacement field type:={self.kind}\n\n").encode()
 
     def _vti(self, count: int) -> bytes:
+        def numbers(of: tuple[float, float, float]) -> str:
+            return " ".join(repr(float(each)) for each in of)
+
         extent = " ".join(f"0 {each - 1}" for each in self.displacements.shape[:3])
         text = ('<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
-                f'<ImageData WholeExtent="{extent}" Origin="{" ".join(map(repr, self.origin))}" Spacing="{" ".join(map(repr, self.spacing))}">\n'
+                f'<ImageData WholeExtent="{extent}" Origin="{numbers(self.origin)}" Spacing="{numbers(self.spacing)}">\n'
                 f'<Piece Extent="{extent}"><PointData Vectors="displacement">\n'
                 '<DataArray type="Float32" Name="displacement" NumberOfComponents="3" format="appended" offset="0"/>\n'
                 '</PointData></Piece></ImageData>\n<AppendedData encoding="raw">_')

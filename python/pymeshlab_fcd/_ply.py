@@ -69,6 +69,8 @@ class Ply:
             line = first.count
             for element in self._elements[1:]:
                 if element.name == "face":
+                    if line + element.count > len(lines):
+                        raise ValueError("it has fewer faces than it says")
                     corners = [self._corners(element, [float(each) for each in row.split()]) for row in lines[line:line + element.count]]
                     self._faces = _triangles(corners)
                 line += element.count
@@ -95,6 +97,8 @@ class Ply:
             if name in ("vertex_indices", "vertex_index"):
                 found = [int(each) for each in numbers[at:at + count]]
             at += count
+        if at > len(numbers):
+            raise ValueError("it has fewer numbers in a face than it says")
         return found
 
     def _binary(self, element: _Element, at: int) -> tuple[list[list[int]] | NDArray[np.int64], int]:

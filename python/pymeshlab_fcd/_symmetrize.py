@@ -255,6 +255,7 @@ def symmetrize(
     mirrored.flags.writeable = matched.flags.writeable = False
     made._write(None, None, None, lambda at: np.copyto(at, places))
     warn(_words(made, made._check(report(told, 90, 100))["folded"], diagonal), 2)
+    made._warn_of_contact(3)
     return made
 
 

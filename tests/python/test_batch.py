@@ -62,6 +62,12 @@ def test_a_file_keeps_all_but_its_positions_to_the_byte(tmp_path, order, quad):
         (tmp_path / "d.ply").write_bytes(damage((tmp_path / "a.ply").read_bytes()))
         with pytest.raises(ValueError, match=message):
             Ply(tmp_path / "d.ply")
+    if not order and not quad:
+        whole = (tmp_path / "a.ply").read_bytes().split(b"\n")
+        first = whole.index(b"end_header") + 1 + len(vertices)
+        (tmp_path / "d.ply").write_bytes(b"\n".join([*whole[:first], b"1 3 0"]) + b"\n")
+        with pytest.raises(ValueError, match="fewer"):
+            Ply(tmp_path / "d.ply")
     with pytest.raises(ValueError, match="have no tag; they have x, y, z, quality, red"):
         ply.column("tag")
 
@@ -171,6 +177,7 @@ def test_wrong_commands_are_refused_before_anything_is_done(tmp_path, capsys):
     for command, message in ((["deform", here, "--out", str(tmp_path)], "would be written over what is read"),
                              (["deform", here, other, "--out", str(tmp_path / "o")], "would have one result"),
                              (["deform", here, "--out", str(tmp_path / "o"), "--processes", "0"], "must be 1 or more"),
+                             (["apply", here, other, "--out", str(tmp_path)], "would be written over what is read"),
                              (["deform", here], "--out"), (["bend", here], "invalid choice"), ([], "JOB")):
         with pytest.raises(SystemExit) as ended:
             main(command)

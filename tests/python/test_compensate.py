@@ -124,6 +124,21 @@ def test_what_makes_no_sense_is_told(part):
             compensate(**given)
     with pytest.raises(TypeError, match="no scan"):
         compensate(nominal, faces)
+    with pytest.raises(ValueError, match="not finite"):
+        compensate(np.r_[nominal, [[np.nan, 0, 0]]], faces, points, triangles)
+
+
+def test_a_stray_vertex_changes_nothing(part):
+    nominal, faces = part[:2]
+    points, triangles = scan()
+    alone = compensate(nominal, faces, points, triangles)
+    stray = compensate(np.r_[nominal, [[1e5, 0, 0]]], faces, points, triangles)
+    assert stray.info == alone.info and (stray.vertices[:-1] == alone.vertices).all()
+
+
+def test_a_scan_that_is_the_part_needs_no_compensation_and_no_warning(part):
+    nominal, faces = part[:2]
+    assert compensate(nominal, faces, nominal, faces).info.change_most < 1e-9
 
 
 def test_what_is_not_to_be_trusted_is_told(part):

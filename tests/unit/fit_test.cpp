@@ -728,34 +728,6 @@ TEST(Fit, BeginsFromAfarByItself) {
     EXPECT_EQ(Fit(source, Moved(target, shift), param).report.matched, 0);
 }
 
-// Where one lies turned in the other, or is larger, it begins by its axes; where they are only bent, as they lie.
-TEST(Fit, BeginsTurnedOrScaledWhereThatFitsFarBetter) {
-    Shape plain = source, longTruth, longTarget = BumpySheet(57, 33);
-    for (Shape *each : {&plain, &longTarget})
-        for (Vector3d &p : each->position) // no axis is like another, and no end
-            p[2] += 0.03 * p[0] * p[0] + 0.2 * (p[1] - 3);
-    longTruth = Rolled(plain, 0.03);
-    longTarget = Rolled(longTarget, 0.03);
-    const Eigen::Translation3d middle(5, 3, 1);
-    const Eigen::Affine3d turn = middle * Eigen::AngleAxisd(2.2, Vector3d(0.3, 0.2, 1).normalized()) * middle.inverse();
-    for (double scale : {1.0, 1.5}) {
-        const Eigen::Affine3d away = turn * Eigen::Scaling(scale);
-        const Fitted fitted = Fit(plain, Moved(longTarget, away));
-        EXPECT_TRUE(fitted.report.wasTurned) << scale;
-        EXPECT_NEAR(fitted.report.scaledBy, scale, 0.1); // what is bent spreads less
-        EXPECT_LT(Rms(fitted, Moved(longTruth, away)), 0.0063 * scale) << scale;
-        EXPECT_NE(Joined(fitted.report.Remarks()).find(scale > 1 ? "and scaled by 1." : "turned by its axes, as"),
-                  std::string::npos);
-    }
-    const Fitted afar = Fit(plain, Moved(longTarget, Eigen::Translation3d(50, 0, 9) * Eigen::Scaling(1.5)));
-    EXPECT_NE(Joined(afar.report.Remarks()).find("was first moved and scaled by 1."), std::string::npos);
-    FitParam param = Small();
-    param.largestDistance = 1; // then it is meant so
-    EXPECT_FALSE(Fit(plain, Moved(longTarget, turn), param).report.wasTurned);
-    EXPECT_FALSE(Fit(source, target).report.wasTurned);
-    EXPECT_EQ(Fit(source, target).report.scaledBy, 1);
-}
-
 TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     FitParam param = Small();
     param.fitSteps = 5;

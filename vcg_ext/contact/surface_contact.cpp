@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <utility>
@@ -161,7 +162,8 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
                 if (cut[c].piece[0][0] != own && cut[c].box.squaredExteriorDistance(p) < square)
                     square = std::min(square, (*cut[c].tree)(p, -1).square);
             });
-            contact.depth[i] = float(std::sqrt(square));
+            if (square < std::numeric_limits<double>::max()) // otherwise, all that crosses is at its own border
+                contact.depth[i] = float(std::sqrt(square));
         }
     });
 }

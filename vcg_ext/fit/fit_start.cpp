@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
-#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit/fit_start.h>
 
 #include <Eigen/Eigenvalues>
@@ -9,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace vcg::fcd {
 
@@ -48,10 +46,6 @@ constexpr double better = 0.8;
 constexpr double farBetter = 0.5;
 constexpr double apart = 0.01;   // of the diagonal: nearer than this, mirror images are alike
 constexpr std::size_t few = 200; // places that tell it
-// What bends changes how far it spreads by some percent; what is larger by less is found by the fit itself.
-constexpr double someSize = 0.1;
-// The cosine of an angle: what is turned by less, 45 degrees, is found by the fit itself, too, and bends turn axes.
-constexpr double someTurn = 0.7;
 
 /// How far points, moved, are from a target: the sum over the nearest four fifths. A side that looks the other way is
 /// no counterpart: as if it were so much farther; the target's normals are taken as they are, or turned over.
@@ -141,61 +135,6 @@ Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const 
     }
     isSure = least > better * unturned || least < better * second;
     return least > better * unturned ? shift : best;
-}
-
-std::optional<Eigen::Affine3d> StartFarBetter(const std::vector<Eigen::Vector3d> &points,
-                                              const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
-                                              bool isAfar, unsigned threads) {
-    std::vector<Eigen::Vector3d> some, its;
-    for (std::size_t i = 0; i < points.size(); i += 1 + (points.size() - 1) / (5 * few)) {
-        some.push_back(points[i]);
-        its.push_back(normal[i]);
-    }
-    const std::vector<FitTarget::Match> places = target.Places(few);
-    const Eigen::Vector3d middle = target.Spread().Middle();
-    // Of one place, each way.
-    const auto misfit = [&](const Eigen::Affine3d &motion) {
-        std::vector<Eigen::Vector3d> moved;
-        moved.reserve(some.size());
-        for (const Eigen::Vector3d &p : some)
-            moved.push_back(motion * p);
-        const PointTree<double> tree(moved);
-        std::vector<double> far;
-        far.reserve(places.size());
-        for (const FitTarget::Match &place : places)
-            far.push_back((moved[std::size_t(tree.Nearest(place.point))] - place.point).norm());
-        std::sort(far.begin(), far.end());
-        const std::size_t most = std::max<std::size_t>(4 * far.size() / 5, 1);
-        return Eigen::Array2d(Misfit(some, its, motion, target, threads) / (0.8 * double(some.size())),
-                              std::accumulate(far.begin(), far.begin() + std::ptrdiff_t(most), 0.0) / double(most));
-    };
-    Eigen::Affine3d from = Eigen::Affine3d::Identity();
-    if (isAfar)
-        from.translation() = middle - MomentsOf(some).Middle();
-    const Eigen::Array2d here = misfit(from);
-    if (!(here.minCoeff() > apart)) // of a part of it, each place is near
-        return {};
-    // Better each way: middle on middle, what lacks a half is nearer to it, and that no nearer to it.
-    const auto best = [&](double scale, Eigen::Affine3d &found) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const Eigen::Affine3d &motion : OntoAxes(some, target, false)) {
-            const Eigen::Affine3d scaled =
-                Eigen::Translation3d(middle) * Eigen::Scaling(scale) * Eigen::Translation3d(-middle) * motion;
-            if (const double each = (misfit(scaled) / here).maxCoeff(); each < least) {
-                least = each;
-                found = scaled;
-            }
-        }
-        return least;
-    };
-    Eigen::Affine3d motion = from, scaled = from;
-    const double least = best(1, motion), scale = target.Spread().Radius() / std::max(MomentsOf(some).Radius(), 1e-12);
-    if (std::abs(scale - 1) > someSize && scale < otherUnits && scale > 1 / otherUnits &&
-        best(scale, scaled) < farBetter * std::min(least, 1.0))
-        return scaled;
-    if (!isAfar && least < farBetter && motion.linear().trace() < 1 + 2 * someTurn)
-        return motion;
-    return {};
 }
 
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {

@@ -6,14 +6,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <optional>
 #include <vector>
 
 namespace vcg::fcd {
-
-/// A target so many times as large as a surface is in other units: the closest that people mix, centimetres and inches,
-/// are 2.54 apart.
-constexpr double otherUnits = 2.2;
 
 /// How far points are from lying on a line: their extent across over that along it, root mean squares, 0 to 1. 0 for
 /// fewer than three.
@@ -33,16 +28,6 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
 /// only where that fits better by far. \param isSure out: false where another turn fits nearly as well
 Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                               const FitTarget &target, unsigned threads, bool &isSure);
-
-/// The motion after which points fit a target far better than where they lie: with middle and principal axes on those
-/// of the target, and perhaps scaled as that spreads farther, by 2.2 at most. Both ways count: how far points are from
-/// the target, and that from them. None where they lie near, nothing fits far better, or it
-/// is turned by less than a fit finds by itself. \param points many or few, all
-/// over the surface \param normal of each point; 0 where it is not known \param isAfar it must fit far better than with
-/// middle on middle, by its size: how such points are turned, StartFromAfar tells
-std::optional<Eigen::Affine3d> StartFarBetter(const std::vector<Eigen::Vector3d> &points,
-                                              const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
-                                              bool isAfar, unsigned threads);
 
 /// How points lie to a target.
 struct FitPlacement {

@@ -162,7 +162,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
         const double weight = samples.term[use.term].weight;
         const Eigen::Vector4d own = weight * arm[use.term].homogeneous();
         Eigen::Matrix<double, 12, 3> drawn;
-        for (int d = 0; d < 4; ++d) {
+        for (Eigen::Index d = 0; d < 4; ++d) {
             gradient.segment<3>(3 * d) += own[d] * p.gradient;
             drawn.middleRows<3>(3 * d) = own[d] * p.form;
         }
@@ -172,7 +172,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
                 continue;
             const Eigen::Vector4d its = samples.term[t].weight * arm[t].homogeneous();
             MatrixOf<12> &b = block[std::size_t(place[std::size_t(column)])];
-            for (int e = 0; e < 4; ++e)
+            for (Eigen::Index e = 0; e < 4; ++e)
                 b.middleCols<3>(3 * e) += its[e] * drawn;
         }
     }
@@ -195,7 +195,7 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         const Eigen::Vector3d ci = pose.position.col(i), cj = pose.position.col(j), e = rest(j) - rest(i);
         const Eigen::Matrix3d &aj = pose.linear[std::size_t(j)];
         const Eigen::Vector3d here = ci + ai * e - cj, there = cj - aj * e - ci; // by the map of each end
-        for (int d = 0; d < 3; ++d)
+        for (Eigen::Index d = 0; d < 3; ++d)
             gradient.segment<3>(3 * d) += mu * e[d] * here + bend * (ai.col(d) - aj.col(d));
         gradient.tail<3>() += mu * (here - there);
         rigid += mu * e.squaredNorm();
@@ -210,8 +210,8 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         other.bottomLeftCorner<1, 3>() = mu * e.transpose();
         other(3, 3) = -2 * mu;
         const Index column = unknown[std::size_t(j)];
-        for (int d = 0; d < 4; ++d)
-            for (int f = 0; f < 4; ++f) {
+        for (Eigen::Index d = 0; d < 4; ++d)
+            for (Eigen::Index f = 0; f < 4; ++f) {
                 own.block<3, 3>(3 * d, 3 * f).diagonal().array() += mine(d, f);
                 if (column > row)
                     block[std::size_t(place[std::size_t(column)])].block<3, 3>(3 * d, 3 * f).diagonal().array() +=

@@ -140,7 +140,8 @@ void GltfFile::WriteColors(const VertexColors &color) {
     std::array<std::uint16_t, 256> linear;
     for (std::size_t i = 0; i < linear.size(); ++i) { // IEC 61966-2-1
         const double c = double(i) / 255;
-        linear[i] = std::uint16_t(65535 * (c <= 0.04045 ? c / 12.92 : detail::Power((c + 0.055) / 1.055, 2.4)) + 0.5);
+        linear[i] =
+            std::uint16_t(std::lround(65535 * (c <= 0.04045 ? c / 12.92 : detail::Power((c + 0.055) / 1.055, 2.4))));
     }
     std::vector<std::uint16_t> all;
     all.reserve(4 * surface.slot.size());

@@ -122,6 +122,7 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     for (const Eigen::Vector3d &p : points)
         spread.Add(p, 1);
     std::vector<Eigen::Vector3d> direction;
+    direction.reserve(std::size_t(directions) + 3);
     const Eigen::Matrix3d axes = spread.Axes();
     for (int d = 0; d < 3; ++d)
         direction.emplace_back(axes.col(d));

@@ -59,7 +59,11 @@ class BendSession {
 
     // --- changes; each begins with change(), which undo() takes back ---
 
-    void change() { history.begin(data.state); }
+    void change() {
+        marking.reset(); // of a stroke that was given up
+        marked.clear();
+        history.begin(data.state);
+    }
     void undo();
     void redo();
     /// Takes back what was done since the last change(), without a redo.

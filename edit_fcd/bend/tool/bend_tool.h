@@ -68,6 +68,8 @@ class BendTool : public BendStage {
     void editHandle(const BendHandleRow &to);
     void onPoseCommand(int which);
     void changePoses(const std::function<void()> &change);
+    void changePose(int row, const std::function<void()> &change);
+    void changeFrame(int row, const std::function<void()> &change);
     void renamePose(std::size_t number, const std::string &name);
     void showBlend(const std::vector<double> &weights);
     void onLineCommand(int which);

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include <QGuiApplication>
+
 using vcg::fcd::Error;
 using vcg::fcd::MotionStep;
 
@@ -75,6 +77,8 @@ void BendTool::onOptions() {
 }
 
 void BendTool::setMode(BendPanel::Mode mode) {
+    if (mode != BendPanel::Polyline && QGuiApplication::mouseButtons() == Qt::NoButton)
+        going.reset(); // a polygon that was begun, as a click on the mode's button does
     panel->setMode(mode);
     showStretch();
 }

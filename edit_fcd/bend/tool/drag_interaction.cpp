@@ -151,8 +151,9 @@ void DragInteraction::release() {
 }
 
 bool DragInteraction::press(QMouseEvent &event) {
-    if (now)
-        end(event.button() == Qt::LeftButton);
+    if (!now)
+        return false; // what it was to do is not done
+    end(event.button() == Qt::LeftButton);
     return true;
 }
 

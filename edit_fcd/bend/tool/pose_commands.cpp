@@ -21,14 +21,14 @@ void BendTool::connectPoses() {
             session->change();
     });
     when(list, &BendPoseList::weighted, [this](int row, double percent) {
-        changePoses([&] {
+        changePose(row, [&] {
             std::vector<double> weights = weightsOfPoses(session->state());
             weights[std::size_t(row)] = percent;
             showBlend(weights);
         });
     });
     when(list, &BendPoseList::chosen, [this](int row) {
-        changePoses([&] {
+        changePose(row, [&] {
             session->change();
             std::vector<double> weights(weightsOfPoses(session->state()).size(), 0);
             weights[std::size_t(row)] = 100;
@@ -37,11 +37,11 @@ void BendTool::connectPoses() {
     });
     when(list, &BendPoseList::renamed, [this](int row, const QString &name) {
         later([=] { // once the list has done with it: this may ask
-            changePoses([&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
+            changePose(row, [&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
         });
     });
     when(list, &BendPoseList::removed, [this](int row) {
-        changePoses([&] {
+        changePose(row, [&] {
             session->change();
             session->removePose(std::size_t(row));
             solve(true);
@@ -49,13 +49,13 @@ void BendTool::connectPoses() {
     });
     const BendKeyList *frames = &box->keys();
     when(frames, &BendKeyList::chosen, [this](int row) {
-        changePoses([&] {
+        changeFrame(row, [&] {
             session->change();
             showBlend(keyFrames(session->state())[std::size_t(row)].weight);
         });
     });
     when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
-        changePoses([&] {
+        changeFrame(row, [&] {
             session->change();
             std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
             frames[std::size_t(row)].time = time;
@@ -64,7 +64,7 @@ void BendTool::connectPoses() {
         });
     });
     when(frames, &BendKeyList::removed, [this](int row) {
-        changePoses([&] {
+        changeFrame(row, [&] {
             session->change();
             std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
             frames.erase(frames.begin() + row);
@@ -84,6 +84,22 @@ void BendTool::changePoses(const std::function<void()> &change) {
         refresh();
         if (view)
             view->update();
+    });
+}
+
+/// The same to one of them, which may be gone: while a cell is edited, its list shows what there was.
+void BendTool::changePose(int row, const std::function<void()> &change) {
+    changePoses([&] {
+        if (session->state().poses && std::size_t(row) < session->state().poses->pose.size())
+            change();
+    });
+}
+
+/// The same to a key frame.
+void BendTool::changeFrame(int row, const std::function<void()> &change) {
+    changePoses([&] {
+        if (session->state().poses && std::size_t(row) < keyFrames(session->state()).size())
+            change();
     });
 }
 

@@ -164,8 +164,11 @@ void BendStage::beside(const QString &what, const Job::Work &work, std::function
 }
 
 void BendStage::whenDone() {
-    if (!layer())
+    if (!layer()) {
+        if (going)
+            going->cancel(); // which touches no layer then
         return;
+    }
     session->endBeside();
     const std::function<void()> done = std::move(whenPrepared); // which may begin other work
     done();

@@ -100,7 +100,7 @@ void FitSession::setSource(std::size_t pair, std::size_t slot) {
 void FitSession::setTarget(std::size_t pair, const Eigen::Vector3d &place) { now.pairs[pair].place = place; }
 
 void FitSession::rename(std::size_t pair, const std::string &name) {
-    if (!name.empty())
+    if (!name.empty() && pair < now.pairs.size()) // it may be gone while its name is edited
         now.pairs[pair].name = name;
 }
 
