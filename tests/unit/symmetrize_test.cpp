@@ -156,7 +156,7 @@ TEST(Symmetrize, TellsWhichLandmarkIsWrong) {
     const Fitter fitter(sheet.View(), {}, handles, FitParam());
     const auto message = [&](const SymmetryGoal &goal) {
         SymmetryReport report;
-        return fcd_test::MessageOf(
+        return fcd_test::MessageOf<BadInput>(
             [&] { Symmetrize(fitter, sheet.View(), {}, Eigen::Affine3d::Identity(), goal, report); });
     };
     const auto mark = [&](std::size_t i) { return SymmetryMark{i, Eigen::Vector3d::Zero()}; };
