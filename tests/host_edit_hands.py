@@ -1223,7 +1223,7 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     (tmp_path / "other.csv").write_text("time,easing,other\nmotions,,2: translate 0.2 0.3 0\n0,linear,0\n2,,50\n")
     filters.current_layer(0)
     dialog = filters.dialog("FCD: Pose Sequence")
-    filters.click(dialog, 440, 233) # of the file with the poses
+    filters.click(dialog, 440, 208) # of the file with the poses
     asked = w.wait_for_title("", other_than="FCD: Pose Sequence")
     w.do("type", "--delay", 5, str(tmp_path / "other.csv"))
     w.key("Return")
