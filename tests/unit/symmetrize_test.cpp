@@ -141,6 +141,12 @@ TEST(Compensation, TellsWhatIsOutOfRange) {
                   Compensation(sheet.View(), far.View(), {}, param);
               }).find("counterpart on the scan"),
               std::string::npos);
+    Sheet broken(20);
+    broken.position[3] = std::nan("");
+    EXPECT_NE(fcd_test::MessageOf<BadInput>([&] {
+                  Compensation(broken.View(), sheet.View(), {}, CompensateParam());
+              }).find("Vertex 1 of the nominal part has a coordinate that is not finite"),
+              std::string::npos);
     SurfaceView points = sheet.View();
     points.faces = 0;
     EXPECT_NE(fcd_test::MessageOf<BadInput>([&] {
