@@ -28,6 +28,9 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
 /// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all);
 
+/// What filters that fit have alike, from stiffness to the number of steps; not checked.
+void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit);
+
 /// Whether the graph is added as layers, too.
 void addGraphLayers(RichParameterList &list, bool graphLayers);
 

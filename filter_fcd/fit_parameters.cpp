@@ -148,12 +148,24 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
     return list;
 }
 
+void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit) {
+    fit.stiffness = asTyped(list.getFloat("stiffness"));
+    fit.largestDistance = asTyped(list.getFloat("largest_distance"));
+    if (fit.largestDistance == 0)
+        fit.largestDistance = std::numeric_limits<double>::infinity();
+    fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
+    fit.graph.initialPatches = list.getInt("initial_patches");
+    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
+    fit.smoothness = asTyped(list.getFloat("smoothness"));
+    fit.samples = list.getInt("samples");
+    fit.fitSteps = list.getInt("fit_steps");
+}
+
 FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document) {
     FitMeshParam param;
     param.target = host::layerParameter(list, "target_layer", document);
     param.landmarkFile = list.getOpenFileName("landmarks_file");
     param.targetFile = list.getOpenFileName("target_landmarks_file");
-    param.fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
     param.fit.bothWays = list.getBool("both_ways");
     param.landmarksOnly = list.getBool("landmarks_only");
     if (list.hasParameter("check_file")) {
@@ -170,18 +182,10 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.handles = handleParam(list, document);
     param.handles.mayLack = true;
     vcg::fcd::FitParam &fit = param.fit;
-    fit.stiffness = asTyped(list.getFloat("stiffness"));
     if (list.hasParameter("rigidity"))
         fit.rigidity = asTyped(list.getFloat("rigidity"));
-    fit.largestDistance = asTyped(list.getFloat("largest_distance"));
-    if (fit.largestDistance == 0)
-        fit.largestDistance = std::numeric_limits<double>::infinity();
     fit.largestAngle = asTyped(list.getFloat("largest_angle"));
-    fit.graph.initialPatches = list.getInt("initial_patches");
-    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    fit.smoothness = asTyped(list.getFloat("smoothness"));
-    fit.samples = list.getInt("samples");
-    fit.fitSteps = list.getInt("fit_steps");
+    readFitting(list, fit);
     fit.Validate();
     param.graphLayers = list.getBool("graph_layers");
     param.quality = FitMeshParam::Quality(enumValue(list, "fit_quality", 3));

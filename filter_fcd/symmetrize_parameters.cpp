@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common_parameters.h"
 
-#include <limits>
-
 using host::addParameter;
 using host::Shown;
 
@@ -89,18 +87,8 @@ SymmetrizeParam symmetrizeParam(const RichParameterList &list) {
     param.weights = FitMeshParam::Weights(enumValue(list, "weights", 4));
     param.weightAttribute = list.getString("weight_attribute");
     param.mirrorMissing = list.getBool("mirror_missing");
-    vcg::fcd::FitParam &fit = param.fit;
-    fit.stiffness = asTyped(list.getFloat("stiffness"));
-    fit.largestDistance = asTyped(list.getFloat("largest_distance"));
-    if (fit.largestDistance == 0)
-        fit.largestDistance = std::numeric_limits<double>::infinity();
-    fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
-    fit.graph.initialPatches = list.getInt("initial_patches");
-    fit.smoothness = asTyped(list.getFloat("smoothness"));
-    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    fit.samples = list.getInt("samples");
-    fit.fitSteps = list.getInt("fit_steps");
-    fit.ValidateFit();
+    readFitting(list, param.fit);
+    param.fit.ValidateFit();
     param.graphLayers = list.getBool("graph_layers");
     param.quality = SymmetrizeParam::Quality(enumValue(list, "symmetrized_quality", 4));
     return param;

@@ -14,19 +14,18 @@ namespace {
 /// For each vertex slot of \p mesh, the slot in \p rest of the vertex that it is a copy of; empty unless all are
 /// copies.
 std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest) {
-    std::vector<std::size_t> from(mesh.vert.size());
+    std::vector<std::size_t> from;
     std::size_t next = 0;
-    for (std::size_t i = 0; i < from.size(); ++i) {
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i) {
         if (mesh.vert[i].IsD())
             continue;
         while (next < rest.vertex.size() && !(rest.vertex[next].isKnown() && rest.vertex[next].isAt(mesh.vert[i].cP())))
             ++next;
         if (next == rest.vertex.size())
             return {};
+        from.resize(mesh.vert.size()); // not before one is: each pose asks this of all layers
         from[i] = next++;
     }
-    if (next == 0) // no vertex
-        from.clear();
     return from;
 }
 

@@ -19,5 +19,9 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
 /// Before the layer of \p state goes, or its vertices move: those of \p document that inherit its rest shapes have
 /// them.
 void handDownRest(const MeshDocument &document, const LayerState &state);
+inline void handDownRest(const MeshDocument &document, const MeshModel &layer) {
+    if (const LayerState *state = LayerState::of(layer))
+        handDownRest(document, *state);
+}
 
 #endif

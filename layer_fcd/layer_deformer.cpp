@@ -205,7 +205,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
         if (isFirst)
             RestShape::keep(document, layer);
         else
-            handDownRest(document, *LayerState::of(layer));
+            handDownRest(document, layer);
         RestShape restShape(layer);
         const bool ofFaces = param.exactNormals && mesh.fn > 0 && !restShape.hasOwnNormals();
         FlaggedFaces flagged(ofFaces ? mesh.vert.size() : 0, ofFaces ? mesh.face.size() : 0);

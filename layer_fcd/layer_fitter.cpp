@@ -50,13 +50,6 @@ std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest,
     return landmarks;
 }
 
-/// \param weight must outlive it
-vcg::fcd::WeightOf weightOf(const std::vector<float> &weight) {
-    if (weight.empty())
-        return {};
-    return [&weight](std::size_t i) { return double(weight[i]); };
-}
-
 } // namespace
 
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
@@ -156,23 +149,26 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     return fitted;
 }
 
+std::shared_ptr<Prepared> preparedOf(const std::shared_ptr<const Fitter> &fitter, const vcg::fcd::TagCount &tags) {
+    if (!fitter)
+        return nullptr;
+    const auto prepared = std::make_shared<Prepared>();
+    prepared->deformer = std::shared_ptr<const Deformer>(fitter, &fitter->Surface()); // lives as long as the fitter
+    prepared->tags = tags;
+    return prepared;
+}
+
 std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
                                    const FitMeshParam &param, const Remark &remark, const Progress &progress) {
     progress(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    std::shared_ptr<Prepared> graphOf;
-    if (param.graphLayers) {
-        graphOf = std::make_shared<Prepared>();
-        graphOf->deformer =
-            std::shared_ptr<const Deformer>(fitted.fitter, &fitted.fitter->Surface()); // lives as long as the fitter
-        graphOf->tags = fitted.result.tags;
-    }
     std::vector<float> quality;
     if (param.quality == FitMeshParam::Distance)
         quality = fitted.distance;
     else if (param.quality == FitMeshParam::Matched)
         quality.assign(fitted.matched.begin(), fitted.matched.end());
-    std::vector<MeshModel *> added = layers.addResult("fitted", fitted.result, quality, graphOf);
+    std::vector<MeshModel *> added = layers.addResult(
+        "fitted", fitted.result, quality, preparedOf(param.graphLayers ? fitted.fitter : nullptr, fitted.result.tags));
     layers.keep(*added.back(), progress);
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, added);

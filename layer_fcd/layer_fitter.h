@@ -71,6 +71,10 @@ struct FittedLayers : FittedSurface {
 FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshParam &param, const Remark &remark,
                       const vcg::fcd::Progress &progress);
 
+/// What the layers with the graph of a fit keep; null without a \p fitter.
+std::shared_ptr<Prepared> preparedOf(const std::shared_ptr<const vcg::fcd::Fitter> &fitter,
+                                     const vcg::fcd::TagCount &tags);
+
 /// Adds the layers of a fit. \pre \p layer has the shape that was fitted, with graph layers where these are asked for
 /// \return them, the fitted one last, which is
 /// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
@@ -82,8 +86,7 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
 template <class PositionAt, class NormalAt>
 void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &positionAt, const NormalAt &normalAt) {
     CMeshO &mesh = layer.cm;
-    if (const LayerState *state = LayerState::of(layer))
-        handDownRest(document, *state);
+    handDownRest(document, layer);
     if (!RestShape::exists(layer) || RestShape(layer).shape() != shapeOf(mesh))
         RestShape::keep(document, layer);
     RestShape rest(layer);

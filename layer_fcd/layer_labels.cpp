@@ -20,6 +20,10 @@ std::string inQuotes(const QString &name) { return "'" + name.toStdString() + "'
 
 std::string inQuotes(const MeshModel &layer) { return inQuotes(layer.label()); }
 
+std::string trianglesFlipped(std::size_t count) {
+    return std::to_string(count) + (count == 1 ? " triangle is" : " triangles are") + " flipped";
+}
+
 QString labelOf(const MeshModel &base, const QString &what) {
     const QString name = nameOf(base);
     const QRegularExpressionMatch result =

@@ -4,12 +4,16 @@
 
 #include "meshlab_host.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 /// 'NAME', as messages name layers and files.
 std::string inQuotes(const QString &name);
 std::string inQuotes(const MeshModel &layer);
+
+/// "3 triangles are flipped", as the logs of the filters begin a warning.
+std::string trianglesFlipped(std::size_t count);
 
 /// What a layer is called that is made from \p base: "NAME what"; "NAME what 2" where \p base is "NAME deformed", and
 /// so on.

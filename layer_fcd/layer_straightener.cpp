@@ -138,9 +138,8 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         warnings.push_back(line.str());
     }
     if (made.result.check.flipped > 0)
-        warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle is" : " triangles are") +
-                           " flipped: the surface is folded there. Lay the line through the middle, or raise "
+        warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
+                           ": the surface is folded there. Lay the line through the middle, or raise "
                            "line_smoothing.");
     if (!made.result.converged)
         warnings.emplace_back("The surface did not converge away from the line.");

@@ -2,6 +2,7 @@
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
 #include "layer_contents.h"
+#include "layer_fitter.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_symmetrizer.h"
@@ -121,8 +122,7 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
     const Eigen::Affine3d &world = surface.world;
     const vcg::fcd::NormalOf normal = [&](std::size_t i) { return toVector(surface.normal[i]); };
     const std::vector<float> weights = readWeights(layer, param.weights, param.weightAttribute);
-    const vcg::fcd::WeightOf weight =
-        weights.empty() ? vcg::fcd::WeightOf() : [&](std::size_t i) { return double(weights[i]); };
+    const vcg::fcd::WeightOf weight = weightOf(weights);
     const SymmetryGoal goal = goalOf(layer, param, view, world);
 
     SymmetrizedLayers made;
@@ -172,15 +172,10 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
 
     progress(0.95, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    std::shared_ptr<Prepared> graphOf;
-    if (param.graphLayers) {
-        graphOf = std::make_shared<Prepared>();
-        graphOf->deformer = std::shared_ptr<const Deformer>(fitter, &deformer); // lives as long as the fitter
-        graphOf->tags = result.tags;
-    }
     if (param.mirrorMissing)
         made.mirrored = addMissing(layers, view, world, made.report.plane, matched, result.position);
-    made.layers = layers.addResult("symmetrized", result, quality, graphOf);
+    made.layers =
+        layers.addResult("symmetrized", result, quality, preparedOf(param.graphLayers ? fitter : nullptr, result.tags));
     layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
     if (host::inWindow()) // one sees what one asked for
         showLast(document, layer, made.layers);
@@ -238,9 +233,8 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
                            "up.");
     }
     if (made.result.check.flipped > 0)
-        warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle has" : " triangles have") +
-                           " turned over: the surface is folded there. Give pairs, or raise stiffness.");
+        warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
+                           ": the surface is folded there. Give pairs, or raise stiffness.");
     if (!made.result.converged)
         warnings.emplace_back("The fit onto the mirror image did not come to rest: raise fit_steps.");
     return warnings;

@@ -10,8 +10,6 @@
 #include <functional>
 #include <mutex>
 #include <new>
-#include <optional>
-#include <utility>
 
 using vcg::fcd::Error;
 using vcg::fcd::ParallelFor;
@@ -121,12 +119,8 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
 }
 
 void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
-    if (const LayerState *state = LayerState::of(layer))
-        handDownRest(document, *state);
-    if (!RestShape::exists(layer))
-        if (std::optional<RestState> found = inheritedRest(layer, LayerState::ofOthers(document, layer)))
-            LayerState::made(document, layer).rest = std::move(found);
-    if (!RestShape::exists(layer))
+    handDownRest(document, layer);
+    if (!RestShape::inherit(document, layer))
         throw Error("The layer '" + layer.label().toStdString() +
                     "' has not been posed in place, so there is no other shape to go back to.");
     if (param.keepShape) {

@@ -72,6 +72,13 @@ static RestState *restOf(const MeshModel &layer) {
 
 bool RestShape::exists(const MeshModel &layer) { return restOf(layer) != nullptr; }
 
+bool RestShape::inherit(const MeshDocument &document, MeshModel &layer) {
+    if (!exists(layer))
+        if (std::optional<RestState> found = inheritedRest(layer, LayerState::ofOthers(document, layer)))
+            LayerState::made(document, layer).rest = std::move(found);
+    return exists(layer);
+}
+
 const PosedVertex *RestShape::lastPlaces(const MeshModel &layer) { return restOf(layer)->vertex.data(); }
 
 void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
@@ -91,9 +98,7 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     kept.ownNormals = ::hasOwnNormals(layer);
     kept.normalsNow = kept.normalsBefore = kept.ownNormals ? normalsOf(mesh) : 0;
     LayerState &all = LayerState::made(document, layer);
-    if (!exists(layer))
-        all.rest = inheritedRest(layer, LayerState::ofOthers(document, layer));
-    if (exists(layer)) {
+    if (inherit(document, layer)) {
         RestShape last(layer);
         if (last.countStrangers() == 0 || last.followMove()) {
             const bool isOther = last.shape() != shapeOf(mesh);

@@ -26,6 +26,8 @@ class RestShape {
     static constexpr std::size_t mostEarlier = 8;
 
     static bool exists(const MeshModel &layer);
+    /// Whether there is one, be it by the layer that this is a copy of, whose rest shapes it has then.
+    static bool inherit(const MeshDocument &document, MeshModel &layer);
     /// Where the last pose left each vertex slot. \pre the layer has a rest shape
     static const PosedVertex *lastPlaces(const MeshModel &layer);
     /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one. If something else has

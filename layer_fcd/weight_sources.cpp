@@ -50,3 +50,9 @@ std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights sou
             weight[i] = float(of(i));
     return weight;
 }
+
+vcg::fcd::WeightOf weightOf(const std::vector<float> &weights) {
+    if (weights.empty())
+        return {};
+    return [&weights](std::size_t i) { return double(weights[i]); };
+}

@@ -17,5 +17,7 @@ std::function<double(std::size_t)> attributeNumbers(const MeshModel &layer, cons
 
 /// How much each vertex of \p layer counts in a fit, by slot; empty: all counts. \throw vcg::fcd::Error
 std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights source, const QString &attribute);
+/// The same as the method asks for them; empty where all counts. \param weights must outlive it
+vcg::fcd::WeightOf weightOf(const std::vector<float> &weights);
 
 #endif

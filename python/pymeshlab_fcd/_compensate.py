@@ -148,14 +148,8 @@ def compensate(
     DeformationWarning
         Little is scanned, the warp leaves half of what there was, or it cannot be turned round.
     """
-    own: Any = faces
-    scan: object = scan_vertices
-    corners: object = scan_faces
-    if _meshes.is_beside_mesh(vertices, faces):
-        if scan_vertices is None:
-            own, scan = None, faces
-        elif scan_faces is None:
-            own, scan, corners = None, faces, scan_vertices
+    found, scan, corners = _meshes.beside(vertices, faces, scan_vertices, scan_faces)
+    own: Any = found
     if scan is None:
         raise TypeError("there is no scan: it comes after the faces, compensate(vertices, faces, scan_vertices, scan_faces)")
     told = shared(progress)

@@ -481,14 +481,8 @@ def fit(
         What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
     """
     told = shared(progress)
-    own: Any = faces
-    target: object = target_vertices
-    corners: object = target_faces
-    if _meshes.is_beside_mesh(vertices, faces):
-        if target_vertices is None:  # the target's faces, if there are any, by their name
-            own, target = None, faces
-        elif target_faces is None:
-            own, target, corners = None, faces, target_vertices
+    found, target, corners = _meshes.beside(vertices, faces, target_vertices, target_faces)
+    own: Any = found
     fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, rigidity=rigidity,
                     largest_distance=largest_distance, largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))

@@ -95,6 +95,16 @@ def is_beside_mesh(vertices: object, other: object) -> bool:
     return given.dtype.kind not in "iu" or given.shape != np.shape(found[1])
 
 
+def beside(vertices: object, faces: object, other: object, other_faces: object) -> tuple[object, object, object]:
+    """The faces of a surface, another surface and its faces, of four arguments in this order. Where the first is a mesh, which has its own
+    faces, the others may stand one place farther ahead."""
+    if not is_beside_mesh(vertices, faces):
+        return faces, other, other_faces
+    if other is None:  # the other one's faces, if there are any, by their name
+        return None, faces, other_faces
+    return (None, faces, other) if other_faces is None else (faces, other, other_faces)
+
+
 def can_be_pickled(mesh: object) -> bool:
     try:
         mesh.__reduce_ex__(4)

@@ -59,7 +59,6 @@ struct WarpGoal {
     std::vector<Eigen::Vector3d> from, to; ///< landmarks
     double landmarkWeight = 1;             ///< of all of them, beside that of all places
     int degree = 3;
-    double bending = 1e-6;     ///< weight of the mean square of the second derivatives
     double typicalBending = 1; ///< of what was warped, radians over the diagonal: what the data leave open bends less
     double typicalStrain = std::numeric_limits<double>::infinity(); ///< the same of lengths, as a part of them
     double farthest = std::numeric_limits<double>::infinity();      ///< a match that is farther does not count
