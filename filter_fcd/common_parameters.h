@@ -28,7 +28,22 @@ void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &defor
 /// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense
 vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all);
 
-/// What filters that fit have alike, from stiffness to the number of steps; not checked.
+// What filters that match surfaces have alike.
+/// The layer to lie on. \param given or null: the only other one, or else the current one, which is none
+void addOtherLayer(RichParameterList &list, const char *name, const MeshModel *given, const MeshDocument &document,
+                   const QString &label, const QString &help);
+void addWeightSource(RichParameterList &list, const char *name, FitMeshParam::Weights weights, const QString &label,
+                     const QString &help);
+void addWeightAttribute(RichParameterList &list, const QString &name, const QString &help);
+void addStiffness(RichParameterList &list, const vcg::fcd::FitParam &fit);
+void addLargestDistance(RichParameterList &list, const QString &help);
+/// Infinite where it is 0.
+double largestDistance(const RichParameterList &list);
+void addLandmarkTolerance(RichParameterList &list, const vcg::fcd::FitParam &fit);
+void addSamples(RichParameterList &list, int samples, const QString &help);
+/// The graph, samples and steps.
+void addSampling(RichParameterList &list, const vcg::fcd::FitParam &fit);
+/// All of a fit from stiffness to the number of steps; not checked.
 void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit);
 
 /// Whether the graph is added as layers, too.

@@ -7,6 +7,7 @@
 #include "dialogs.h"
 
 #include <layer_fcd/filter_host.h>
+#include <layer_fcd/layer_compensator.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/parameters.h>
 
@@ -22,6 +23,7 @@ class FilterFcd : public HostFilterPlugin {
         FitMesh,
         StraightenMesh,
         Symmetrize,
+        Compensate,
         PoseSequence,
         PoseInPlace,
         ResetPose,
@@ -53,17 +55,23 @@ class FilterFcd : public HostFilterPlugin {
 
   private:
     static RichParameterList defaults(int id, const MeshDocument &document);
-    ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, vcg::CallBackPos *callback);
-    ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document, vcg::CallBackPos *callback);
+    ReturnedValues buildGraph(const RichParameterList &parameters, MeshDocument &document, MeshModel &layer,
+                              const vcg::fcd::Progress &progress);
+    ReturnedValues deformMesh(const RichParameterList &parameters, MeshDocument &document, MeshModel &current,
+                              const vcg::fcd::Progress &progress);
+    ReturnedValues pose(const RichParameterList &parameters, MeshDocument &document, MeshModel &layer,
+                        const vcg::fcd::Progress &progress);
+    ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, MeshModel &current,
+                        const vcg::fcd::Progress &progress);
+    ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document,
+                        const vcg::fcd::Progress &progress);
     ReturnedValues session(int id, const RichParameterList &parameters, const MeshDocument &document,
                            MeshModel &layer) const;
     ReturnedValues clearTags(const MeshDocument &document, MeshModel &layer) const;
     template <class Made>
     ReturnedValues tell(const Made &made) const;
     ReturnedValues tell(const SequenceLayers &made) const;
+    ReturnedValues tell(const CompensatedLayers &made) const;
     ReturnedValues tell(const std::string &line, const std::vector<std::string> &warnings,
                         const ReturnedValues &values) const;
     void warn(const std::vector<std::string> &warnings) const {

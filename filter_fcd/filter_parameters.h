@@ -13,6 +13,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
 RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const StraightenMeshParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const SymmetrizeParam &param, const MeshDocument &document);
+RichParameterList toRichParameters(const CompensateLayerParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const SequenceParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const ResetPoseParam &param);
@@ -32,6 +33,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocumen
 FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document);
 StraightenMeshParam straightenMeshParam(const RichParameterList &list, const MeshDocument &document);
 SymmetrizeParam symmetrizeParam(const RichParameterList &list);
+CompensateLayerParam compensateParam(const RichParameterList &list, const MeshDocument &document);
 SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &document);
 PoseParam poseParam(const RichParameterList &given, const MeshDocument &document);
 ResetPoseParam resetPoseParam(const RichParameterList &list);

@@ -228,6 +228,13 @@ HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made) {
     return values;
 }
 
+HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made) {
+    const vcg::fcd::CompensateReport &report = made.report;
+    return {{"rms_before", report.before}, {"rms_left", report.left},          {"scanned", report.scanned},
+            {"change", report.change},     {"change_most", report.changeMost}, {"missed", report.missed},
+            {"seconds", made.seconds}};
+}
+
 std::string describe(const SequenceLayers &made) {
     const vcg::fcd::SequenceReport &report = made.report;
     std::ostringstream line;

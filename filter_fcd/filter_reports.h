@@ -7,6 +7,7 @@
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/kept_aside.h>
+#include <layer_fcd/layer_compensator.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_sequence.h>
@@ -56,6 +57,7 @@ std::vector<std::string> warningsOf(const FittedLayers &made);
 /// How a layer was straightened, in numbers.
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made);
+HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made);
 
 /// What was made of poses, in words and in numbers.
 std::string describe(const SequenceLayers &made);

@@ -18,6 +18,7 @@ QString FilterFcd::filterName(int id) const {
     case FitMesh: return "FCD: Fit to Layer";
     case StraightenMesh: return "FCD: Straighten Mesh";
     case Symmetrize: return "FCD: Symmetrize";
+    case Compensate: return "FCD: Compensate";
     case PoseSequence: return "FCD: Pose Sequence";
     case PoseInPlace: return "FCD: Pose in Place";
     case ResetPose: return "FCD: Reset Pose";
@@ -40,6 +41,7 @@ QString FilterFcd::scriptName(int id) const {
     case FitMesh: return "generate_fcd_fitted_mesh";
     case StraightenMesh: return "generate_fcd_straightened_mesh";
     case Symmetrize: return "generate_fcd_symmetrized_mesh";
+    case Compensate: return "generate_fcd_compensated_mesh";
     case PoseSequence: return "generate_fcd_pose_sequence";
     case PoseInPlace: return "apply_coord_fcd_deformation";
     case ResetPose: return "apply_coord_fcd_reset";
@@ -104,6 +106,15 @@ QString FilterFcd::filterInfo(int id) const {
                    "result where.<br>"
                    "The result is a new layer with all that the layer carries.") +
                reference;
+    case Compensate:
+        return "Tells <b>what to print</b> so that the current layer, the nominal part, comes out: a scan of the "
+               "printed "
+               "(sintered, pressed) part tells how it is warped, and that is turned round.<br>The warp is a smooth one "
+               "of all of space: flat faces, round holes and sharp edges stay what they are, what is not scanned goes "
+               "with what is, noise does not come through, and it does not matter whether vertices are welded. The "
+               "scan is a layer with a surface or points, in the same units, rigidly aligned with the nominal part. "
+               "What is printed is assumed to warp as the nominal part did.<br>The result is a new layer with all that "
+               "the layer carries.";
     case PoseSequence:
         return QString("Makes an animation of the current layer, or a row of its poses. Each pose has a name and says "
                        "how the handles move. <b>Key frames</b> tell when there is how much of each. Poses are "

@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common_parameters.h"
 
-#include <limits>
-
 using host::addParameter;
 using host::Shown;
 
 namespace {
-
-/// The only other layer, or else the current one, which is no target.
-const MeshModel *likelyTarget(const MeshDocument &document) {
-    const std::vector<const MeshModel *> layers = host::layers(document);
-    const MeshModel *current = const_cast<MeshDocument &>(document).mm(); // which is not changed
-    if (layers.size() != 2)
-        return current;
-    return layers[0] == current ? layers[1] : layers[0];
-}
 
 /// Pairs that a fit is judged by.
 void addChecks(RichParameterList &list, const FitMeshParam &param) {
@@ -41,21 +30,16 @@ void addChecks(RichParameterList &list, const FitMeshParam &param) {
 void addWeights(RichParameterList &list, const FitMeshParam &param) {
     if (host::firstMayBeLacking())
         return;
-    const QStringList sources = QStringList() << "All counts"
-                                              << "Vertex quality"
-                                              << "Selected vertices"
-                                              << "Attribute";
-    addParameter<RichEnum>(
-        list, Shown::Always, "weights", int(param.weights), sources, "Weights from",
-        "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is <b>carried "
-        "along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
-        "<b>selection</b>, or an <b>attribute</b>. Quality or selection are then not read as handles. A separate part "
-        "that nothing of the target leads is carried in any case, by what it belongs to: an eyeball by its head.");
-    addParameter<RichEnum>(list, Shown::Always, "target_weights", int(param.targetWeights), sources,
-                           "Target weights from",
-                           "The same for the target's vertices: what has 0 is as if it were not there.");
-    addParameter<RichString>(list, Shown::Advanced, "weight_attribute", param.weightAttribute, "Attribute with weights",
-                             "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
+    addWeightSource(list, "weights", param.weights, "Weights from",
+                    "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is "
+                    "<b>carried along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the "
+                    "<b>vertex quality</b>, the <b>selection</b>, or an <b>attribute</b>. Quality or selection are "
+                    "then not read as handles. A separate part that nothing of the target leads is carried in any "
+                    "case, by what it belongs to: an eyeball by its head.");
+    addWeightSource(list, "target_weights", param.targetWeights, "Target weights from",
+                    "The same for the target's vertices: what has 0 is as if it were not there.");
+    addWeightAttribute(list, param.weightAttribute,
+                       "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
 }
 
 } // namespace
@@ -63,9 +47,9 @@ void addWeights(RichParameterList &list, const FitMeshParam &param) {
 RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document) {
     const vcg::fcd::FitParam &fit = param.fit;
     RichParameterList list;
-    host::addLayerParameter(
-        list, Shown::Always, "target_layer", param.target ? param.target : likelyTarget(document), document, "Target",
-        "The layer to lie on: triangles, or a point cloud. A cloud's normals tell its sides apart. It is not changed.");
+    addOtherLayer(list, "target_layer", param.target, document, "Target",
+                  "The layer to lie on: triangles, or a point cloud. A cloud's normals tell its sides apart. It is not "
+                  "changed.");
     addParameter<host::RichFileParam>(
         list, Shown::Always, "landmarks_file", param.landmarkFile,
         QStringList() << "*.csv"
@@ -81,11 +65,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "Target's picked points (.pp)",
         "If the landmark file is picked points of the current layer: those of the target, with the same names. "
         "<b>Empty</b> (the default): the landmark file holds both ends.");
-    addParameter<RichFloat>(
-        list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Landmark tolerance",
-        "How far a landmark may stay from where it belongs, in world units. <b>0</b> (the default): it is exact. "
-        "<b>Raise it</b> to the error of measured or picked points. Pairs that the others contradict, such as two that "
-        "are mixed up, are then left out. The log names them in any case.");
+    addLandmarkTolerance(list, fit);
     addChecks(list, param);
     addParameter<RichBool>(
         list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
@@ -101,10 +81,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
         "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
         "lie</b> moves the layer onto the target's middle, too, and says so.");
-    addParameter<RichFloat>(list, Shown::Always, "stiffness", Scalarm(fit.stiffness),
-                            "Stiffness (1 is the default, 10 stiff)",
-                            "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of "
-                            "the target. <b>Lower it</b> to follow finer detail.");
+    addStiffness(list, fit);
     if (!host::firstMayBeLacking())
         addParameter<RichFloat>(list, Shown::Advanced, "rigidity", Scalarm(fit.rigidity),
                                 "Rigidity (1 rigid, 0 smooth)",
@@ -112,10 +89,10 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                                 "possible, for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled "
                                 "or grown all over, as one skull to another; only a change of the map from place to "
                                 "place costs, as in a thin-plate spline. What turns far needs rigidity.");
-    addParameter<RichFloat>(list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
-                            "What is farther from the target, in world units, has no counterpart and is carried along. "
-                            "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> "
-                            "where the target lacks parts that something else lies near to.");
+    addLargestDistance(list,
+                       "What is farther from the target, in world units, has no counterpart and is carried along. "
+                       "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> where "
+                       "the target lacks parts that something else lies near to.");
     addParameter<RichFloat>(list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle),
                             "Largest angle (degrees)",
                             "A place of the target whose normal differs by more is no counterpart. That keeps the two "
@@ -126,15 +103,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "reached. <b>Off</b> (the default): where parts of the target are left, it is tried, and kept if none are left "
         "then and more of the layer has a counterpart. Leave it off where the target has parts that the layer lacks.");
     addWeights(list, param);
-    addInitialPatches(list, fit.graph.initialPatches);
-    addSmoothness(list, Shown::Advanced, fit.smoothness);
-    addRandomSeed(list, fit.graph.randomSeed);
-    addParameter<RichInt>(list, Shown::Advanced, "samples", fit.samples, "Samples",
-                          "How many places of the surface are matched, evenly spread. <b>Raise it</b> where there are "
-                          "many patches; it takes longer.");
-    addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
-                          "The most steps from stiff to soft; the less the surface moves, the fewer it takes. <b>Raise "
-                          "it</b> where it has far to go, or when the log says that it did not converge.");
+    addSampling(list, fit);
     addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(list, Shown::Always, "fit_quality", int(param.quality),
                            QStringList() << "As the input"
@@ -146,19 +115,6 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
                            "target, 0 where it has no counterpart and was carried along.");
     addHandles(list, param.handles, document, Shown::Advanced);
     return list;
-}
-
-void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit) {
-    fit.stiffness = asTyped(list.getFloat("stiffness"));
-    fit.largestDistance = asTyped(list.getFloat("largest_distance"));
-    if (fit.largestDistance == 0)
-        fit.largestDistance = std::numeric_limits<double>::infinity();
-    fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
-    fit.graph.initialPatches = list.getInt("initial_patches");
-    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    fit.smoothness = asTyped(list.getFloat("smoothness"));
-    fit.samples = list.getInt("samples");
-    fit.fitSteps = list.getInt("fit_steps");
 }
 
 FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document) {

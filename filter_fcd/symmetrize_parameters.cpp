@@ -31,39 +31,22 @@ RichParameterList toRichParameters(const SymmetrizeParam &param, const MeshDocum
         list, Shown::Always, "plane_normal", toPoint(param.planeNormal), "Normal of the plane",
         "Of symmetry, of any length. <b>0 0 0</b> (the default): the plane is that of the pairs and the midline, or, "
         "where they do not tell one, that in which the surface is most like its mirror image.");
-    addParameter<RichEnum>(list, Shown::Always, "weights", int(param.weights),
-                           QStringList() << "All counts"
-                                         << "Vertex quality"
-                                         << "Selected vertices"
-                                         << "Attribute",
-                           "What counts",
-                           "How much each vertex counts: from 0, which is <b>carried along</b> and not matched, as a "
-                           "growth on one side, to 1. <b>All counts</b> (the default), the <b>vertex quality</b>, what "
-                           "is <b>selected</b>, or an <b>attribute</b>.");
-    addParameter<RichString>(list, Shown::Advanced, "weight_attribute", param.weightAttribute, "Attribute with weights",
-                             "Name of the scalar attribute per vertex that tells how much it counts, 0 to 1.");
+    addWeightSource(
+        list, "weights", param.weights, "What counts",
+        "How much each vertex counts: from 0, which is <b>carried along</b> and not matched, as a growth on "
+        "one side, to 1. <b>All counts</b> (the default), the <b>vertex quality</b>, what is "
+        "<b>selected</b>, or an <b>attribute</b>.");
+    addWeightAttribute(list, param.weightAttribute,
+                       "Name of the scalar attribute per vertex that tells how much it counts, 0 to 1.");
     addParameter<RichBool>(list, Shown::Always, "mirror_missing", param.mirrorMissing, "Mirror what is missing",
                            "Also adds a layer with the mirror images of what has no counterpart on the other side: the "
                            "good side over a missing one, to be joined with the result.");
-    addParameter<RichFloat>(list, Shown::Always, "stiffness", Scalarm(fit.stiffness),
-                            "Stiffness (1 is the default, 10 stiff)",
-                            "How rigid what is local is in the end. <b>Raising it</b> smooths over noise; <b>lowering "
-                            "it</b> follows finer asymmetries.");
-    addParameter<RichFloat>(list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance",
-                            "What is farther than this from the mirror image, in world units, has no counterpart there "
-                            "and is carried along. <b>0</b> (the default): no limit.");
-    addParameter<RichFloat>(list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance),
-                            "Tolerance of the landmarks",
-                            "So far from where it belongs, in world units, a landmark may be while the surface is "
-                            "fitted onto its mirror image. <b>0</b> (the default): none.");
-    addInitialPatches(list, fit.graph.initialPatches);
-    addSmoothness(list, Shown::Advanced, fit.smoothness);
-    addRandomSeed(list, fit.graph.randomSeed);
-    addParameter<RichInt>(list, Shown::Advanced, "samples", fit.samples, "Samples",
-                          "How many places of the surface are matched, evenly spread.");
-    addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
-                          "The surface gets softer from step to step, over so many at most. <b>Raise it</b> when the "
-                          "log says that it did not come to rest.");
+    addStiffness(list, fit);
+    addLargestDistance(list,
+                       "What is farther than this from the mirror image, in world units, has no counterpart there "
+                       "and is carried along. <b>0</b> (the default): no limit.");
+    addLandmarkTolerance(list, fit);
+    addSampling(list, fit);
     addGraphLayers(list, param.graphLayers);
     addParameter<RichEnum>(list, Shown::Always, "symmetrized_quality", int(param.quality),
                            QStringList() << "As the input"

@@ -29,18 +29,6 @@ using vcg::fcd::SurfaceView;
 
 namespace {
 
-const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target) {
-    if (!target)
-        throw Error("'target_layer' names no layer of this document. Choose the layer that " + inQuotes(layer) +
-                    " is laid onto.");
-    if (target == &layer)
-        throw Error("The target is the layer that is fitted itself. Choose another one as 'target_layer'.");
-    if (target->cm.vn == 0)
-        throw Error("The target " + inQuotes(*target) +
-                    " has no vertices. Choose a layer with a surface, or with points, as 'target_layer'.");
-    return *target;
-}
-
 std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
                                     const QString &file, const QString &targets) {
     std::vector<Landmark> landmarks;
@@ -71,7 +59,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
       name(inQuotes(layer)) {
     const MeshModel *target = nullptr; // landmarks alone need none
     if (param.target || !param.landmarksOnly) {
-        target = &checkedTarget(layer, param.target);
+        target = &checkedTarget(layer, param.target, "target_layer");
         targetName = inQuotes(*target);
     }
     if (remark && !param.handles.allFree && param.handles.source == HandleParam::Quality && hasQuality(layer) &&

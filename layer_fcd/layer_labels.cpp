@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/error.h> // before Qt
+
 #include "layer_labels.h"
 
 #include <algorithm>
@@ -19,6 +21,20 @@ QString nameOf(const MeshModel &layer) {
 std::string inQuotes(const QString &name) { return "'" + name.toStdString() + "'"; }
 
 std::string inQuotes(const MeshModel &layer) { return inQuotes(layer.label()); }
+
+const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter) {
+    if (!target)
+        throw vcg::fcd::Error("'" + parameter + "' names no layer of this document. Choose the layer that " +
+                              inQuotes(layer) + " is laid onto.");
+    if (target == &layer)
+        throw vcg::fcd::Error("'" + parameter + "' is " + inQuotes(layer) +
+                              " itself, the current layer. Choose another one.");
+    if (target->cm.vn == 0)
+        throw vcg::fcd::Error("The target " + inQuotes(*target) +
+                              " has no vertices. Choose a layer with a surface, or with points, as '" + parameter +
+                              "'.");
+    return *target;
+}
 
 std::string trianglesFlipped(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " triangle is" : " triangles are") + " flipped";

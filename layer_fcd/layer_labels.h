@@ -12,6 +12,10 @@
 std::string inQuotes(const QString &name);
 std::string inQuotes(const MeshModel &layer);
 
+/// The layer that another one is laid onto. \param parameter names it
+/// \throw vcg::fcd::Error there is none, it is \p layer itself, or it has no vertices
+const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter);
+
 /// "3 triangles are flipped", as the logs of the filters begin a warning.
 std::string trianglesFlipped(std::size_t count);
 

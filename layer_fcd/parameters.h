@@ -4,6 +4,7 @@
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/compensate.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/sequence/sequence_frames.h>
 #include <vcg_ext/straighten.h>
@@ -117,6 +118,15 @@ struct SymmetrizeParam {
     vcg::fcd::FitParam fit;                                  ///< without nodes
     bool graphLayers = true;                                 ///< keep the rest and the deformed graph as layers
     Quality quality = Asymmetry;                             ///< of the new layer
+};
+
+/// What "FCD: Compensate" is asked for.
+struct CompensateLayerParam {
+    enum Quality { Input, Change };
+
+    const MeshModel *scan = nullptr; ///< of the printed part
+    vcg::fcd::CompensateParam compensation;
+    Quality quality = Change; ///< of the new layer
 };
 
 /// What "FCD: Straighten Mesh" is asked for. All in the world.

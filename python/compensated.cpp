@@ -3,6 +3,7 @@
 #include "fitted.h"
 #include "listener.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace {
@@ -50,6 +51,13 @@ nb::dict Compensating::told() const {
     all["change_most"] = found.changeMost;
     all["missed"] = found.missed;
     return all;
+}
+
+nb::object Compensating::made() const {
+    double *to;
+    nb::object rows = newArray({std::size_t(way->position.cols()), 3}, to);
+    std::copy_n(way->position.data(), way->position.size(), to);
+    return rows;
 }
 
 nb::object Compensating::apply(const Rows &points, bool predicted, const nb::object &report) const {

@@ -8,6 +8,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 /// The way from a nominal part to what to make.
 class Compensating {
@@ -18,6 +20,8 @@ class Compensating {
                  unsigned threads, const nb::object &report);
 
     nb::dict told() const;
+    std::vector<std::string> warnings() const { return way->report.Warnings(); }
+    nb::object made() const; ///< what to make, n x 3
     /// What to make at points, or what comes out of that.
     nb::object apply(const Rows &points, bool predicted, const nb::object &report) const;
 

@@ -139,6 +139,8 @@ NB_MODULE(_core, module) {
              arg("vertices"), arg("faces").none(), arg("scan"), arg("scan_faces").none(), arg("scan_normals").none(),
              arg("param"), arg("threads"), arg("report").none())
         .def("told", &Compensating::told)
+        .def("warnings", &Compensating::warnings)
+        .def("made", &Compensating::made)
         .def("apply", &Compensating::apply, arg("points"), arg("predicted"), arg("report").none());
     nb::class_<Sequence>(module, "Sequence")
         .def(nb::init<const std::vector<std::pair<std::string, std::string>> &, const std::vector<Sequence::Key> &>(),

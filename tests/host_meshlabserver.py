@@ -227,6 +227,18 @@ def test_a_bend_along_a_line(tmp_path):
     assert np.median(off) < 1e-4 and np.percentile(off, 90) < 2e-3  # what is not connected follows what is near, rigidly
 
 
+def test_what_to_print(tmp_path):
+    """A bone, bent by a little, is to come out; what is scanned of it is not bent."""
+    run = Run(tmp_path, BONE, quality_filter(BONE_TAGS), deform_filter(translation=(0, 0, 0.03), graph_layers=False),
+              '<filter name="FCD: Compensate">' + parameter("Mesh", "scan_layer", value=0) + parameter("Int", "degree", value=5) +
+              parameter("Float", "largest_distance", value=0) + parameter("Int", "samples", value=3000) + choice("compensated_quality", 1, 2) + "</filter>")
+    assert run.code == 0 and float(run.value("missed")) < 1e-6 and float(run.value("rms_left")) < 0.5 * float(run.value("rms_before")), run.log
+    nominal = run.meshes["bonedeformed"].vertex_matrix()
+    result, = (mesh for name, mesh in run.meshes.items() if "compensated" in name)
+    change = result.vertex_matrix() - nominal
+    assert np.abs(np.linalg.norm(change, axis=1) - result.vertex_scalar_array()).max() < 1e-5
+
+
 def test_a_pose_sequence(tmp_path):
     poses = tmp_path / "poses.csv"
     poses.write_text("time;easing;up;turned\nmotions;;\"2: translate 0 0 0.2\";2: rotate 1 0 0 90\n0;smooth\n0.5;linear;100\n1;;50;100\n")

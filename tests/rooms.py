@@ -38,14 +38,14 @@ PLUGIN_FLOORS = {
         "layer_state prepared_layers kept_deformation kept_scan inherited_rest inherited_scan marks session_format layer_contents rest_shape kept_aside"
         " results session_file",  # the state of a layer, which the document keeps
         "line_sources line_surface motion_sources point_sources tag_sources weight_sources",
-        "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_symmetrizer"
+        "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
         " layer_deformer layer_sequence",
     ],
     "filter_fcd": [
         "filter_reports filter_parameters common_parameters",
-        "bending_parameters fit_parameters handle_parameters sequence_parameters straighten_parameters symmetrize_parameters"
+        "bending_parameters compensate_parameters fit_parameters fitting_parameters handle_parameters sequence_parameters straighten_parameters symmetrize_parameters"
         " tag_parameters fit_reports dialogs",
-        "filter_fcd filter_texts session_filters",
+        "filter_fcd bending_filters filter_texts session_filters",
     ],
 }
 UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")

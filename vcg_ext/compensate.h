@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <string>
+#include <vector>
 
 /// \file
 /// What to make so that it becomes what is wanted: the warp of a printed, sintered or pressed part, as its scan tells
@@ -30,7 +32,11 @@ struct CompensateReport {
     double scanned = 0;          ///< share of the nominal surface that is matched, [0, 1]
     double change = 0, changeMost = 0; ///< of the vertices: root mean square, most
     double missed = 0;                 ///< how far what is predicted to come out is from the nominal vertices, at most
+    double rounding = 0;               ///< less than this is none of the warp
     Eigen::Affine3d placed = Eigen::Affine3d::Identity(); ///< the rigid motion from the nominal part to the scan
+
+    /// A sentence for each thing that is not to be trusted.
+    std::vector<std::string> Warnings() const;
 };
 
 /// The way from a nominal part to what to make.
@@ -45,12 +51,17 @@ class Compensation {
 
     /// What to make at a place of the nominal part.
     Eigen::Vector3d operator()(const Eigen::Vector3d &p) const;
+    /// The derivative of that. \param made what is made there
+    Eigen::Matrix3d LinearAt(const Eigen::Vector3d &made) const;
     /// What comes out of that at a place, where it lies as the nominal part does.
     Eigen::Vector3d Predicted(const Eigen::Vector3d &p) const;
 
-    CompensateReport report; ///< of all vertices
+    CompensateReport report;   ///< of all vertices
+    Eigen::Matrix3Xd position; ///< what to make, a column for each vertex slot of the nominal part
 
   private:
+    void MakeVertices(const SurfaceView &nominal, const Eigen::AlignedBox3d &box, const Progress &progress);
+
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     double scale = 1;
     SmoothWarp warp;                                      // of the frame

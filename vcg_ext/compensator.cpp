@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -76,7 +77,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     WarpGoal goal;
     SampleEvenly(nominal, param.samples, middle, scale, goal);
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
-    const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.2));
+    const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1));
     goal.match = [&](std::size_t, const Eigen::Vector3d &at) {
         const FitTarget::Match match = target.Nearest(at);
         return WarpMatch{match.point, match.normal, match.isOriented, match.onBorder ? 0 : match.weight};
@@ -85,7 +86,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     goal.typicalBending = typicalBending;
     goal.typicalStrain = typicalStrain;
     goal.farthest = param.largestDistance / scale;
-    warp = FitWarp(goal, progress.Slice(0.2, 0.9));
+    warp = FitWarp(goal, progress.Slice(0.1, 0.6));
 
     // Where the scan lies is no warp: the rigid motion nearest to it is taken out.
     std::vector<Eigen::Vector3d> warped;
@@ -121,15 +122,32 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     report.before = std::sqrt(report.before / double(count)) * scale;
     report.scanned = double(count) / double(goal.place.size());
     report.placed = toFrame.inverse() * placed * toFrame;
+    report.rounding = 1e-12 * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    MakeVertices(nominal, box, progress.Slice(0.6, 1));
+}
+
+void Compensation::MakeVertices(const SurfaceView &nominal, const Eigen::AlignedBox3d &box, const Progress &progress) {
+    position.resize(3, Eigen::Index(nominal.vertexSlots));
+    std::vector<double> missed(nominal.vertexSlots, -1); // less than 0: no part of it
+    ParallelFor(progress, "Compensating", nominal.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const Eigen::Vector3d p = nominal.At(i);
+            auto made = position.col(Eigen::Index(i));
+            made = p;
+            if (nominal.IsDeleted(i) || !box.contains(p)) // beyond the part a polynomial tells nothing
+                continue;
+            made = (*this)(p);
+            missed[i] = (Predicted(made) - p).norm();
+        }
+    });
     double vertices = 0;
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i) {
-        if (nominal.IsDeleted(i) || !box.contains(Eigen::Vector3d(nominal.At(i))))
+        if (missed[i] < 0)
             continue;
-        const Eigen::Vector3d p = nominal.At(i), made = (*this)(p);
-        const double change = (made - p).norm();
+        const double change = (position.col(Eigen::Index(i)) - nominal.At(i)).norm();
         report.change += change * change;
         report.changeMost = std::max(report.changeMost, change);
-        report.missed = std::max(report.missed, (Predicted(made) - p).norm());
+        report.missed = std::max(report.missed, missed[i]);
         ++vertices;
     }
     report.change = std::sqrt(report.change / std::max(vertices, 1.0));
@@ -141,8 +159,40 @@ Eigen::Vector3d Compensation::operator()(const Eigen::Vector3d &p) const {
     return middle + scale * warp.Back(placed * at, at);
 }
 
+Eigen::Matrix3d Compensation::LinearAt(const Eigen::Vector3d &made) const {
+    return warp.LinearAt((made - middle) / scale).inverse() * placed.linear();
+}
+
 Eigen::Vector3d Compensation::Predicted(const Eigen::Vector3d &p) const {
     return middle + scale * (placed.inverse(Eigen::Isometry) * warp.At((p - middle) / scale));
+}
+
+std::vector<std::string> CompensateReport::Warnings() const {
+    std::vector<std::string> found;
+    std::ostringstream line;
+    line.precision(3);
+    const auto tell = [&] {
+        found.push_back(line.str());
+        line.str("");
+    };
+    if (scanned < 0.3) { // then most of the warp is a guess
+        line << "Only " << 100 * scanned
+             << " percent of the nominal part have a counterpart on the scan: the rest is a guess. Scan more of it, or "
+                "align the two first.";
+        tell();
+    }
+    if (left > std::max(0.5 * before, rounding)) {
+        line << "The warp leaves " << left << " of the " << before
+             << " (root mean square) that the part is off: the part is hardly warped, the scan is noisy, or the warp "
+                "is not smooth. Raise degree, if it is the latter.";
+        tell();
+    }
+    if (missed > std::max(1e-6 * changeMost, rounding)) {
+        line << "The warp cannot be turned round everywhere: what comes out would be off by " << missed
+             << " somewhere. Lower degree.";
+        tell();
+    }
+    return found;
 }
 
 } // namespace vcg::fcd

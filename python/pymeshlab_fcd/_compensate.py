@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _inputs, _meshes
 from ._inputs import Points
 from ._meshes import MeshLike
-from ._progress import Progress, report, shared
-from ._warnings import CompensationWarning, Told, warn
+from ._progress import Progress, report
+from ._warnings import CompensationWarning, warn
 
 
 @dataclass(frozen=True)
@@ -36,15 +36,15 @@ class CompensationInfo:
 class Compensated:
     """What to print, by [compensate][pymeshlab_fcd.compensate]."""
 
-    def __init__(self, way: _core.Compensating, nominal: Points, told: Progress) -> None:
+    def __init__(self, way: _core.Compensating, nominal: Points) -> None:
         self._way = way
         self._nominal = nominal
-        self._vertices: Points = way.apply(nominal, False, report(told, 90, 100))
+        self._vertices: Points = way.made()
         self._vertices.flags.writeable = False
 
     @property
     def vertices(self) -> Points:
-        """n x 3, read-only: what to print, with the faces of the nominal part."""
+        """n x 3, read-only: what to print, with the faces of the nominal part. Vertices at no face that lie beyond it stay."""
         return self._vertices
 
     @property
@@ -152,7 +152,6 @@ def compensate(
     own: Any = found
     if scan is None:
         raise TypeError("there is no scan: it comes after the faces, compensate(vertices, faces, scan_vertices, scan_faces)")
-    told = shared(progress)
     nominal, triangles = _meshes.surface(vertices, own, lent=False)[1:]
     places, of_scan = _meshes.surface(scan, corners, "scan_")[1:]
     if len(places) == 0:
@@ -161,23 +160,6 @@ def compensate(
     param: dict[str, Any] = {"degree": _inputs.whole("degree", degree, 1, 7), "samples": _inputs.whole("samples", samples, 100),
                              "largest_distance": _inputs.number("largest_distance", largest_distance)}
     way = _core.Compensating(nominal, triangles, places, of_scan, normals, param, _inputs.whole("threads", threads, 0, 1024),
-                             report(told, 0, 90))
-    made = Compensated(way, nominal, told)
-    warn(_words(made.info, 1e-12 * float(np.abs(nominal).max())), 2)
-    return made
-
-
-def _words(info: CompensationInfo, rounding: float) -> list[Told]:
-    """What is not to be trusted, in words."""
-    found = list[Told]()
-    if info.scanned < 0.3:  # then most of the warp is a guess
-        found.append((CompensationWarning, f"Only {100 * info.scanned:.3g} percent of the nominal part have a counterpart on the scan: the "
-                                           "rest is a guess. Scan more of it, or align the two first."))
-    if info.left > max(0.5 * info.before, rounding):
-        found.append((CompensationWarning, f"The warp leaves {info.left:.3g} of the {info.before:.3g} (root mean square) that the part is off: "
-                                           "the part is hardly warped, the scan is noisy, or the warp is not smooth. Raise degree, if it is "
-                                           "the latter."))
-    if info.missed > max(1e-6 * info.change_most, rounding):
-        found.append((CompensationWarning, f"The warp cannot be turned round everywhere: what comes out would be off by {info.missed:.3g} "
-                                           "somewhere. Lower degree."))
-    return found
+                             report(progress))
+    warn([(CompensationWarning, each) for each in way.warnings()], 2)
+    return Compensated(way, nominal)

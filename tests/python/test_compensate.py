@@ -106,6 +106,21 @@ def test_welded_or_not_and_any_number_of_threads(part):
     assert np.abs(made.vertices[first][same.reshape(-1)] - made.vertices).max() < 1e-7  # no cracks
 
 
+def test_progress_and_cancel_to_the_last_vertex(part):
+    nominal, faces = part[:2]
+    told = []
+    compensate(nominal, faces, *scan(), threads=1, progress=lambda percent, stage: told.append((percent, stage)))
+    last = [percent for percent, stage in told if stage == "Compensating"]
+    assert len(set(last)) > 3 and last == sorted(last)  # there, too, one sees how far it is
+
+    def stop(percent, stage):
+        if stage == "Compensating" and percent > 80:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        compensate(nominal, faces, *scan(), progress=stop)
+
+
 def test_what_is_not_scanned_goes_along(part):
     nominal, faces, holes, _ = part
     made = compensate(nominal, faces, *scan(kept=lambda at: at[:, 2] > 0.1))  # lying on its lower side
