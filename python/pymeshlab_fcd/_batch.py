@@ -21,20 +21,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _files
+from . import _files, _measures
 from ._deform import _posed
 from ._deformation import Deformation
 from ._fit import fit
 from ._inputs import Points
+from ._mean import mean_shape
 from ._motion import Motion
 from ._ply import Ply
 from ._pose import Pose
 from ._straighten import straighten
+from ._symmetrize import symmetrize
 
 Row = dict[str, object]
+_MEASURED = "measured: "  # what the names of measurements begin with in the table, where they may be any
 
 _FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "folded", "contact", "contact_depth", "converged")
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
+_SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
 
 
 def _points(path: Path, columns: int) -> Points:
@@ -57,14 +61,15 @@ def _target(path: Path) -> tuple[Points, NDArray[np.int64] | None]:
     return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None)
 
 
-def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], keep: bool) -> Row:
-    """The file as the pose is, its deformation where that is to be kept, and its figures."""
+def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
+    """The file as the pose is, its deformation where that is to be kept, its figures, and what is measured of it."""
+    measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
     normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
     ply.save(out, pose.vertices, normals)
-    if keep:
+    if given.deformations:
         pose.deformation().save(out.with_suffix(".fcd"))
     info = pose.info
-    return {name: getattr(info, name) for name in names}
+    return {**{name: getattr(info, name) for name in names}, **{f"{_MEASURED}{name}": value for name, value in measured.items()}}
 
 
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
@@ -76,7 +81,7 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
         landmarks = pairs[:, :3], pairs[:, 3:]
     fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, normals=template.normals, start=given.start,
                  stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
-    return _write(template, fitted, out, _FITTED, given.deformations)
+    return _write(template, fitted, out, _FITTED, given)
 
 
 def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -87,7 +92,7 @@ def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> R
     moves: Mapping[int, Motion] = {int(tag): Motion(text) for tag, text in given.move}
     pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), moves, None, given.percent, given.steps, None, None,
                   {"normals": ply.normals, "smoothness": given.smoothness, "threads": threads})
-    return _write(ply, pose, out, _POSED, given.deformations)
+    return _write(ply, pose, out, _POSED, given)
 
 
 def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -108,7 +113,20 @@ def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) 
                       threads=threads)
     measured = made.line
     return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
-            **_write(ply, made, out, _POSED, given.deformations)}
+            **_write(ply, made, out, _POSED, given)}
+
+
+def _marks(folder: str | None, path: Path, columns: int) -> Points | None:
+    return _points(Path(folder) / f"{path.stem}.csv", columns) if folder else None
+
+
+def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
+    ply = Ply(path)
+    pairs = _marks(given.pairs, path, 6)
+    made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3),
+                      normals=ply.normals, stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
+    found = made.symmetry
+    return {**{name: getattr(found, name) for name in _SYMMETRIC}, **_write(ply, made, out, ("folded", "contact", "contact_depth", "converged"), given)}
 
 
 def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -122,7 +140,7 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
 
 
 _JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {
-    "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "info": _info}
+    "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "symmetrize": _symmetrize, "info": _info}
 
 
 def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -151,32 +169,70 @@ def _stamp(path: Path) -> str:
 
 def _key(given: argparse.Namespace, path: Path) -> str:
     """Of all that a result depends on: what has the same is not done again."""
-    asked = {name: value for name, value in vars(given).items() if name not in ("files", "out", "processes", "again")}
-    known = [path, *(Path(value) for name, value in asked.items() if name in ("template", "deformation")),
-             *(Path(value) / f"{path.stem}.csv" for name, value in asked.items() if name in ("landmarks", "lines") and value)]
+    asked = {name: value for name, value in vars(given).items() if name not in ("files", "out", "processes", "scheduler", "mean", "again")}
+    known = [path, *(Path(value) for name, value in asked.items() if name in ("template", "deformation", "measure") and value),
+             *(Path(value) / f"{path.stem}.csv" for name, value in asked.items()
+               if name in ("landmarks", "lines", "pairs", "midlines") and value)]
     return hashlib.sha256("\n".join([repr(sorted(asked.items())), *map(_stamp, known)]).encode()).hexdigest()[:16]
 
 
 def _read_rows(path: Path) -> dict[str, Row]:
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
-            return {row["file"]: dict(row) for row in csv.DictReader(file)}
+            return {row["file"]: dict(row) for row in csv.DictReader(file) if row.get("key")}  # the last one may be half a row
     except (OSError, KeyError, ValueError, csv.Error):  # none, or not as it was written
         return {}
 
 
-def _write_rows(path: Path, rows: Mapping[str, Row], order: Sequence[str]) -> None:
-    names = list(dict.fromkeys(["file", *(name for row in rows.values() for name in row if name not in ("seconds", "warnings", "error", "key")),
-                                "seconds", "warnings", "error", "key"]))
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, names, restval="")
-    writer.writeheader()
-    writer.writerows(rows[name] for name in order if name in rows)
-    _files.write(path, text.getvalue().encode("utf-8"))
+class _Table:
+    """The rows of what is done, in a file to which each is added as it comes. The last one of a file counts."""
+
+    def __init__(self, path: Path, files: Sequence[str]) -> None:
+        self.path = path
+        self.rows = _read_rows(path)
+        self.order = list(dict.fromkeys([*files, *self.rows]))
+        self.names: list[str] = []
+
+    def write(self) -> None:
+        """All of it, in the order of the files."""
+        last = ("seconds", "warnings", "error", "key")
+        self.names = list(dict.fromkeys(["file", *(name for row in self.rows.values() for name in row if name not in last), *last]))
+        text = io.StringIO(newline="")
+        writer = csv.DictWriter(text, self.names, restval="")
+        writer.writeheader()
+        writer.writerows(self.rows[name] for name in self.order if name in self.rows)
+        _files.write(self.path, text.getvalue().encode("utf-8"))
+
+    def add(self, name: str, row: Row) -> None:
+        self.rows[name] = row
+        if not set(row) <= set(self.names):  # columns that it does not have yet
+            self.write()
+            return
+        with open(self.path, "a", newline="", encoding="utf-8") as file:
+            csv.DictWriter(file, self.names, restval="").writerow(row)
+
+
+def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
+    """The same by the workers of a Dask cluster, which see the same folders; one that is lost is done without."""
+    tasks = {client.submit(_job, given, path, out, 1, pure=False): path for path, out in jobs}
+    try:
+        for task in importlib.import_module("distributed").as_completed(tasks):
+            row: Row
+            try:
+                row = task.result()
+            except Exception as error:  # of the cluster: a job tells its own in its row
+                row = {"error": f"the cluster could not do it: {error or type(error).__name__}"}
+            yield tasks[task], row
+    finally:
+        client.cancel(list(tasks))
 
 
 def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
     """The rows of the files, as they come."""
+    if given.scheduler:
+        with importlib.import_module("distributed").Client(given.scheduler, timeout="30s") as client:
+            yield from _on_cluster(client, given, jobs)
+        return
     processes = min(given.processes, len(jobs))
     if processes <= 1:
         for path, out in jobs:
@@ -198,6 +254,23 @@ def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Itera
         pool.shutdown(cancel_futures=True)
 
 
+def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
+    """The mean of results, which have the same vertices, and what it carries of the first one."""
+    first = Ply(files[0])
+    found = mean_shape([lambda path=path: Ply(path).vertices for path in files], scaled)  # type: ignore[misc]
+    normals: Points | None = None
+    if first.normals is not None and first.faces is not None:
+        corner = found.vertices[first.faces]
+        across, normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), np.zeros_like(found.vertices)
+        for k in range(3):
+            np.add.at(normals, first.faces[:, k], across)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    first.save(out, found.vertices, normals)
+    far = int(found.apart.argmax())
+    print(f"mean of {len(files)} shapes: {out}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), {files[far]} "
+          f"the most, {found.apart[far]:.4g}", flush=True)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. What the folder of the results "
                                      "has already, of the same files and options, is left; a table there has a row for each file, with its "
@@ -212,9 +285,13 @@ def _parser() -> argparse.ArgumentParser:
         made.add_argument("files", nargs="+", metavar=files)
         made.add_argument("--out", required=name != "info", metavar="FOLDER", help="where results and table (JOB.csv) go")
         made.add_argument("--processes", type=int, default=1, help="how many files are done at a time (default: 1, with all cores)")
+        made.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the files instead, a file a task; its workers see the "
+                          "same folders")
         made.add_argument("--again", action="store_true", help="also do what is done")
         if name not in ("apply", "info"):
             made.add_argument("--deformations", action="store_true", help="also save the deformation of each, NAME.fcd")
+            made.add_argument("--measure", metavar="FILE", help="lengths between vertices, taken of each result for the table: name, distance or "
+                              "length or girth (along edges), numbers of vertices from 0")
         return made
 
     made = job("fit", "Lays a template onto each scan; all that the template's vertices and faces carry is kept.", "SCAN", "TEMPLATE")
@@ -222,6 +299,8 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"])
     made.add_argument("--stiffness", type=float, default=1.0)
     made.add_argument("--landmark-tolerance", type=float, default=0.0)
+    made.add_argument("--mean", nargs="?", const="rigid", choices=["rigid", "similar"], help="also the mean shape of all results, mean.ply: each "
+                      "laid onto it by a rigid motion, or scaled, too")
     made = job("deform", "Moves the handles of each mesh.", "FILE")
     made.add_argument("--tags", default="quality", metavar="PROPERTY", help="of the vertices: 0 fixed, 1 free, 2 and up handles (default: quality)")
     made.add_argument("--move", nargs=2, action="append", default=[], metavar=("TAG", "MOTION"), help="as 2 'rotate 0 0 1 30 translate 0 0 5'")
@@ -234,6 +313,11 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("--degrees", type=float, default=0.0)
     made.add_argument("--middle", action="store_true")
     made.add_argument("--untwist", action="store_true")
+    made = job("symmetrize", "Restores the symmetry of each mesh.", "FILE")
+    made.add_argument("--pairs", metavar="FOLDER", help="NAME.csv for each file: x, y, z of a place on the left, and x, y, z on the right")
+    made.add_argument("--midlines", metavar="FOLDER", help="NAME.csv for each file: x, y, z of places on the plane of symmetry")
+    made.add_argument("--stiffness", type=float, default=1.0)
+    made.add_argument("--landmark-tolerance", type=float, default=0.0)
     job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
     return parser
 
@@ -243,23 +327,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if given.processes < 1:
         parser.error("--processes must be 1 or more")
+    if given.scheduler:
+        try:
+            importlib.import_module("distributed")
+        except ImportError:
+            parser.error("--scheduler needs Dask: pip install 'dask[distributed]'")
+    if getattr(given, "measure", None):
+        try:
+            _measures.read(given.measure)
+        except (OSError, ValueError) as error:
+            parser.error(f"{error}")
     paths = list(dict.fromkeys(Path(each) for each in given.files))
     ending = "" if given.job == "info" else ".ply"
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
     if given.job != "info":
-        names: dict[str, Path] = {}
+        names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
         read = [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]
         for path, out in outs.items():
             if names.setdefault(out.name.casefold(), path) != path:
                 parser.error(f"{names[out.name.casefold()]} and {path} would have one result, {out}: rename one of them")
             if any(_files.same_file(out, each) for each in read):
                 parser.error(f"{out} would be written over what is read: give another folder")
-    table: Path | None = None
-    rows: dict[str, Row] = {}
+    table: _Table | None = None
     if given.out:
         Path(given.out).mkdir(parents=True, exist_ok=True)
-        table = Path(given.out) / f"{given.job}.csv"
-        rows = _read_rows(table)
+        table = _Table(Path(given.out) / f"{given.job}.csv", [str(path) for path in paths])
+    rows = table.rows if table else {}
     keys = {path: _key(given, path) for path in paths}
     known = [path for path in paths if not given.again and (row := rows.get(str(path))) is not None and row.get("key") == keys[path]
              and not row.get("error") and (given.job == "info" or outs[path].exists())]
@@ -267,20 +360,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     left = [(path, outs[path]) for path in paths if path not in done]
     if known:
         print(f"{len(known)} of {len(paths)} files are done already", flush=True)
-    order = list(dict.fromkeys([*map(str, paths), *rows]))
     failed = 0
     try:
+        if table and rows:
+            table.write()  # without what an interrupt left half done
         for number, (path, row) in enumerate(_done(given, left), len(known) + 1):
-            rows[str(path)] = {"file": str(path), **row, "key": keys[path]}
             failed += bool(row["error"])
             if table:  # first: what is said to be done is not done again
-                _write_rows(table, rows, order)
+                table.add(str(path), {"file": str(path), **row, "key": keys[path]})
             told = f"failed: {row['error']}" if row["error"] else ", ".join(
                 f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
                 if name not in ("error", "warnings") and value is not None)
             print(f"{number}/{len(paths)} {path}: {told}", flush=True)
             for text in filter(None, str(row.get("warnings", "")).split(" | ")):
                 print(f"    warning: {text}", flush=True)
+        if table and left:
+            table.write()
+        good = [outs[path] for path in paths if (row := rows.get(str(path))) is not None and not row.get("error")]
+        if getattr(given, "mean", None) and good:
+            _write_mean(good, Path(given.out) / "mean.ply", given.mean == "similar")
     except KeyboardInterrupt:
         print("interrupted: the same command goes on from here", file=sys.stderr)
         return 130

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer, Motion, deform, fit
+from pymeshlab_fcd import Deformer, Motion, _batch as batch, deform, fit
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -166,6 +166,120 @@ def test_meshes_are_deformed_carried_straightened_and_told_of(tmp_path, capsys):
     assert main(["info", *files, str(tmp_path / "bent" / "a.fcd")]) == 0
     said = capsys.readouterr().out
     assert f"vertices {len(vertices)}, faces {len(faces)}, low [0.0, 0.0, " in said and "samples " in said
+
+
+def test_measurements_are_carried_and_the_mean_is_made(tmp_path, capsys):
+    vertices, faces, _, files = scans(tmp_path)
+    edge = faces[0]
+    (tmp_path / "lengths.csv").write_text(f"# of the bar\nlong, distance, 0, {len(vertices) - 1}\naround, girth, {', '.join(map(str, edge))}\n"
+                                          f"side, length, {edge[0]}, {edge[1]}\n")
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--landmarks", str(tmp_path / "marks"), "--start", "landmarks_rigid", "--measure",
+               str(tmp_path / "lengths.csv"), "--mean", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    assert "mean of 3 shapes" in capsys.readouterr().out
+    made = [Ply(tmp_path / "out" / f"scan{i}.ply").vertices for i in range(3)]
+    rows = table(tmp_path / "out" / "fit.csv")
+    for file, places in zip(files, made):
+        a, b, c = places[edge]
+        assert float(rows[file]["measured: long"]) == np.linalg.norm(places[0] - places[-1])
+        assert float(rows[file]["measured: side"]) == np.linalg.norm(a - b)
+        assert float(rows[file]["measured: around"]) == pytest.approx(sum(np.linalg.norm(p - q) for p, q in ((a, b), (b, c), (c, a))))
+
+    def laid(points, onto):
+        middle = points - points.mean(0)
+        u, _, v = np.linalg.svd(middle.T @ (onto - onto.mean(0)))
+        return middle @ (u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v)
+
+    mean = Ply(tmp_path / "out" / "mean.ply")
+    centred = mean.vertices - mean.vertices.mean(0)
+    assert np.abs(np.mean([laid(each, mean.vertices) for each in made], axis=0) - centred).max() < 1e-5
+    assert np.abs(mean.vertices - made[0]).max() < np.abs(mean.vertices.mean(0)).max() + 20 and (mean.faces == faces).all()
+    whole = [np.sqrt(((each - each.mean(0)) ** 2).sum(1).mean()) for each in made]
+    command[command.index("--mean")] = "--mean=similar"  # what is done is not done again, but the mean is another one
+    assert main(command) == 0 and "3 of 3 files are done already" in capsys.readouterr().out
+    scaled = Ply(tmp_path / "out" / "mean.ply").vertices
+    assert np.sqrt(((scaled - scaled.mean(0)) ** 2).sum(1).mean()) == pytest.approx(np.mean(whole), rel=1e-9)
+
+
+@pytest.mark.parametrize("text, message", [
+    ("waist, circumference, 1, 2", "must be: name, distance or length or girth"), ("waist", "must be: name"), ("a, girth, 1, x", "whole numbers from 0"),
+    ("a, girth, 1, 2", "3 or more numbers"), ("a, distance, 1, 2, 3", "a distance has two numbers"), ("a, length, -1, 2", "from 0"),
+    ("a, length, 1, 2\na, length, 1, 3", "a name of its own"), ("# none", "names no measurement")])
+def test_measurements_that_cannot_be_are_refused_before_anything_is_done(tmp_path, capsys, text, message):
+    (tmp_path / "lengths.csv").write_text(text + "\n")
+    with pytest.raises(SystemExit):
+        main(["deform", "a.ply", "--measure", str(tmp_path / "lengths.csv"), "--out", str(tmp_path / "out")])
+    assert message in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_measurements_of_other_meshes_are_told(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+    for text, message in ((f"a, distance, 0, {len(vertices)}", f"there are only {len(vertices)}"), (f"a, length, 0, {len(vertices) - 1}", "which no edge joins")):
+        (tmp_path / "lengths.csv").write_text(text)
+        assert main(["deform", str(tmp_path / "a.ply"), "--measure", str(tmp_path / "lengths.csv"), "--out", str(tmp_path / "out")]) == 1
+        assert message in capsys.readouterr().out
+
+
+def test_what_is_not_symmetric_becomes_so(tmp_path, capsys):
+    i, k = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
+    z, angle = np.cos(np.pi * (i + 0.5) / 40), 2 * np.pi * (k + 0.3) / 60
+    sphere = np.stack([np.sqrt(1 - z**2) * np.cos(angle), np.sqrt(1 - z**2) * np.sin(angle), z], 2).reshape(-1, 3)
+    whole = sphere * [0.7, 1, 0.85] * (1 + 0.2 * sphere[:, 1:2] * np.abs(sphere[:, :1]) + 0.1 * np.sin(4 * sphere[:, 2:]))
+    here = i[:-1, :] * 60 + k[:-1, :]
+    beside = i[:-1, :] * 60 + (k[:-1, :] + 1) % 60
+    faces = np.concatenate([np.stack([here, here + 60, beside], 2).reshape(-1, 3), np.stack([beside, here + 60, beside + 60], 2).reshape(-1, 3)])
+    sheared = whole + np.outer(0.1 * whole[:, 1], [1, 0, 0])
+    write_ply(tmp_path / "skull.ply", sheared, faces)
+    (tmp_path / "pairs").mkdir()
+    left = np.array([[0.6, 0.5, 0.6], [0.5, -0.5, 0.7], [0.8, 0.1, -0.6]])
+    near = [np.linalg.norm(whole - p * side, axis=1).argmin() for p in left for side in ([1, 1, 1], [-1, 1, 1])]
+    np.savetxt(tmp_path / "pairs" / "skull.csv", sheared[near].reshape(-1, 6), delimiter=",")
+    assert main(["symmetrize", str(tmp_path / "skull.ply"), "--pairs", str(tmp_path / "pairs"), "--landmark-tolerance", "0.05", "--deformations",
+                 "--out", str(tmp_path / "out")]) == 0, capsys.readouterr().out
+    row = table(tmp_path / "out" / "symmetrize.csv")[str(tmp_path / "skull.ply")]
+    assert float(row["after"]) < 0.3 * float(row["before"]) and float(row["moved"]) > 0 and (tmp_path / "out" / "skull.fcd").exists()
+    assert main(["symmetrize", str(tmp_path / "skull.ply"), "--midlines", str(tmp_path / "pairs"), "--out", str(tmp_path / "out")]) == 1
+    assert "must have 3 numbers in a line" in capsys.readouterr().out
+
+
+def test_rows_are_added_and_half_a_row_is_not_counted(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    files = [str(tmp_path / f"{name}.ply") for name in "abc"]
+    for file in files:
+        write_ply(tmp_path / file, vertices, faces, tags)
+    command = ["deform", *files, "--move", "2", "translate 0 0 1", "--out", str(tmp_path / "o")]
+    written = []
+    whole = batch._Table.write
+    batch._Table.write = lambda self: written.append(1) or whole(self)
+    try:
+        assert main(command) == 0 and len(written) == 2  # the columns, with the first one, and in the end
+    finally:
+        batch._Table.write = whole
+    path = tmp_path / "o" / "deform.csv"
+    text = path.read_bytes()
+    path.write_bytes(text[:-30])  # as an interrupt may leave it
+    capsys.readouterr()
+    assert main(command) == 0 and "2 of 3 files are done already" in capsys.readouterr().out
+    assert list(table(path)) == files and len(path.read_text().splitlines()) == 4
+
+
+def test_a_dask_cluster_does_the_same(tmp_path, capsys):
+    from dask.distributed import LocalCluster
+
+    vertices, faces, tags, _ = bar(21, 5)
+    for name in "ab":
+        write_ply(tmp_path / f"{name}.ply", vertices, faces, tags)
+    (tmp_path / "c.ply").write_text("nothing")
+    files = [str(tmp_path / f"{name}.ply") for name in "abc"]
+    command = ["deform", *files, "--move", "2", "rotate 0 1 0 60"]
+    assert main([*command, "--out", str(tmp_path / "here")]) == 1
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        assert main([*command, "--scheduler", cluster.scheduler_address, "--out", str(tmp_path / "there")]) == 1
+    for name in "ab":
+        assert (tmp_path / "here" / f"{name}.ply").read_bytes() == (tmp_path / "there" / f"{name}.ply").read_bytes()
+    rows = [table(tmp_path / folder / "deform.csv") for folder in ("here", "there")]
+    assert [[row["error"] for row in each.values()] for each in rows][0] == [row["error"] for row in rows[1].values()]
 
 
 def test_wrong_commands_are_refused_before_anything_is_done(tmp_path, capsys):

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measurements that are carried with a mesh: named once on its vertices, taken wherever these have gone."""
+from __future__ import annotations
+
+import csv
+import os
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._inputs import Points
+
+_FEWEST: Final = {"distance": 2, "length": 2, "girth": 3}
+
+
+class Measure(NamedTuple):
+    """A length between vertices."""
+
+    name: str
+    kind: str
+    """`distance`, straight from one to the other; `length`, along edges; `girth`, along edges and back to the first one."""
+    vertices: NDArray[np.int64]
+
+    def of(self, places: Points) -> float:
+        """In units of the places, which are n x 3."""
+        way = places[self.vertices]
+        ends = np.roll(way, -1, axis=0) if self.kind == "girth" else way[1:]
+        return float(np.linalg.norm(ends - way[:len(ends)], axis=1).sum())
+
+
+def read(path: str | os.PathLike[str]) -> list[Measure]:
+    """Of a file with a line for each: name, kind, numbers of vertices from 0; lines that begin with # are comments.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    ValueError
+        A line is none of these; the message names it.
+    """
+    found: list[Measure] = []
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        for number, row in enumerate(csv.reader(file, skipinitialspace=True), 1):
+            if not row or row[0].startswith("#"):
+                continue
+            where = f"line {number} of {os.fsdecode(path)}"
+            name, kind, *numbers = [each.strip() for each in row] if len(row) > 1 else [row[0], ""]
+            if kind not in _FEWEST:
+                raise ValueError(f"{where} must be: name, distance or length or girth, numbers of vertices; it is {', '.join(row)}")
+            try:
+                vertices = np.array([int(each) for each in numbers], np.int64)
+            except (ValueError, OverflowError):
+                raise ValueError(f"{where}: numbers of vertices are whole numbers from 0; they are {', '.join(numbers)}") from None
+            if len(vertices) < _FEWEST[kind] or (kind == "distance" and len(vertices) > 2) or vertices.min() < 0:
+                raise ValueError(f"{where}: a {kind} has {'two' if kind == 'distance' else f'{_FEWEST[kind]} or more'} numbers of vertices, from 0")
+            if not name or any(name == other.name for other in found):
+                raise ValueError(f"{where}: each measurement needs a name of its own; this one is '{name}'")
+            found.append(Measure(name, kind, vertices))
+    if not found:
+        raise ValueError(f"{os.fsdecode(path)} names no measurement: a line is name, distance or length or girth, numbers of vertices")
+    return found
+
+
+def take(measures: list[Measure], places: Points, faces: NDArray[np.int64] | None) -> dict[str, float]:
+    """All of them, by name.
+
+    Parameters
+    ----------
+    places
+        n x 3.
+    faces
+        m x 3; what goes along edges must go along theirs. None: a cloud, where it goes straight from point to point.
+
+    Raises
+    ------
+    ValueError
+        A number is that of no vertex, or two vertices of an edge are not joined.
+    """
+    edges: NDArray[np.int64] | None = None
+    for each in measures:
+        if each.vertices.max() >= len(places):
+            raise ValueError(f"the measurement {each.name} names vertex {each.vertices.max()}, but there are only {len(places)}, from 0")
+        if faces is None or each.kind == "distance":
+            continue
+        if edges is None:
+            edges = np.unique(_numbered(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(places)))
+        ends = np.roll(each.vertices, -1) if each.kind == "girth" else each.vertices[1:]
+        pairs = np.stack([each.vertices[:len(ends)], ends], 1)
+        lacks = np.flatnonzero(~np.isin(_numbered(pairs, len(places)), edges))
+        if len(lacks):
+            a, b = pairs[lacks[0]]
+            raise ValueError(f"the measurement {each.name} goes from vertex {a} to {b}, which no edge joins: name each vertex that it passes")
+    return {each.name: each.of(places) for each in measures}
+
+
+def _numbered(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """A number for the two vertices of each, in either order."""
+    return pairs.min(axis=1) * np.int64(count) + pairs.max(axis=1)
