@@ -82,6 +82,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
+                   {"pose_percent", made.percent},
                    {"folded_triangles", result.check.flipped},
                    {"strained_edges", result.check.strained},
                    {"nodes", nodes},
@@ -105,8 +106,10 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
          << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
          << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
     logLine(line.str());
+    warn(warningsOf(result.contact));
     warnOf(result.way, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.tags);
+    values.merge(valuesOf(result.contact));
     values.merge(valuesOf(result.way));
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},

@@ -94,6 +94,10 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
                            "<b>angle</b> by which the surface turned, in degrees, or the <b>contact</b>: how far the "
                            "surface passes through itself where it did not at rest. Up to 250 thousand faces the log "
                            "tells of contact in any case; larger layers take a second for a million faces.");
+    if (!host::firstMayBeLacking())
+        addParameter<RichBool>(list, Shown::Advanced, "stop_at_contact", param.stopAtContact, "Stop at contact",
+                               "Carries the motion out only until the surface would pass through itself: to the last "
+                               "hundredth of it that is free. Solves eight poses; the log tells how far it came.");
     if (host::dialogsFold)
         return list;
     // Where nothing is folded, what one needs comes first.
@@ -214,6 +218,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocumen
 
     param.graphLayers = list.getBool("graph_layers");
     param.quality = DeformMeshParam::Quality(enumValue(list, "deformed_quality", 4));
+    param.stopAtContact = list.hasParameter("stop_at_contact") && list.getBool("stop_at_contact");
     param.deformation.contact = param.quality == DeformMeshParam::Contact;
     param.deformation.measure = param.quality == DeformMeshParam::Stretch || param.quality == DeformMeshParam::Rotation;
     return param;

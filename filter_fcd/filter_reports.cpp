@@ -113,6 +113,12 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
                           " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
                           (result.placedNodes < made.givenNodes ? "; the others are left out." : ".") +
                           " Their patches are grown anew.");
+    if (made.isStopped) {
+        std::ostringstream line;
+        line << "Stopped at " << made.percent << " of " << param.deformation.pose
+             << " percent, the last hundredth before the surface passes through itself.";
+        remarks.push_back(line.str());
+    }
     return remarks;
 }
 
@@ -257,6 +263,9 @@ HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made) {
                    {"layers", int(made.layers.size())},
                    {"largest_difference", report.difference},
                    {"folded_triangles", report.folded},
+                   {"contact_frames", int(report.contacts.size())},
+                   {"contact_triangles", int(report.MostContact())},
+                   {"contact_depth", report.ContactDepth()},
                    {"nodes", made.nodes},
                    {"converged", report.converged},
                    {"jumps", report.jumps},
@@ -273,6 +282,8 @@ std::vector<std::string> warningsOf(const SequenceLayers &made) {
                            (made.report.folded == 1 ? " triangle is" : " triangles are") +
                            " flipped: the surface is squeezed or twisted too much there. Move the handles less, or "
                            "leave more free surface between them.");
+    if (const std::string contact = made.report.ContactText(); !contact.empty())
+        warnings.push_back(contact);
     return warnings;
 }
 

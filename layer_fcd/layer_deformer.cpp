@@ -137,9 +137,21 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
             "elsewhere or a motion as text, and a pose that is not 0.");
     result.position = surface.View().Copy();
     const vcg::fcd::NormalOf normal = vcg::tri::NormalsOf(layer.cm);
+    if (param.stopAtContact) {
+        const auto at = [&](double percent, const Progress &part) {
+            DeformationParam some = param.deformation;
+            some.pose = percent;
+            return solve(some, part);
+        };
+        const double free = vcg::fcd::PercentToContact(surface.View(), *found->deformer, at, param.deformation,
+                                                       progress.Slice(0.7, 0.85));
+        made.isStopped = free != param.deformation.pose;
+        param.deformation.pose = free;
+    }
+    made.percent = param.deformation.pose;
     const auto solved = [&](const Progress &part) { return solve(param.deformation, part); };
     vcg::fcd::PoseSurface(surface.View(), normal, handles, *found->deformer, solved, param.deformation,
-                          progress.Slice(0.7, 0.9), result);
+                          progress.Slice(param.stopAtContact ? 0.85 : 0.7, 0.9), result);
     surface = {};
     result.secondsGraph = found->seconds;
     result.tags = found->tags;
@@ -169,6 +181,14 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
 }
 
 // --- FCD: Pose in Place ---
+
+/// Of the posed layer.
+vcg::fcd::SurfaceContact LayerDeformer::contactNow(const DeformerParam &param) const {
+    const Point3m *atRest = RestShape(layer).positions();
+    const vcg::fcd::SurfaceArrays read =
+        vcg::tri::ReadSurface(layer.cm, {}, [atRest](std::size_t slot) { return atRest[slot]; });
+    return vcg::fcd::ContactOf(read.View(), *found->deformer, positionsOf(layer), param);
+}
 
 PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress) {
     CMeshO &mesh = layer.cm;
@@ -221,6 +241,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             computeFaceNormals(mesh, found->moving);
         restShape.knowNormals();
         result.secondsNormals = watch.Seconds();
+        if (moved && mesh.fn > 0 && mesh.face.size() <= vcg::fcd::contactUnasked)
+            result.contact = contactNow(param.deformation);
     } catch (const std::bad_alloc &) {
         if (isFirst)
             RestShape::drop(layer);

@@ -15,6 +15,8 @@
 struct DeformedLayers {
     vcg::fcd::DeformationResult result;
     std::vector<MeshModel *> layers; ///< that are new, the deformed one last
+    double percent = 0;              ///< of the motion
+    bool isStopped = false;          ///< that is less than was asked for, as the surface would pass through itself
     int replaced = 0;                ///< layers of an earlier try, which are gone
     bool isOwnGraph = false;         ///< the graph layer is the graph that the parameters make
     vcg::fcd::Index givenNodes = 0;  ///< of the graph layer
@@ -27,7 +29,8 @@ struct PoseResult {
     double discretisationError = 0; ///< as Deformer::DiscretisationError gives it
     vcg::fcd::PoseWay way;
     vcg::fcd::TagCount tags;
-    bool prepared = false; ///< anew
+    vcg::fcd::SurfaceContact contact; ///< of no more than vcg::fcd::contactUnasked faces
+    bool prepared = false;            ///< anew
     double secondsFind = 0, secondsPrepare = 0, secondsSolve = 0, secondsMap = 0, secondsNormals = 0;
 };
 
@@ -88,6 +91,7 @@ class LayerDeformer {
     bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
                             const vcg::fcd::Progress &progress, vcg::fcd::Index &nodes);
     void readSurface();
+    vcg::fcd::SurfaceContact contactNow(const vcg::fcd::DeformerParam &param) const;
 
     MeshDocument &document;
     MeshModel &layer;

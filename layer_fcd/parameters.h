@@ -79,8 +79,9 @@ struct DeformMeshParam {
     vcg::fcd::DeformationParam deformation; ///< without nodes
     bool useGraphLayer = false;             ///< take the nodes from graphLayer
     const MeshModel *graphLayer = nullptr;
-    bool graphLayers = true; ///< keep the rest and the deformed graph as layers
-    Quality quality = Input; ///< of the deformed layer
+    bool graphLayers = true;    ///< keep the rest and the deformed graph as layers
+    Quality quality = Input;    ///< of the deformed layer
+    bool stopAtContact = false; ///< only so much of the motion that the surface does not pass through itself
 };
 
 /// What "FCD: Fit to Layer" is asked for.

@@ -102,6 +102,11 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
     all["converged"] = made.converged;
     all["jumps"] = made.jumps;
     all["folded"] = made.folded;
+    nb::list contacts;
+    for (const vcg::fcd::FrameContact &each : made.contacts)
+        contacts.append(nb::make_tuple(each.time, each.triangles, each.depth));
+    all["contacts"] = nb::tuple(contacts);
+    all["contact_text"] = made.ContactText();
     all["discretisation_error"] = made.discretisationError;
     return all;
 }

@@ -22,15 +22,15 @@ DEFORM_DEFAULTS = {
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "handle_layer": 0, "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 0,
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
-    "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0}
-OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality"}
+    "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "stop_at_contact": False}
+OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "stop_at_contact"}
 POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
                  "average_edge": float, "seconds": float}
 DEFORM_RETURNS = {**SURFACE_RETURNS, "loose_parts": int, "nodes": int, "iterations": int, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int,
-                  "outside_vertices": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "strained_edges": int, "converged": bool, "energy": float,
+                  "outside_vertices": int, "pose_percent": float, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "strained_edges": int, "converged": bool, "energy": float,
                   "discretisation_error": float, "seconds_graph": float, "seconds_solve": float, "seconds_map": float, "steps": int, "jumps": bool, "stable": bool}
 
 
@@ -1044,19 +1044,47 @@ def test_stretch_and_rotation_as_quality():
     assert set(deform_bone(**move)[0].current_mesh().vertex_scalar_array()) == {0, 1, 2}
 
 
-def test_contact_is_logged_counted_and_shown_as_quality():
+def closing_tube():
+    """A tube with a free middle, that a turn of its end closes onto itself: (layers, motion of so many degrees)."""
     s, a = np.meshgrid(np.linspace(0, 80, 120), np.linspace(0, 2 * np.pi, 40, endpoint=False) + 0.01, indexing="ij")
     points = np.stack([s.ravel(), 8 * np.cos(a).ravel(), 8 * np.sin(a).ravel()], 1)
     i, k = np.arange(119)[:, None] * 40, np.arange(40)
     a, b = (i + k).ravel(), (i + (k + 1) % 40).ravel()
     tags = np.where(s.ravel() < 32, 0.0, np.where(s.ravel() > 48, 2, 1))
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(pymeshlab.Mesh(points, np.r_[np.c_[a, b, a + 40], np.c_[b, b + 40, a + 40]], v_scalar_array=tags), "tube")
+    return ms, lambda degrees: f"2: rotate 0 1 0 -{degrees} about 40 0 0"
+
+
+def test_contact_is_logged_counted_and_shown_as_quality():
     for degrees, deep in ((160, True), (60, False)):
-        ms = pymeshlab.MeshSet()
-        ms.add_mesh(pymeshlab.Mesh(points, np.r_[np.c_[a, b, a + 40], np.c_[b, b + 40, a + 40]], v_scalar_array=tags))
-        found = ms.apply_filter(DEFORM, transforms=f"2: rotate 0 1 0 -{degrees} about 40 0 0", graph_layers=False, deformed_quality=3)
+        ms, turn = closing_tube()
+        found = ms.apply_filter(DEFORM, transforms=turn(degrees), graph_layers=False, deformed_quality=3)
         depth = ms.current_mesh().vertex_scalar_array()
         assert (found["contact_triangles"] > 100) == deep == (found["contact_depth"] > 5)
         assert abs(depth.max() - found["contact_depth"]) < 1e-5 and depth.min() == 0 and (depth > 0).any() == deep
+
+
+def test_a_motion_stops_at_contact():
+    ms, turn = closing_tube()
+    found = ms.apply_filter(DEFORM, transforms=turn(160), graph_layers=False, stop_at_contact=True)
+    stopped, points = found["pose_percent"], ms.current_mesh().vertex_matrix()
+    assert found["contact_triangles"] == 0 and 40 < stopped < 99 and stopped == round(stopped)
+    for percent, free in ((stopped, True), (stopped + 1, False)):
+        ms.set_current_mesh(0)
+        found = ms.apply_filter(DEFORM, transforms=turn(160), graph_layers=False, pose=percent)
+        assert (found["contact_triangles"] == 0) == free and same_points(ms.current_mesh().vertex_matrix(), points) == free
+    ms.set_current_mesh(0)
+    assert ms.apply_filter(DEFORM, transforms=turn(60), graph_layers=False, stop_at_contact=True)["pose_percent"] == 100
+
+
+def test_a_pose_in_place_tells_of_contact():
+    ms, turn = closing_tube()
+    deep = ms.apply_filter(DEFORM, transforms=turn(160), graph_layers=False)
+    ms.set_current_mesh(0)
+    for degrees in (60, 160):
+        found = ms.apply_filter(POSE, transforms=turn(degrees))
+        assert (found["contact_triangles"], found["contact_depth"]) == ((0, 0) if degrees == 60 else (deep["contact_triangles"], deep["contact_depth"]))
 
 
 def test_graph_layers_carry_the_energy():

@@ -13,7 +13,7 @@ DEFAULTS = {
     "initial_patches": 0, "smoothness": 0.0058, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
 RETURNS = {
     "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "poses": int, "key_frames": int,
-    "frames": int, "layers": int, "largest_difference": float, "folded_triangles": int, "nodes": int, "converged": bool, "jumps": bool,
+    "frames": int, "layers": int, "largest_difference": float, "folded_triangles": int, "contact_frames": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "jumps": bool,
     "stable": bool, "discretisation_error": float, "seconds": float}
 BENT, TWISTED = "2: rotate 0 1 0 60 translate -1 0 -2", "2: rotate 1 0 0 200"
 HEAD = f'time,easing,bent,twisted\nmotions,,{BENT},{TWISTED}\n'

@@ -179,6 +179,29 @@ SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, cons
                        progress);
 }
 
+double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
+                        const std::function<Deformer::Pose(double, const Progress &)> &solve,
+                        const DeformationParam &param, const Progress &progress) {
+    Eigen::Matrix3Xd position;
+    double done = 0; // of eight tries, the whole motion and seven that halve what is left
+    const auto isFree = [&](int hundredths) {
+        const Progress part = progress.Slice(done / 8, (done + 1) / 8);
+        ++done;
+        const Deformer::Pose pose = solve(param.pose * hundredths / 100, part.Slice(0, 0.5));
+        position = mesh.Positions();
+        Carrier(deformer, pose, progress.threads).Apply(position, nullptr, part.Slice(0.5, 0.6));
+        return ContactOf(mesh, deformer, position, param, part.Slice(0.6, 1)).face.empty();
+    };
+    if (isFree(100))
+        return param.pose;
+    int last = 0, first = 100; // that is free, and that is not
+    while (first - last > 1) {
+        const int middle = (last + first) / 2;
+        (isFree(middle) ? last : first) = middle;
+    }
+    return param.pose * last / 100;
+}
+
 CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
                                      const Progress &progress, const Eigen::Matrix3d &metric) {
     param.Validate();

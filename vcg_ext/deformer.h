@@ -169,6 +169,15 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress = {});
 
+/// The most percent of a motion, in hundredths of \p param.pose, at which the surface does not pass through itself: all
+/// of \p param.pose where that does not; 0 is rest. Found by bisection: where the surface passes through itself on the
+/// way and comes out again, it is the end of one of the free parts.
+/// \param solve of a pose, of so many percent of the motion \param param that \p deformer was prepared with
+/// \throw Cancelled, and what \p solve throws
+double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
+                        const std::function<Deformer::Pose(double percent, const Progress &)> &solve,
+                        const DeformationParam &param, const Progress &progress = {});
+
 /// How a pose stretches and turns the surface around each vertex, one per vertex slot.
 struct SurfaceMeasure {
     std::vector<float> stretch;  ///< root mean square length of the edges there over that at rest; 1 = not stretched

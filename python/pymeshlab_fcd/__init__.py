@@ -16,7 +16,7 @@ from ._meshlab import VERSIONS, deform_layer, enable_pymeshlab
 from ._motion import Motion
 from ._pose import Pose, PoseInfo
 from ._progress import Progress
-from ._sequence import AnimationInfo, KeyFrame, PoseSequence
+from ._sequence import AnimationInfo, FrameContact, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
 from ._symmetrize import OtherSide, Symmetrized, SymmetryInfo, symmetrize
 from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning,
@@ -25,7 +25,7 @@ from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, De
 
 __all__ = ["AccuracyWarning", "AnimationInfo", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Deformation",
            "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
-           "FoldWarning", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
+           "FoldWarning", "FrameContact", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "Weights",
            "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]

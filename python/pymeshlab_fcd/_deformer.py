@@ -496,6 +496,68 @@ class Deformer(Unchanging):
         """
         return self._pose(transforms, landmarks, percent, steps, start, out, out_normals, check, progress, 4)
 
+    def percent_to_contact(
+        self,
+        transforms: Transforms | None = None,
+        *,
+        landmarks: ArrayLike | None = None,
+        percent: float = 100.0,
+        steps: int = 1,
+        progress: Progress = None,
+    ) -> float:
+        """How much of the motions can be carried out before the surface passes through itself: the last hundredth of them that is free,
+        for `percent` of [pose][pymeshlab_fcd.Deformer.pose]. Found by bisection, in eight poses; where the surface passes through itself
+        on the way and comes out again, it is the end of one of the free parts.
+
+        Parameters
+        ----------
+        transforms : Transforms, optional
+            `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
+        landmarks : array_like, optional
+            k x 3, where the `points` go; None: they stay.
+        percent : float, default 100.0
+            How much of all motions is wanted.
+        steps : int, default 1
+            Each pose is reached over so many.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Returns
+        -------
+        float
+            `percent`, if all of that is free; else less; 0 is rest.
+
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape or is out of range, or a handle that moves does not exist.
+        KeyboardInterrupt
+            Ctrl-C, at once.
+        """
+        told, tries = report(progress), 0
+        wanted = _inputs.number("percent", percent)
+
+        def is_free(hundredths: int) -> bool:
+            nonlocal tries
+            begin, end = 100 * tries // 8, 100 * (tries + 1) // 8
+            tries += 1
+            made = self._pose(transforms, landmarks, wanted * hundredths / 100, steps, None, None, None, False,
+                              _part(told, begin, (begin + end) // 2), 0)
+            return len(made._core.contact(made.vertices, _part(told, (begin + end) // 2, end))[0]) == 0
+
+        if is_free(100):
+            return wanted
+        last, first = 0, 100
+        while first - last > 1:
+            middle = (last + first) // 2
+            if is_free(middle):
+                last = middle
+            else:
+                first = middle
+        return wanted * last / 100
+
     def _pose(self, transforms: object, landmarks: object, percent: object, steps: object, start: object, out: object, out_normals: object,
               check: object, progress: Progress, level: int) -> Pose:
         if self._plan.kind == "free":
@@ -526,7 +588,8 @@ class Deformer(Unchanging):
                              begin, _part(told, 0, 50))
         pose = Pose(self, solved)
         pose._write(vertices, turned, _part(told, 50, 90))
-        pose._warn(checked, _part(told, 90, 100), level)
+        if level:  # else nobody asked for this very pose
+            pose._warn(checked, _part(told, 90, 100), level)
         return pose
 
     @property

@@ -96,4 +96,5 @@ def take(measures: list[Measure], places: Points, faces: NDArray[np.int64] | Non
 
 def _numbered(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """A number for the two vertices of each, in either order."""
-    return pairs.min(axis=1) * np.int64(count) + pairs.max(axis=1)
+    numbered: NDArray[np.int64] = pairs.min(axis=1) * np.int64(count) + pairs.max(axis=1)
+    return numbered

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import BinaryIO, Literal, Union
+from typing import BinaryIO, Literal, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from ._numbers import shown
 from ._numbers import text as expected_text
 from ._pose import Pose
 from ._progress import Progress, report
-from ._warnings import DeformationWarning, FoldWarning, NotAtRestWarning, Told, triangles_turned, warn
+from ._warnings import ContactWarning, DeformationWarning, FoldWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 EasingName = Literal["linear", "smooth", "hold"]
 _EASINGS: tuple[EasingName, ...] = ("linear", "smooth", "hold")
@@ -34,6 +34,17 @@ class KeyFrame:
     """How the weights go to the next key frame: `linear`, `smooth` (3 t^2 - 2 t^3), or `hold` until it is there."""
 
 
+class FrameContact(NamedTuple):
+    """A frame in which the surface passes through itself, and did not at rest."""
+
+    time: float
+    """Seconds."""
+    triangles: int
+    """How many pass through others."""
+    depth: float
+    """How far it has come through itself at most, in units of the vertices."""
+
+
 @dataclass(frozen=True)
 class AnimationInfo:
     """What became of an animation."""
@@ -48,6 +59,8 @@ class AnimationInfo:
     """Whether a shape jumps on its way to another one."""
     folded: int
     """Flipped triangles, in the frame that has most."""
+    contacts: tuple[FrameContact, ...]
+    """The frames in which the surface passes through itself; looked for in one of at most 250 thousand triangles."""
     discretisation_error: float
     """As of [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error], for the frame that is bent most."""
 
@@ -293,11 +306,12 @@ class PoseSequence:
             raise ValueError("gltf and pc2 are the same file; give different files, whose names differ by more than case")
         with _files.written([path for path in (gltf, pc2) if path is not None]) as files:
             writers = [_writer(file) for file in files]
-            info = AnimationInfo(**self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate),
-                                                    None if gltf is None else writers[0], kind, None if pc2 is None else writers[-1],
-                                                    None if colors is None else _inputs.colors(colors, len(deformer.vertices)),
-                                                    report(progress)))
-        warn(_words(info.folded, info.converged, "A frame"), 2)
+            made = self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate), None if gltf is None else writers[0], kind,
+                                    None if pc2 is None else writers[-1],
+                                    None if colors is None else _inputs.colors(colors, len(deformer.vertices)), report(progress))
+            contact = made.pop("contact_text")
+            info = AnimationInfo(**{**made, "contacts": tuple(FrameContact(*each) for each in made["contacts"])})
+        warn(_words(info.folded, info.converged, "A frame") + ([(ContactWarning, contact)] if contact else []), 2)
         return info
 
     def __repr__(self) -> str:

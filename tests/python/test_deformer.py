@@ -69,6 +69,34 @@ def test_a_finger_that_closes_into_its_palm_is_told(monkeypatch):
     assert [each.filename for each in told] == [__file__]
 
 
+def test_a_motion_is_free_up_to_contact():
+    vertices, faces, tags, close = finger()
+    deformer, told = Deformer(vertices, faces, tags), []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # what is tried on the way is not told of
+        free = deformer.percent_to_contact(close(160), steps=10, progress=lambda percent, stage: told.append(percent))
+        assert 40 < free < 99 and free == round(free) and told == sorted(told)
+        assert deformer.pose(close(160), percent=free, steps=10).contact.triangles == 0
+        assert deformer.percent_to_contact(close(60)) == 100 and deformer.percent_to_contact(close(60), percent=50) == 50
+        assert Deformer(vertices, None, tags).percent_to_contact(close(160)) == 100  # a cloud
+    with pytest.warns(pymeshlab_fcd.ContactWarning):
+        assert deformer.pose(close(160), percent=free + 1, steps=10).contact.triangles > 0
+    assert deformer.percent_to_contact(close(160), percent=200, steps=10) == pytest.approx(free, abs=2)
+
+
+def test_an_animation_tells_in_which_frames_there_is_contact(tmp_path):
+    vertices, faces, tags, close = finger()
+    deformer, sequence = Deformer(vertices, faces, tags), pymeshlab_fcd.PoseSequence({"closed": close(160)})
+    with pytest.warns(pymeshlab_fcd.ContactWarning, match="of 9 frames, triangles pass through others") as told:
+        info = sequence.write(deformer, pc2=tmp_path / "a.pc2", rate=8)
+    assert told[0].filename == __file__ and 0 < len(info.contacts) < 9
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        frames = [(time, pose.contact) for time, pose in sequence.frames(deformer, rate=8)]
+    assert [(time, each.triangles, each.largest_depth) for time, each in frames if each.triangles] == list(info.contacts)
+    assert f"{info.contacts[0].triangles} at {info.contacts[0].time:g} s" in str(told[0].message)
+
+
 def test_a_fit_that_passes_through_itself_is_told():
     vertices, faces, tags, close = finger()
     with pytest.warns(pymeshlab_fcd.ContactWarning) as told:

@@ -84,7 +84,7 @@ def test_frames_and_files_are_the_same(tmp_path):
     assert same(frames[0][1].vertices, next(made.frames(deformer))[1].vertices)
     told = []
     info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=8, progress=lambda percent, stage: told.append(percent))
-    assert info == AnimationInfo(9, 0.0, True, False, 0, info.discretisation_error) and 0 < info.discretisation_error < 0.01 and told == sorted(told) and told[-1] == 100
+    assert info == AnimationInfo(9, 0.0, True, False, 0, (), info.discretisation_error) and 0 < info.discretisation_error < 0.01 and told == sorted(told) and told[-1] == 100
     points = np.frombuffer((tmp_path / "a.pc2").read_bytes(), "<f4", offset=32).reshape(9, -1, 3)
     assert all((points[i] == pose.vertices.astype(np.float32)).all() for i, (_, pose) in enumerate(frames))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.pc2"]

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <sstream>
 #include <utility>
 
 namespace vcg::fcd {
@@ -132,6 +133,33 @@ class Morphs {
 
 } // namespace
 
+std::size_t SequenceReport::MostContact() const {
+    std::size_t most = 0;
+    for (const FrameContact &each : contacts)
+        most = std::max(most, each.triangles);
+    return most;
+}
+
+double SequenceReport::ContactDepth() const {
+    double most = 0;
+    for (const FrameContact &each : contacts)
+        most = std::max(most, each.depth);
+    return most;
+}
+
+std::string SequenceReport::ContactText() const {
+    if (contacts.empty())
+        return {};
+    const std::size_t shown = 10; // more are not read
+    std::ostringstream line;
+    line << "In " << contacts.size() << " of " << frames << " frames, triangles pass through others, up to "
+         << ContactDepth() << " deep: ";
+    for (std::size_t i = 0; i < std::min(shown, contacts.size()); ++i)
+        line << (i ? ", " : "") << contacts[i].triangles << " at " << contacts[i].time << " s";
+    line << (contacts.size() > shown ? ", and so on" : "") << ". Move the handles less.";
+    return line.str();
+}
+
 SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, const Deformer &deformer,
                            const PoseSequence &sequence, const std::vector<std::map<int, Motion>> &motions,
                            const DeformationParam &param, const SequenceOutput &output, const Progress &progress) {
@@ -185,6 +213,9 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         SequenceSolver aside = solver; // frames do not depend on what else is made
         const bool isBetween = stop.frame == Stop::none && frames;
         const Deformer::Pose &pose = go(isBetween ? aside : solver, sequence.WeightsAt(stop.time));
+        if (param.contact || surface.faces <= contactUnasked)
+            if (const SurfaceContact found = ContactOf(surface, deformer, position, param); !found.face.empty())
+                report.contacts.push_back({stop.time, found.face.size(), found.largest});
         if (stop.frame != Stop::none) {
             if (cache)
                 cache->Add(position);

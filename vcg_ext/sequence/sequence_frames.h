@@ -33,6 +33,13 @@ struct SequenceOutput {
     Take keyFrame; ///< gets each key frame, also where it is between two frames, or is empty
 };
 
+/// A frame in which the surface passes through itself.
+struct FrameContact {
+    double time = 0; ///< seconds
+    std::size_t triangles = 0;
+    double depth = 0; ///< world units
+};
+
 /// What became of a pose sequence.
 struct SequenceReport {
     std::size_t frames = 0; ///< that were written, or taken
@@ -43,6 +50,13 @@ struct SequenceReport {
     /// of its own, once, and not in each frame.
     double discretisationError = 0;
     Index folded = 0; ///< flipped triangles, in the frame that has most
+    /// As SurfaceContact tells of each frame, where there is any; looked for in no more than contactUnasked faces, or
+    /// where DeformationParam::contact asks.
+    std::vector<FrameContact> contacts;
+
+    std::size_t MostContact() const; ///< triangles, in the frame that has most
+    double ContactDepth() const;     ///< at most
+    std::string ContactText() const; ///< a sentence with the count of each such frame; empty without any
 };
 
 /// Solves the frames of a pose sequence, one from the other, and writes them, no more than one at a time in memory (but
