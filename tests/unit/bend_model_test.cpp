@@ -128,6 +128,50 @@ TEST(BendModel, APullTakesATipAlongAndAGripHoldsIt) {
     EXPECT_FALSE(canBecomePoint(bent.model, bent.nearest({0.5, 0.08, 0})));
 }
 
+TEST(BendModel, AGripOnALimbTurnsAboutItsJoint) {
+    // One that is twice as far to the right of the handle as it bends, and three times to the left, at an angle.
+    const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+    Shape limb = Limb();
+    for (Eigen::Vector3d &p : limb.position)
+        p = turned * p;
+    Bent bent(limb);
+    const Eigen::Vector3d place = turned * Eigen::Vector3d(0.4, 0.08, 0);
+    bent.addPoint(2, place, radius);
+    EXPECT_FALSE(jointOf(bent.model, 2)) << "what is pulled only has none";
+    bent.addPoint(2, place, radius, true);
+    ASSERT_TRUE(jointOf(bent.model, 2));
+    const Eigen::Vector3d joint = turned.inverse() * *jointOf(bent.model, 2);
+    EXPECT_LT(std::hypot(joint[1], joint[2]), 0.2 * 0.08) << "in the middle of the limb: " << joint.transpose();
+    EXPECT_GT(joint[0], 0.4 - radius) << "between what stays";
+    EXPECT_LT(joint[0], 0.4 - radius / 3) << "and what turns";
+    EXPECT_EQ(pivotOf(bent.model, 2), *jointOf(bent.model, 2));
+    setMotion(bent.model, {{2, {MotionStep::Translate({0, 1, 0})}}});
+    EXPECT_LT((pivotOf(bent.model, 2) - *jointOf(bent.model, 2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+    setRadiusOf(bent.model.state, 2, 2 * radius);
+    bent.update();
+    EXPECT_LT((turned.inverse() * *jointOf(bent.model, 2))[0], 0.4 - radius) << "the wheel moves it";
+    setPivot(bent.model, 2, Eigen::Vector3d(1, 2, 3));
+    EXPECT_LT((pivotOf(bent.model, 2) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12) << "P says otherwise";
+    setPivot(bent.model, 2, {});
+    EXPECT_LT((pivotOf(bent.model, 2) - *jointOf(bent.model, 2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+
+    Bent thick(Limb(0.5)); // no limb for a handle that bends less than half around it
+    thick.addPoint(2, {0, 0.5, 0}, radius, true);
+    EXPECT_FALSE(jointOf(thick.model, 2));
+    EXPECT_EQ(pivotOf(thick.model, 2), dotOf(thick.model, 2));
+}
+
+TEST(BendModel, AHandleBendsAsFarAsItsLimbIsThick) {
+    for (const double thickness : {0.06, 0.12, 0.16}) {
+        Bent bent(Limb(thickness / 2));
+        const std::size_t slot = bent.nearest({0.4, thickness / 2, 0});
+        EXPECT_NEAR(bent.reach.radiusAt(slot, radius), 2 * thickness, 0.3 * thickness);
+        EXPECT_EQ(bent.reach.radiusAt(slot, thickness), thickness) << "what does not reach around it knows of no limb";
+    }
+    Bent thick(Limb(0.5));
+    EXPECT_EQ(thick.reach.radiusAt(thick.nearest({0, 0.5, 0}), radius), radius);
+}
+
 TEST(BendModel, SmallPartsGoWithWhatTheyLieOn) {
     const Shape limb = Limb();
     Bent bent(Join(Join(limb, Limb(0.02, 9, {0.5, 0.1, 0}, 0.05)),

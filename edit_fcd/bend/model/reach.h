@@ -9,18 +9,22 @@
 #include <future>
 #include <list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 /// What belongs to a handle along the surface of the rest shape: vertices, given by their slots, ascending.
 struct BendExtent {
     std::vector<std::size_t> vertices; ///< that it was made of
     double radius = 0;
+    double cut = 0;                  ///< radius of the smallest ball that cuts off a tip of that limb; 0: there is none
     std::vector<std::size_t> around; ///< within the radius
     std::vector<std::size_t> tips;   ///< of what that cuts off, the tips of the limb that the handle is on
     std::vector<std::size_t> aside;  ///< the other tips: the head, seen from a shoulder
     bool isWhole = false;            ///< the next ones are known, too
     std::vector<std::size_t> core;   ///< within half the radius
     std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
+    std::optional<Eigen::Vector3d> joint; ///< of a limb: the middle of what bends between the core and what stays,
+                                          ///< layer units
 };
 
 /// What lies within some way of vertices, along the surface of the rest shape.
@@ -42,6 +46,10 @@ class BendReach {
     std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
     /// \param hair as looseAmong() has it
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
+
+    /// How far a handle of a vertex bends what is around it, until a person says otherwise: twice the thickness of the
+    /// limb that it is on, where a ball of the radius \p usual cuts off a tip of one; else \p usual. World units.
+    double radiusAt(std::size_t slot, double usual);
 
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
     /// vertex among them
@@ -69,7 +77,8 @@ class BendReach {
     };
     Pieces piecesBeside(const std::vector<char> &isIn) const;
     std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                 const std::vector<double> &distances) const;
+                                 const std::vector<double> &distances, double &cut) const;
+    std::optional<Eigen::Vector3d> jointOf(const BendExtent &extent) const;
     std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
     std::vector<char> nodesOf(const std::vector<char> &isIn) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,

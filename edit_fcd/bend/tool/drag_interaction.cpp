@@ -50,14 +50,13 @@ void DragInteraction::beginPrepared() {
     begun.kind = grip.part.kind;
     begun.axis = grip.part.axis;
     begun.modal = grip.modal;
-    begun.pivot = pivotOf(model, tag);
-    begun.isAbout = handleOf(model.state, tag).pivot.has_value();
     begun.axes = stage.axesOf(tag);
     begun.from = begun.last = gripped;
     begun.begin = motionOf(model.state, tag);
     for (const int other : carriedBy(model, tag))
         begun.carried[other] = motionOf(model.state, other);
     now = std::make_unique<BendDrag>(std::move(begun));
+    placePivot();
     stage.frame = 0;
     sinceDraw.invalidate();
     try {
@@ -80,12 +79,23 @@ void DragInteraction::beginPrepared() {
         stage.requestStep();
 }
 
+/// It is turned and scaled about its pivot, and moved by its dot, unless a person has said where its pivot is.
+void DragInteraction::placePivot() {
+    const BendModel &model = stage.session->model();
+    const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
+    const Eigen::Affine3d since = // the drag began
+        motionBy(model, now->tag, now->begin) * motionAt(model, now->tag).inverse();
+    now->pivot = since * (now->kind == BendDrag::Move && !isGiven ? dotOf(model, now->tag) : pivotOf(model, now->tag));
+    now->isAbout = isGiven || isPoint;
+}
+
 /// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
 /// prepared anew.
 void DragInteraction::changeKind(BendDrag::Kind kind) {
     const BendState &state = stage.session->state();
     if (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag)) {
         now->kind = kind;
+        placePivot();
         return;
     }
     Grip again = grip;
@@ -188,8 +198,9 @@ bool DragInteraction::turnWheel(double steps) {
     if (!now)
         return false;
     BendSession &session = *stage.session;
-    stage.panel->setRadius(radiusOf(session.model(), now->tag) / session.diagonal() * std::pow(1.1, steps));
-    session.setRadius(now->tag, stage.panel->radius() * session.diagonal());
+    session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
+    isRadiusShown = true;
+    placePivot();
     stage.requestStep();
     return true;
 }
@@ -211,6 +222,12 @@ void DragInteraction::beforeDraw() {
 }
 
 QString DragInteraction::text() const {
-    return now ? QString::fromStdString(nameOf(stage.session->state(), now->tag) + ": " + now->text(stage.seen))
-               : QString();
+    if (!now)
+        return {};
+    const BendSession &session = *stage.session;
+    const QString what = QString::fromStdString(nameOf(session.state(), now->tag) + ": " + now->text(stage.seen));
+    return isRadiusShown ? QString("%1; radius %2 %")
+                               .arg(what)
+                               .arg(100 * radiusOf(session.model(), now->tag) / session.diagonal(), 0, 'f', 1)
+                         : what;
 }
