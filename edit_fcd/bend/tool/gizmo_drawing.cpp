@@ -9,7 +9,7 @@
 
 namespace {
 
-const int arrowPixels = 80, ringPixels = 60;
+const int arrowPixels = 60, ringPixels = 42; // what lies under them is still seen, and hit
 const int ringParts = 48;
 const GLubyte litColor[] = {255, 225, 60};
 

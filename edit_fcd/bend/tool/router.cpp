@@ -139,13 +139,14 @@ bool BendTool::changeRim(double times) {
     if (!sinceRim.isValid() || sinceRim.hasExpired(1000))
         session->change();
     sinceRim.start();
-    const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
-    const double before = tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()),
-                 rim = std::min(std::max(before * times, least), most);
-    if (tag)
+    double rim = times * (tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()));
+    if (tag) {
         session->setRadius(tag, rim);
-    else
+        rim = radiusOf(session->model(), tag);
+    } else {
         session->setRimAt(slot, rim);
+        rim = rimAt(session->state(), slot, session->diagonal());
+    }
     const double percent = 100 * rim / session->diagonal();
     const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
     hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
@@ -158,16 +159,18 @@ bool BendTool::changeRim(double times) {
     return true;
 }
 
-/// What is under the mouse lights up.
+/// What is under the mouse lights up: what a press would take, which may be a ring that lies over another handle.
 void BendTool::hover() {
     const std::optional<GizmoPart> part = partAtMouse();
-    const Place place = part ? Place() : placeAtMouse();
+    const Place place = placeOfKeys();
+    const int tag = part ? 0 : place.tag;
     const bool isBegin = beginsByKey(place);
-    if (place.tag == hovered && part == lit && isBegin == keysBegin)
+    if (tag == hovered && part == lit && isBegin == keysBegin && place.tag == keysTag)
         return;
-    hovered = place.tag;
+    hovered = tag;
     lit = part;
     keysBegin = isBegin;
+    keysTag = place.tag;
     panel->showState(stateText());
     view->update();
 }
