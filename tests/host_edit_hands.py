@@ -939,6 +939,58 @@ def test_rings_take_presses_and_keys_take_the_surface(window, tmp_path):
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], pulled)
 
 
+def yellow(w):
+    """Which columns of the view have much of the colour of what would move, and how strong it is there at most."""
+    seen = w.seen()[200:400]
+    return (seen[..., 0] - seen[..., 2]).max(0)
+
+
+@pytest.mark.parametrize("rings, columns", [(120, 32), (1040, 128)], ids=["small", "134_thousand"])
+def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
+    """Under the mouse, by how much it would, and while R waits; the wheel changes it; beside the mesh, and afterwards, nothing is tinted."""
+    points, faces = tube_of(np.linspace(-1, 1, rings), columns, 0.08)
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    foreseen = lambda: re.findall(r"trace: foreseen: \d+ vertices, (\d+) move, ([\d.]+) ms", w.text())
+
+    def hover(place):
+        """Until it is shown: the surface is read meanwhile."""
+        count = len(foreseen())
+        for i in range(40):
+            w.do("mousemove", place[0] + i % 2, place[1])
+            if len(foreseen()) > count:
+                break
+            time.sleep(0.1)
+        w.settle()
+
+    w.do("mousemove", X, Y + 200)
+    assert yellow(w).max() < 15
+    hover((X + 75, Y))
+    w.shot("hover")
+    tint = yellow(w)
+    at = lambda x: tint[270 + x - 3:270 + x + 4].max()
+    assert at(-60) < 15 and at(0) < at(75) - 30 and at(200) > 60 # stays, bends, moves
+    for i in range(8):
+        hover((X + 60 + 15 * i, Y))
+    milliseconds = sorted(float(each) for _, each in foreseen())
+    assert milliseconds[len(milliseconds) // 2] < 60 # without a busy machine: a tenth
+    print(f"\n{rings * columns} vertices: {milliseconds} ms")
+    w.do("mousemove", X, Y + 200)
+    assert yellow(w).max() < 15
+    w.do("mousemove", X + 75, Y)
+    w.key("r")
+    w.shot("waits")
+    waits = yellow(w)
+    w.do("click", "--repeat", 6, "--delay", 50, 4)
+    w.shot("wider")
+    wider = yellow(w)
+    assert np.count_nonzero(wider > 40) > np.count_nonzero(waits > 40) + 15
+    w.key("Escape")
+    w.do("mousemove", X, Y + 200)
+    assert yellow(w).max() < 15
+    assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
+
+
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
     """The next one bends as far as its place says, whatever the wheel did."""
     w, points = tip_of_a_limb(window, tmp_path)

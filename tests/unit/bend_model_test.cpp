@@ -70,9 +70,9 @@ struct Bent {
 };
 
 /// A closed tube along x, from -1 to 1.
-Shape Limb(double radius = 0.08, int rings = 120, const Eigen::Vector3d &at = {0, 0, 0}, double half = 1) {
+Shape Limb(double radius = 0.08, int rings = 120, const Eigen::Vector3d &at = {0, 0, 0}, double half = 1,
+           int columns = 16) {
     Shape s;
-    const int columns = 16;
     for (int r = 0; r < rings; ++r)
         for (int c = 0; c < columns; ++c) {
             const double turn = c * 2 * EIGEN_PI / columns;
@@ -159,6 +159,43 @@ TEST(BendModel, AGripOnALimbTurnsAboutItsJoint) {
     thick.addPoint(2, {0, 0.5, 0}, radius, true);
     EXPECT_FALSE(jointOf(thick.model, 2));
     EXPECT_EQ(pivotOf(thick.model, 2), dotOf(thick.model, 2));
+}
+
+TEST(BendModel, WhatWouldMoveIsSeenBefore) {
+    Bent bent(
+        Join(Limb(0.08, 500, {0, 0, 0}, 1, 64), Limb(0.08, 500, {0, 0.165, 0}, 1, 64))); // two fingers, nearly touching
+    const std::size_t slot = bent.nearest({0.4, 0, 0.08});
+    bent.reach.begin();
+    BendReach &glance = bent.reach.glance();
+    EXPECT_TRUE(bent.reach.isRead());
+    ASSERT_NE(&glance, &bent.reach) << "there are many vertices";
+    const double exact = bent.reach.radiusAt(slot, 0.3), about = glance.radiusAt(slot, 0.3);
+    EXPECT_NEAR(about, exact, 0.15 * exact);
+    const auto is = bent.reach.whole({slot}, exact, 0.01), seems = glance.whole({slot}, exact, 0.01);
+    ASSERT_TRUE(is->joint && seems->joint);
+    EXPECT_LT((*is->joint - *seems->joint).norm(), 0.2 * 0.3)
+        << "ways along edges are longer on the one than on the other";
+    std::vector<float> share(bent.position.size(), 0);
+    for (const auto &extent : {seems, is}) {
+        std::vector<float> own(bent.position.size(), 0);
+        ASSERT_EQ(extent->share.size(), extent->around.size());
+        for (std::size_t k = 0; k < extent->around.size(); ++k)
+            own[extent->around[k]] = extent->share[k];
+        for (const std::size_t i : extent->beyond)
+            own[i] = 1;
+        double off = 0;
+        for (std::size_t i = 0; i < own.size(); ++i)
+            off += std::abs(own[i] - share[i]) / double(own.size());
+        if (extent == is)
+            EXPECT_LT(off, 0.02);
+        share = std::move(own);
+    }
+    EXPECT_EQ(share[bent.nearest({0.4, 0.165, 0.08})], 0) << "the other finger";
+    EXPECT_EQ(share[bent.nearest({0.9, 0, 0.08})], 1);
+    const float near = share[bent.nearest({0.3, 0, 0.08})], far = share[bent.nearest({0.2, 0, 0.08})];
+    EXPECT_GT(near, far);
+    EXPECT_GT(far, 0.1);
+    EXPECT_EQ(share[bent.nearest({0, 0, 0.08})], 0);
 }
 
 TEST(BendModel, AHandleBendsAsFarAsItsLimbIsThick) {

@@ -91,8 +91,7 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
         extents.splice(extents.begin(), extents, found);
         return extents.front();
     }
-    const std::size_t most = 24; // as many handles as a person has; of a large layer each is some megabytes
-    if (extents.size() >= most)
+    if (extents.size() >= mostExtents)
         extents.pop_back();
     extents.push_front(std::make_shared<BendExtent>());
     BendExtent &made = *extents.front();
@@ -143,7 +142,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
     for (std::size_t i = 0; i < isBeyond.size(); ++i)
         if (isBeyond[i])
             made.beyond.push_back(i);
-    made.joint = jointOf(made);
+    findShares(made);
     made.isWhole = true;
     return found;
 }
@@ -153,37 +152,45 @@ double BendReach::radiusAt(std::size_t slot, double usual) {
     return cut > 0 ? radiusOfCut * cut : usual;
 }
 
-/// The middle of what bends between the core of a handle on a limb and what stays, none where it is not on one.
-std::optional<Eigen::Vector3d> BendReach::jointOf(const BendExtent &extent) const {
-    if (extent.beyond.empty())
-        return {};
+/// How much goes with a handle of what is around it, and the joint: the middle of what bends between the core and what
+/// stays, where that is at one side.
+void BendReach::findShares(BendExtent &made) const {
+    const vcg::fcd::Graph &graph = surface->graph;
     enum Part : char { Stays, Around, Beyond };
-    std::vector<char> part(std::size_t(surface->graph.Size()), Stays);
-    for (const auto &[vertices, which] : {std::pair{&extent.beyond, Beyond}, {&extent.around, Around}})
+    std::vector<char> part(std::size_t(graph.Size()), Stays);
+    for (const auto &[vertices, which] : {std::pair{&made.beyond, Beyond}, {&made.around, Around}})
         for (const std::size_t i : *vertices)
             if (surface->nodeOf[i] >= 0)
                 part[std::size_t(surface->nodeOf[i])] = which;
     std::vector<vcg::fcd::Index> edge; // of what stays
-    for (vcg::fcd::Index u = 0; u < surface->graph.Size(); ++u)
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
         if (part[std::size_t(u)] == Stays) {
-            const auto near = surface->graph.adjacency[u];
+            const auto near = graph.adjacency[u];
             if (std::any_of(near.begin(), near.end(),
                             [&](vcg::fcd::Index v) { return part[std::size_t(v)] == Around; }))
                 edge.push_back(u);
         }
-    const double strip = (1 - coreSize) * extent.radius / surface->frame.scale;
+    const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
+    std::vector<float> share(part.size(), 1);
+    std::vector<double> distances;
+    const std::vector<vcg::fcd::Index> near = vcg::fcd::NodesWithin(graph, edge, strip, &distances);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
     double area = 0;
-    for (const vcg::fcd::Index u : vcg::fcd::NodesWithin(surface->graph, edge, strip))
-        if (part[std::size_t(u)] == Around) {
-            const double here = surface->nodeArea[std::size_t(u)];
-            sum += here * surface->graph.position.col(u).cast<double>();
-            area += here;
-        }
-    for (const std::size_t i : extent.vertices)
+    for (std::size_t k = 0; k < near.size(); ++k) {
+        const auto u = std::size_t(near[k]);
+        if (part[u] != Around)
+            continue;
+        share[u] = float(distances[k] / strip);
+        sum += double(surface->nodeArea[u]) * graph.position.col(near[k]).cast<double>();
+        area += surface->nodeArea[u];
+    }
+    made.share.clear();
+    for (const std::size_t i : made.around)
+        made.share.push_back(share[std::size_t(surface->nodeOf[i])]);
+    for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
-            place += surface->graph.position.col(surface->nodeOf[i]).cast<double>() / double(extent.vertices.size());
-    if (!(area > 0) || (sum / area - place).norm() < nearestJoint * extent.radius / surface->frame.scale)
-        return {};
-    return surface->frame.FromFrame(sum / area);
+            place += graph.position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
+    made.joint.reset();
+    if (!made.beyond.empty() && area > 0 && (sum / area - place).norm() > nearestJoint * radius)
+        made.joint = surface->frame.FromFrame(sum / area);
 }

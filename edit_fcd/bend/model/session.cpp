@@ -233,6 +233,25 @@ int BendSession::addPoint(std::size_t slot, double usual) {
     return tag;
 }
 
+std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double usual) {
+    reach.begin();
+    if (!reach.isRead())
+        return nullptr;
+    const double hair = usualGap(rest.diagonal());
+    BendReach &glance = reach.glance();
+    if (const std::size_t carrier = glance.carrierOf(slot, hair); canBecomePoint(data, carrier))
+        slot = carrier;
+    return glance.whole({slot}, glance.radiusAt(slot, usual), hair);
+}
+
+std::shared_ptr<const BendExtent> BendSession::glimpseOf(int tag) {
+    const auto point = state().points.find(tag);
+    reach.begin();
+    return point == state().points.end() || !reach.isRead()
+               ? nullptr
+               : reach.glance().whole({point->second.slot}, point->second.radius, usualGap(rest.diagonal()));
+}
+
 void BendSession::makeGrip(int tag) {
     const auto point = data.state.points.find(tag);
     if (point == state().points.end() || point->second.isGrip)

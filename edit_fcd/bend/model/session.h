@@ -51,6 +51,10 @@ class BendSession {
 
     /// Begins to read the surface, beside what is done next, that handles need.
     void readAhead() { reach.begin(); }
+    /// What would go with a vertex under the mouse, or with a handle of a vertex, about as it will be: null while the
+    /// surface is being read. \param usual as addPoint() has it
+    std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
+    std::shared_ptr<const BendExtent> glimpseOf(int tag);
     /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
     /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
     void beginBeside();

@@ -56,6 +56,8 @@ void BendTool::drawOverlay() const {
                  linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag, lit);
+    if (isBending && !drag && foreseenPivot)
+        drawPivot(*foreseenPivot);
     if (panel->mode() == BendPanel::Brush) {
         const QPointF at = going ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
         const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();

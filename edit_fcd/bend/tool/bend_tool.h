@@ -47,6 +47,8 @@ class BendTool : public BendStage {
     bool beginsByKey(const Place &place) const;
     bool changeRim(double times);
     void hover();
+    void foresee();
+    void forgetForeseen();
 
     // the keys
     const ActionTable::Row *keyOf(const QKeyEvent &event) const;
@@ -97,6 +99,9 @@ class BendTool : public BendStage {
     int hovered = 0;                                  ///< the handle under the mouse, 0: none
     bool keysBegin = false;                           ///< beginsByKey() what is under the mouse
     int keysTag = 0;                                  ///< the handle that keys find there, 0: none
+    Place foreseen;                                   ///< what the mouse points at, whose influence is shown soon
+    bool isForeseeing = false;                        ///< that is being done
+    std::optional<Eigen::Vector3d> foreseenPivot;     ///< where that would turn, world
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
     unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
     QElapsedTimer sinceRim;

@@ -69,7 +69,7 @@ void DragInteraction::beginPrepared() {
         end(false);
         throw;
     }
-    stage.showOverlay(); // a grip is seen
+    showInfluence();
     if (!stage.colors->isStretch(session))
         stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
     now->moveTo(stage.seen, stage.mouseInWindow());
@@ -77,6 +77,15 @@ void DragInteraction::beginPrepared() {
         end(true);
     else if (stage.model->cm.vn > preparedAtOnce)
         stage.requestStep();
+}
+
+/// What is turned, and what bends with it by how much; of what is pulled, the tool draws points.
+void DragInteraction::showInfluence() {
+    const auto &extents = stage.session->model().influence.extents;
+    const auto found = extents.find(now->tag);
+    const bool isTurned = isGrip(stage.session->state(), now->tag) && found != extents.end();
+    stage.colors->preview(isTurned ? found->second : nullptr);
+    stage.showOverlay();
 }
 
 /// It is turned and scaled about its pivot, and moved by its dot, unless a person has said where its pivot is.
@@ -119,6 +128,8 @@ void DragInteraction::stop(bool keep) {
     if (stage.moving)
         stage.overlay->move();
     stage.moving.reset();
+    if (stage.colors->preview(nullptr) && stage.layer())
+        stage.showOverlay();
     stage.isStepWanted = false;
     stage.sinceEvent.start();
 }
@@ -201,6 +212,9 @@ bool DragInteraction::turnWheel(double steps) {
     session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
     isRadiusShown = true;
     placePivot();
+    showInfluence();
+    if (stage.moving)
+        stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
     stage.requestStep();
     return true;
 }

@@ -35,6 +35,7 @@ class DragInteraction : public BendInteraction {
 
   private:
     void beginPrepared();
+    void showInfluence();
     void placePivot();
     void changeKind(BendDrag::Kind kind);
     void stop(bool keep);

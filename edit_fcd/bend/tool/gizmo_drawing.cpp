@@ -97,6 +97,14 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     }
 }
 
+void drawPivot(const Eigen::Vector3d &place) {
+    const FlatDrawing flat;
+    glColor3ub(20, 20, 20);
+    drawPoint(place, 10);
+    glColor3ubv(litColor);
+    drawPoint(place, 6);
+}
+
 void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {
     const FlatDrawing flat;
     const double pixel = view.pixelAt(gizmo.center);
