@@ -70,9 +70,9 @@ struct Bent {
 };
 
 /// A closed tube along x, from -1 to 1.
-Shape Limb(double radius = 0.08, int rings = 120, const Eigen::Vector3d &at = {0, 0, 0}, double half = 1) {
+Shape Limb(double radius = 0.08, int rings = 120, const Eigen::Vector3d &at = {0, 0, 0}, double half = 1,
+           int columns = 16) {
     Shape s;
-    const int columns = 16;
     for (int r = 0; r < rings; ++r)
         for (int c = 0; c < columns; ++c) {
             const double turn = c * 2 * EIGEN_PI / columns;
@@ -126,6 +126,87 @@ TEST(BendModel, APullTakesATipAlongAndAGripHoldsIt) {
     EXPECT_TRUE(isAlong(bent.model, bent.nearest({0.95, 0.08, 0})));
     EXPECT_TRUE(canBecomePoint(bent.model, bent.nearest({0.95, 0.08, 0})));
     EXPECT_FALSE(canBecomePoint(bent.model, bent.nearest({0.5, 0.08, 0})));
+}
+
+TEST(BendModel, AGripOnALimbTurnsAboutItsJoint) {
+    // One that is twice as far to the right of the handle as it bends, and three times to the left, at an angle.
+    const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+    Shape limb = Limb();
+    for (Eigen::Vector3d &p : limb.position)
+        p = turned * p;
+    Bent bent(limb);
+    const Eigen::Vector3d place = turned * Eigen::Vector3d(0.4, 0.08, 0);
+    bent.addPoint(2, place, radius);
+    EXPECT_FALSE(jointOf(bent.model, 2)) << "what is pulled only has none";
+    bent.addPoint(2, place, radius, true);
+    ASSERT_TRUE(jointOf(bent.model, 2));
+    const Eigen::Vector3d joint = turned.inverse() * *jointOf(bent.model, 2);
+    EXPECT_LT(std::hypot(joint[1], joint[2]), 0.2 * 0.08) << "in the middle of the limb: " << joint.transpose();
+    EXPECT_GT(joint[0], 0.4 - radius) << "between what stays";
+    EXPECT_LT(joint[0], 0.4 - radius / 3) << "and what turns";
+    EXPECT_EQ(pivotOf(bent.model, 2), *jointOf(bent.model, 2));
+    setMotion(bent.model, {{2, {MotionStep::Translate({0, 1, 0})}}});
+    EXPECT_LT((pivotOf(bent.model, 2) - *jointOf(bent.model, 2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+    setRadiusOf(bent.model.state, 2, 2 * radius);
+    bent.update();
+    EXPECT_LT((turned.inverse() * *jointOf(bent.model, 2))[0], 0.4 - radius) << "the wheel moves it";
+    setPivot(bent.model, 2, Eigen::Vector3d(1, 2, 3));
+    EXPECT_LT((pivotOf(bent.model, 2) - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12) << "P says otherwise";
+    setPivot(bent.model, 2, {});
+    EXPECT_LT((pivotOf(bent.model, 2) - *jointOf(bent.model, 2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+
+    Bent thick(Limb(0.5)); // no limb for a handle that bends less than half around it
+    thick.addPoint(2, {0, 0.5, 0}, radius, true);
+    EXPECT_FALSE(jointOf(thick.model, 2));
+    EXPECT_EQ(pivotOf(thick.model, 2), dotOf(thick.model, 2));
+}
+
+TEST(BendModel, WhatWouldMoveIsSeenBefore) {
+    Bent bent(
+        Join(Limb(0.08, 500, {0, 0, 0}, 1, 64), Limb(0.08, 500, {0, 0.165, 0}, 1, 64))); // two fingers, nearly touching
+    const std::size_t slot = bent.nearest({0.4, 0, 0.08});
+    bent.reach.begin();
+    BendReach &glance = bent.reach.glance();
+    EXPECT_TRUE(bent.reach.isRead());
+    ASSERT_NE(&glance, &bent.reach) << "there are many vertices";
+    const double exact = bent.reach.radiusAt(slot, 0.3), about = glance.radiusAt(slot, 0.3);
+    EXPECT_NEAR(about, exact, 0.15 * exact);
+    const auto is = bent.reach.whole({slot}, exact, 0.01), seems = glance.whole({slot}, exact, 0.01);
+    ASSERT_TRUE(is->joint && seems->joint);
+    EXPECT_LT((*is->joint - *seems->joint).norm(), 0.2 * 0.3)
+        << "ways along edges are longer on the one than on the other";
+    std::vector<float> share(bent.position.size(), 0);
+    for (const auto &extent : {seems, is}) {
+        std::vector<float> own(bent.position.size(), 0);
+        ASSERT_EQ(extent->share.size(), extent->around.size());
+        for (std::size_t k = 0; k < extent->around.size(); ++k)
+            own[extent->around[k]] = extent->share[k];
+        for (const std::size_t i : extent->beyond)
+            own[i] = 1;
+        double off = 0;
+        for (std::size_t i = 0; i < own.size(); ++i)
+            off += std::abs(own[i] - share[i]) / double(own.size());
+        if (extent == is)
+            EXPECT_LT(off, 0.02);
+        share = std::move(own);
+    }
+    EXPECT_EQ(share[bent.nearest({0.4, 0.165, 0.08})], 0) << "the other finger";
+    EXPECT_EQ(share[bent.nearest({0.9, 0, 0.08})], 1);
+    const float near = share[bent.nearest({0.3, 0, 0.08})], far = share[bent.nearest({0.2, 0, 0.08})];
+    EXPECT_GT(near, far);
+    EXPECT_GT(far, 0.1);
+    EXPECT_EQ(share[bent.nearest({0, 0, 0.08})], 0);
+}
+
+TEST(BendModel, AHandleBendsAsFarAsItsLimbIsThick) {
+    for (const double thickness : {0.06, 0.12, 0.16}) {
+        Bent bent(Limb(thickness / 2));
+        const std::size_t slot = bent.nearest({0.4, thickness / 2, 0});
+        EXPECT_NEAR(bent.reach.radiusAt(slot, radius), 2 * thickness, 0.3 * thickness);
+        EXPECT_EQ(bent.reach.radiusAt(slot, thickness), thickness) << "what does not reach around it knows of no limb";
+    }
+    Bent thick(Limb(0.5));
+    EXPECT_EQ(thick.reach.radiusAt(thick.nearest({0, 0.5, 0}), radius), radius);
 }
 
 TEST(BendModel, SmallPartsGoWithWhatTheyLieOn) {

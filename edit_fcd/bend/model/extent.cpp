@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/reach.h"
 
+#include <vcg_ext/surface/surface_reach.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -15,13 +18,21 @@ const double largestBall = 1.5;
 
 const double coreSize = 0.5; // of the radius: so much turns with a handle, and the other half is left to bend
 
+// Of the smallest ball that cuts off a tip: that ball reaches half around the limb, pi / 2 of its thickness. With twice
+// the thickness for the radius, the half of that which is left to bend is as wide as the limb is thick.
+const double radiusOfCut = 4 / EIGEN_PI;
+
+// Of the radius, from a handle: where what stays lies all around it, the middle of that is about at the handle, and
+// where it lies at one side, as on a limb, at least half of it away. It is a limb from between the two on.
+const double nearestJoint = 0.25;
+
 } // namespace
 
 /// Which of the pieces that a ball leaves are tips of the limb that its middle is on. A ball of half the radius
 /// cuts those off, or one that is hardly larger than the smallest one that cuts off any. \param ball nodes, nearest
-/// first \param distances of these
+/// first \param distances of these \param cut gets the radius of that smallest one, 0 where there is none; frame units
 std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                        const std::vector<double> &distances) const {
+                                        const std::vector<double> &distances, double &cut) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
     const std::size_t none = ball.size();
     std::vector<std::size_t> placeOf(pieces.of.size(), none);
@@ -64,6 +75,7 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         if (pieces.isTip(which))
             least = std::min(least, cutAt[which]);
     most = std::max(most, largestBall * least);
+    cut = std::isfinite(least) ? least : 0;
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         isOfLimb[which] = pieces.isTip(which) && cutAt[which] <= most;
     return isOfLimb;
@@ -79,8 +91,7 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
         extents.splice(extents.begin(), extents, found);
         return extents.front();
     }
-    const std::size_t most = 24; // as many handles as a person has; of a large layer each is some megabytes
-    if (extents.size() >= most)
+    if (extents.size() >= mostExtents)
         extents.pop_back();
     extents.push_front(std::make_shared<BendExtent>());
     BendExtent &made = *extents.front();
@@ -93,7 +104,8 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
         isInside[std::size_t(u)] = 1;
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
-    const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances);
+    const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances, made.cut);
+    made.cut *= surface->frame.scale;
     const auto tipsThat = [&](bool ofLimb) {
         std::vector<char> isIn(isInside.size());
         for (std::size_t u = 0; u < isIn.size(); ++u)
@@ -130,6 +142,55 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
     for (std::size_t i = 0; i < isBeyond.size(); ++i)
         if (isBeyond[i])
             made.beyond.push_back(i);
+    findShares(made);
     made.isWhole = true;
     return found;
+}
+
+double BendReach::radiusAt(std::size_t slot, double usual) {
+    const double cut = extent({slot}, usual)->cut;
+    return cut > 0 ? radiusOfCut * cut : usual;
+}
+
+/// How much goes with a handle of what is around it, and the joint: the middle of what bends between the core and what
+/// stays, where that is at one side.
+void BendReach::findShares(BendExtent &made) const {
+    const vcg::fcd::Graph &graph = surface->graph;
+    enum Part : char { Stays, Around, Beyond };
+    std::vector<char> part(std::size_t(graph.Size()), Stays);
+    for (const auto &[vertices, which] : {std::pair{&made.beyond, Beyond}, {&made.around, Around}})
+        for (const std::size_t i : *vertices)
+            if (surface->nodeOf[i] >= 0)
+                part[std::size_t(surface->nodeOf[i])] = which;
+    std::vector<vcg::fcd::Index> edge; // of what stays
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
+        if (part[std::size_t(u)] == Stays) {
+            const auto near = graph.adjacency[u];
+            if (std::any_of(near.begin(), near.end(),
+                            [&](vcg::fcd::Index v) { return part[std::size_t(v)] == Around; }))
+                edge.push_back(u);
+        }
+    const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
+    std::vector<float> share(part.size(), 1);
+    std::vector<double> distances;
+    const std::vector<vcg::fcd::Index> near = vcg::fcd::NodesWithin(graph, edge, strip, &distances);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
+    double area = 0;
+    for (std::size_t k = 0; k < near.size(); ++k) {
+        const auto u = std::size_t(near[k]);
+        if (part[u] != Around)
+            continue;
+        share[u] = float(distances[k] / strip);
+        sum += double(surface->nodeArea[u]) * graph.position.col(near[k]).cast<double>();
+        area += surface->nodeArea[u];
+    }
+    made.share.clear();
+    for (const std::size_t i : made.around)
+        made.share.push_back(share[std::size_t(surface->nodeOf[i])]);
+    for (const std::size_t i : made.vertices)
+        if (surface->nodeOf[i] >= 0)
+            place += graph.position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
+    made.joint.reset();
+    if (!made.beyond.empty() && area > 0 && (sum / area - place).norm() > nearestJoint * radius)
+        made.joint = surface->frame.FromFrame(sum / area);
 }

@@ -36,8 +36,9 @@ Eigen::Vector3d normalOf(const BendModel &model, int tag) {
 
 Eigen::Vector3d BendModel::rest(int tag) const { return ground.world * influence.center.at(tag); }
 
-Eigen::Affine3d motionAt(const BendModel &model, int tag) {
-    const std::vector<MotionStep> &steps = motionOf(model.state, tag);
+Eigen::Affine3d motionAt(const BendModel &model, int tag) { return motionBy(model, tag, motionOf(model.state, tag)); }
+
+Eigen::Affine3d motionBy(const BendModel &model, int tag, const std::vector<MotionStep> &steps) {
     if (steps.empty())
         return Eigen::Affine3d::Identity();
     const Eigen::Vector3d place = model.rest(tag);
@@ -48,10 +49,18 @@ Eigen::Vector3d centerOf(const BendModel &model, int tag) { return motionAt(mode
 
 Eigen::Vector3d dotOf(const BendModel &model, int tag) { return motionAt(model, tag) * placeOf(model, tag); }
 
+std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag) {
+    const auto extent = model.influence.extents.find(tag);
+    if (!isGrip(model.state, tag) || extent == model.influence.extents.end() || !extent->second->joint)
+        return {};
+    return model.ground.world * *extent->second->joint;
+}
+
 Eigen::Vector3d pivotOf(const BendModel &model, int tag) {
     if (const auto &pivot = handleOf(model.state, tag).pivot)
         return motionAt(model, tag) * *pivot;
-    return isGrip(model.state, tag) ? centerOf(model, tag) : dotOf(model, tag);
+    const auto joint = jointOf(model, tag);
+    return joint ? motionAt(model, tag) * *joint : dotOf(model, tag);
 }
 
 Eigen::Matrix3d axesOf(const BendModel &model, int tag) {

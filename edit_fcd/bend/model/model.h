@@ -21,9 +21,15 @@ struct BendModel {
 // --- where handles are; places are in the pose, and in the world ---
 
 Eigen::Affine3d motionAt(const BendModel &model, int tag);
+/// The same, if these were its steps.
+Eigen::Affine3d motionBy(const BendModel &model, int tag, const std::vector<vcg::fcd::MotionStep> &steps);
 Eigen::Vector3d centerOf(const BendModel &model, int tag); ///< the middle of a handle
 Eigen::Vector3d dotOf(const BendModel &model, int tag);    ///< where it is pointed at: its vertex, or its middle
-Eigen::Vector3d pivotOf(const BendModel &model, int tag);  ///< where it is turned and scaled
+/// Of a point on a limb that holds what is turned with it, at rest: the middle of what bends between that and what
+/// stays. None of others.
+std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag);
+/// Where it is turned and scaled: where a person has said, at its joint, or at its dot.
+Eigen::Vector3d pivotOf(const BendModel &model, int tag);
 /// By options.axes, as columns; those of the view are not known here.
 Eigen::Matrix3d axesOf(const BendModel &model, int tag);
 Eigen::Affine3d mirrorOf(const BendModel &model); ///< the identity where there is none

@@ -5,22 +5,29 @@
 #include <vcg_ext/surface/surface_arrays.h>
 #include <vcg_ext/surface/surface_graph.h>
 
+#include <array>
 #include <functional>
 #include <future>
 #include <list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 /// What belongs to a handle along the surface of the rest shape: vertices, given by their slots, ascending.
 struct BendExtent {
     std::vector<std::size_t> vertices; ///< that it was made of
     double radius = 0;
+    double cut = 0;                  ///< radius of the smallest ball that cuts off a tip of that limb; 0: there is none
     std::vector<std::size_t> around; ///< within the radius
+    std::vector<float> share;        ///< of each of these: how much it moves with the handle, from 0 beside what stays
+                                     ///< to 1 at the core
     std::vector<std::size_t> tips;   ///< of what that cuts off, the tips of the limb that the handle is on
     std::vector<std::size_t> aside;  ///< the other tips: the head, seen from a shoulder
     bool isWhole = false;            ///< the next ones are known, too
     std::vector<std::size_t> core;   ///< within half the radius
     std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
+    std::optional<Eigen::Vector3d> joint; ///< of a limb: the middle of what bends between the core and what stays,
+                                          ///< layer units
 };
 
 /// What lies within some way of vertices, along the surface of the rest shape.
@@ -34,6 +41,9 @@ class BendReach {
     /// Reads the surface at rest if it is not, beside what is done next; whoever asks for it waits.
     void begin();
     void clear();
+    bool isRead() const; ///< so that nobody has to wait
+    /// The same for a coarser surface, a few milliseconds' work for what is shown while the mouse moves.
+    BendReach &glance();
 
     /// The vertices within \p radius of some, given by their slots.
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
@@ -42,6 +52,10 @@ class BendReach {
     std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
     /// \param hair as looseAmong() has it
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
+
+    /// How far a handle of a vertex bends what is around it, until a person says otherwise: twice the thickness of the
+    /// limb that it is on, where a ball of the radius \p usual cuts off a tip of one; else \p usual. World units.
+    double radiusAt(std::size_t slot, double usual);
 
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
     /// vertex among them
@@ -61,6 +75,7 @@ class BendReach {
 
   private:
     void wait();
+    void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
         std::vector<int> of;     ///< each node: a number from 0; negative: it is of none
         std::vector<float> area; ///< frame units^2
@@ -69,7 +84,8 @@ class BendReach {
     };
     Pieces piecesBeside(const std::vector<char> &isIn) const;
     std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                 const std::vector<double> &distances) const;
+                                 const std::vector<double> &distances, double &cut) const;
+    void findShares(BendExtent &made) const;
     std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
     std::vector<char> nodesOf(const std::vector<char> &isIn) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
@@ -78,11 +94,14 @@ class BendReach {
 
     Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::future<std::unique_ptr<vcg::fcd::SurfaceGraph>> pending; ///< valid while it is being read
-    std::vector<int> partOf;                                      ///< of each node of the surface, the connected part
-    std::vector<float> partArea;                                  ///< frame units^2
-    std::vector<std::size_t> reached, from;                       ///< those of the last
+    std::unique_ptr<BendReach> coarse;                                       ///< null: there are few nodes anyway
+    using Surfaces = std::array<std::unique_ptr<vcg::fcd::SurfaceGraph>, 2>; ///< and the coarse one
+    std::future<Surfaces> pending;                                           ///< valid while they are being read
+    std::vector<int> partOf;                ///< of each node of the surface, the connected part
+    std::vector<float> partArea;            ///< frame units^2
+    std::vector<std::size_t> reached, from; ///< those of the last
     double within = 0;
+    std::size_t mostExtents = 24; ///< as many handles as a person has; of a large layer each is some megabytes
     std::list<std::shared_ptr<BendExtent>> extents; ///< the last ones, the last first
 };
 

@@ -213,7 +213,10 @@ void BendSession::clearMarks() {
     writeMarks();
 }
 
-int BendSession::addPoint(std::size_t slot, double radius) {
+int BendSession::addPoint(std::size_t slot, double usual) {
+    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
+        slot = carrier;
+    const double radius = reach.radiusAt(slot, usual);
     const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
         assert(canBecomePoint(data, at));
         const int tag = data.influence.unusedTag();
@@ -223,13 +226,30 @@ int BendSession::addPoint(std::size_t slot, double radius) {
         changeTagsOf(tag);
         return tag;
     };
-    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
-        slot = carrier;
     const int tag = add(slot);
     const auto other = mirroredSlot(slot);
     if (other && isTwin(data, slot, *other) && canBecomePoint(data, *other))
         add(*other);
     return tag;
+}
+
+std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double usual) {
+    reach.begin();
+    if (!reach.isRead())
+        return nullptr;
+    const double hair = usualGap(rest.diagonal());
+    BendReach &glance = reach.glance();
+    if (const std::size_t carrier = glance.carrierOf(slot, hair); canBecomePoint(data, carrier))
+        slot = carrier;
+    return glance.whole({slot}, glance.radiusAt(slot, usual), hair);
+}
+
+std::shared_ptr<const BendExtent> BendSession::glimpseOf(int tag) {
+    const auto point = state().points.find(tag);
+    reach.begin();
+    return point == state().points.end() || !reach.isRead()
+               ? nullptr
+               : reach.glance().whole({point->second.slot}, point->second.radius, usualGap(rest.diagonal()));
 }
 
 void BendSession::makeGrip(int tag) {
@@ -238,16 +258,13 @@ void BendSession::makeGrip(int tag) {
         return;
     const int other = mirrored(data, tag);
     point->second.isGrip = true;
-    if (BendHandle changed = handleOf(state(), tag); !changed.pivot) {
-        changed.pivot = rest.world() * rest.at(point->second.slot);
-        setHandle(data.state, tag, std::move(changed));
-    }
     changeTagsOf(tag);
     if (other)
         makeGrip(other);
 }
 
 void BendSession::setRadius(int tag, double radius) {
+    radius = std::min(std::max(radius, leastRadius * rest.diagonal()), mostRadius * rest.diagonal());
     const int other = mirrored(data, tag);
     setRadiusOf(data.state, tag, radius);
     if (other)

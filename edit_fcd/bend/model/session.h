@@ -51,6 +51,10 @@ class BendSession {
 
     /// Begins to read the surface, beside what is done next, that handles need.
     void readAhead() { reach.begin(); }
+    /// What would go with a vertex under the mouse, or with a handle of a vertex, about as it will be: null while the
+    /// surface is being read. \param usual as addPoint() has it
+    std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
+    std::shared_ptr<const BendExtent> glimpseOf(int tag);
     /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
     /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
     void beginBeside();
@@ -75,12 +79,14 @@ class BendSession {
     void endMarks(double rim);
     void clearMarks();
     /// A new handle around a vertex, or around what carries it where that is of a small part, where that is now. \pre
-    /// canBecomePoint(); the layer has the pose at 100 % \return its tag
-    int addPoint(std::size_t slot, double radius);
+    /// canBecomePoint(); the layer has the pose at 100 % \param usual radius where the place tells none, world units
+    /// \return its tag
+    int addPoint(std::size_t slot, double usual);
     /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
-    /// vertex. \pre the layer has the pose at 100 %
+    /// joint, or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
-    /// How far a handle, and its twin, bend what is around them where nothing is marked as fixed, world units.
+    /// How far a handle, and its twin, bend what is around them where nothing is marked as fixed, world units; within
+    /// what the panel has room for.
     void setRadius(int tag, double radius);
     /// Sets it for what hangs together with a vertex that is marked as fixed, and is so, too.
     void setRimAt(std::size_t slot, double radius);

@@ -30,7 +30,7 @@ struct BendPoint {
 struct BendHandle {
     std::string name;                        ///< empty: by its number
     bool isHidden = false, isLocked = false; ///< neither shown; nor moved by the mouse
-    std::optional<Eigen::Vector3d> pivot;    ///< where it is turned, at rest, in the world; none: its middle
+    std::optional<Eigen::Vector3d> pivot;    ///< where it is turned, at rest, in the world; none: see pivotOf()
 
     bool operator==(const BendHandle &other) const {
         return name == other.name && isHidden == other.isHidden && isLocked == other.isLocked && pivot == other.pivot;
@@ -56,6 +56,7 @@ using BendRims = std::vector<float>;
 
 /// How far a handle bends what is around it, of the diagonal of the bounding box, until a person says otherwise.
 const double usualRadius = 0.15;
+const double leastRadius = 0.005, mostRadius = 4; ///< the same unit; as in the panel
 
 /// The gap between marks, of that radius. At the usual one this is 3 % of the diagonal, about a patch's radius for 300
 /// patches on a ball: less than a patch would still be a crease.

@@ -43,8 +43,7 @@ class BendPanel : public QDockWidget {
     bool isThrough() const { return through->isChecked(); }
     void toggleThrough() { through->toggle(); }
     double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
-    void setRadius(double fraction) { radiusPercent->setValue(100 * fraction); }
-    int brush() const { return brushPixels->value(); } ///< radius
+    int brush() const { return brushPixels->value(); }             ///< radius
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
     void keepSizes() const; ///< for the next panel, also of another day
     double smoothness() const { return smoothnessValue->value(); }

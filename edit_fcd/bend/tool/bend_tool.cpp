@@ -56,6 +56,8 @@ void BendTool::drawOverlay() const {
                  linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag, lit);
+    if (isBending && !drag && foreseenPivot)
+        drawPivot(*foreseenPivot);
     if (panel->mode() == BendPanel::Brush) {
         const QPointF at = going ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
         const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();
@@ -94,6 +96,11 @@ QString BendTool::markingText() const {
     }
 }
 
+/// What G, R and S would move. \pre there is a handle
+QString BendTool::textOfKeys() const {
+    return keysBegin ? "this point" : QString::fromStdString(nameOf(session->state(), keysTag ? keysTag : selected()));
+}
+
 QString BendTool::stateText() const {
     if (isSuspended)
         return "The mouse is the camera's: Esc gives it back.";
@@ -117,14 +124,14 @@ QString BendTool::stateText() const {
                (lit->axis < 0
                     ? QString(": drag moves it in the view")
                     : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
-                          .arg("xyz"[lit->axis]));
+                          .arg("xyz"[lit->axis])) +
+               (lit->axis < 0 ? QString() : ". G, R, S: " + textOfKeys() + ".");
     else if (hovered)
         text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)
         text = "Drag this point, or press G, R or S.";
     else
-        text = QString::fromStdString(
-            "Drag a handle (red), or a point of the surface. G, R, S: " + nameOf(session->state(), selected()) + ".");
+        text = "Drag a handle (red), or a point of the surface. G, R, S: " + textOfKeys() + ".";
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, but for locked ones.";
     if (drag && isKeptApart(session->model(), drag->tag))
@@ -151,6 +158,8 @@ void BendTool::refresh() {
     }
     if (!session->model().influence.isHandle(hovered))
         hovered = 0; // it was undone, or removed, under the mouse
+    if (!session->model().influence.isHandle(keysTag))
+        keysTag = 0;
     panel->setPose(int(session->edit().options.pose));
     panel->showMotions(QString::fromStdString(vcg::fcd::WriteMotionText(session->state().motion)));
     showHandles();

@@ -43,9 +43,12 @@ class BendTool : public BendStage {
     bool begin();
     bool grab();
     void beginDrag(const DragInteraction::Grip &grip);
+    Place placeOfKeys() const;
     bool beginsByKey(const Place &place) const;
     bool changeRim(double times);
     void hover();
+    void foresee();
+    void forgetForeseen();
 
     // the keys
     const ActionTable::Row *keyOf(const QKeyEvent &event) const;
@@ -86,6 +89,7 @@ class BendTool : public BendStage {
     QString roleText() const;
     QString markingText() const;
     QString lineText() const;
+    QString textOfKeys() const;
     QString stateText() const;
 
     int refused = -1;                                 ///< a layer that cannot be bent
@@ -94,6 +98,10 @@ class BendTool : public BendStage {
     std::unique_ptr<BendLinePreview> linePreview;     ///< while a line is given
     int hovered = 0;                                  ///< the handle under the mouse, 0: none
     bool keysBegin = false;                           ///< beginsByKey() what is under the mouse
+    int keysTag = 0;                                  ///< the handle that keys find there, 0: none
+    Place foreseen;                                   ///< what the mouse points at, whose influence is shown soon
+    bool isForeseeing = false;                        ///< that is being done
+    std::optional<Eigen::Vector3d> foreseenPivot;     ///< where that would turn, world
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
     unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
     QElapsedTimer sinceRim;

@@ -67,6 +67,7 @@ void BendTool::onOptions() {
         return;
     if (panel->mode() != BendPanel::Polyline)
         going.reset(); // what was being marked
+    forgetForeseen();
     const BendOptions before = session->edit().options;
     takeOptions();
     showStretch();
@@ -80,6 +81,7 @@ void BendTool::setMode(BendPanel::Mode mode) {
     if (mode != BendPanel::Polyline && QGuiApplication::mouseButtons() == Qt::NoButton)
         going.reset(); // a polygon that was begun, as a click on the mode's button does
     panel->setMode(mode);
+    forgetForeseen();
     showStretch();
 }
 

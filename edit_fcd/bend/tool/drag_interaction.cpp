@@ -50,14 +50,13 @@ void DragInteraction::beginPrepared() {
     begun.kind = grip.part.kind;
     begun.axis = grip.part.axis;
     begun.modal = grip.modal;
-    begun.pivot = pivotOf(model, tag);
-    begun.isAbout = handleOf(model.state, tag).pivot.has_value();
     begun.axes = stage.axesOf(tag);
     begun.from = begun.last = gripped;
     begun.begin = motionOf(model.state, tag);
     for (const int other : carriedBy(model, tag))
         begun.carried[other] = motionOf(model.state, other);
     now = std::make_unique<BendDrag>(std::move(begun));
+    placePivot();
     stage.frame = 0;
     sinceDraw.invalidate();
     try {
@@ -70,7 +69,7 @@ void DragInteraction::beginPrepared() {
         end(false);
         throw;
     }
-    stage.showOverlay(); // a grip is seen
+    showInfluence();
     if (!stage.colors->isStretch(session))
         stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
     now->moveTo(stage.seen, stage.mouseInWindow());
@@ -80,12 +79,32 @@ void DragInteraction::beginPrepared() {
         stage.requestStep();
 }
 
+/// What is turned, and what bends with it by how much; of what is pulled, the tool draws points.
+void DragInteraction::showInfluence() {
+    const auto &extents = stage.session->model().influence.extents;
+    const auto found = extents.find(now->tag);
+    const bool isTurned = isGrip(stage.session->state(), now->tag) && found != extents.end();
+    stage.colors->preview(isTurned ? found->second : nullptr);
+    stage.showOverlay();
+}
+
+/// It is turned and scaled about its pivot, and moved by its dot, unless a person has said where its pivot is.
+void DragInteraction::placePivot() {
+    const BendModel &model = stage.session->model();
+    const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
+    const Eigen::Affine3d since = // the drag began
+        motionBy(model, now->tag, now->begin) * motionAt(model, now->tag).inverse();
+    now->pivot = since * (now->kind == BendDrag::Move && !isGiven ? dotOf(model, now->tag) : pivotOf(model, now->tag));
+    now->isAbout = isGiven || isPoint;
+}
+
 /// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
 /// prepared anew.
 void DragInteraction::changeKind(BendDrag::Kind kind) {
     const BendState &state = stage.session->state();
     if (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag)) {
         now->kind = kind;
+        placePivot();
         return;
     }
     Grip again = grip;
@@ -109,6 +128,8 @@ void DragInteraction::stop(bool keep) {
     if (stage.moving)
         stage.overlay->move();
     stage.moving.reset();
+    if (stage.colors->preview(nullptr) && stage.layer())
+        stage.showOverlay();
     stage.isStepWanted = false;
     stage.sinceEvent.start();
 }
@@ -188,8 +209,12 @@ bool DragInteraction::turnWheel(double steps) {
     if (!now)
         return false;
     BendSession &session = *stage.session;
-    stage.panel->setRadius(radiusOf(session.model(), now->tag) / session.diagonal() * std::pow(1.1, steps));
-    session.setRadius(now->tag, stage.panel->radius() * session.diagonal());
+    session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
+    isRadiusShown = true;
+    placePivot();
+    showInfluence();
+    if (stage.moving)
+        stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));
     stage.requestStep();
     return true;
 }
@@ -211,6 +236,12 @@ void DragInteraction::beforeDraw() {
 }
 
 QString DragInteraction::text() const {
-    return now ? QString::fromStdString(nameOf(stage.session->state(), now->tag) + ": " + now->text(stage.seen))
-               : QString();
+    if (!now)
+        return {};
+    const BendSession &session = *stage.session;
+    const QString what = QString::fromStdString(nameOf(session.state(), now->tag) + ": " + now->text(stage.seen));
+    return isRadiusShown ? QString("%1; radius %2 %")
+                               .arg(what)
+                               .arg(100 * radiusOf(session.model(), now->tag) / session.diagonal(), 0, 'f', 1)
+                         : what;
 }

@@ -35,15 +35,18 @@ class DragInteraction : public BendInteraction {
 
   private:
     void beginPrepared();
+    void showInfluence();
+    void placePivot();
     void changeKind(BendDrag::Kind kind);
     void stop(bool keep);
     void end(bool keep);
 
     std::unique_ptr<BendDrag> now; ///< once the layer is prepared
     Grip grip;
-    Eigen::Vector3d gripped;  ///< where the mouse was then, window
-    double tookToPrepare = 0; ///< milliseconds
-    bool isReleased = false;  ///< the button, before the layer was prepared
+    Eigen::Vector3d gripped;    ///< where the mouse was then, window
+    double tookToPrepare = 0;   ///< milliseconds
+    bool isRadiusShown = false; ///< the wheel has changed it
+    bool isReleased = false;    ///< the button, before the layer was prepared
     QElapsedTimer sinceDraw;
 };
 

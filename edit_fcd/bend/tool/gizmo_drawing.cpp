@@ -9,7 +9,7 @@
 
 namespace {
 
-const int arrowPixels = 80, ringPixels = 60;
+const int arrowPixels = 60, ringPixels = 42; // what lies under them is still seen, and hit
 const int ringParts = 48;
 const GLubyte litColor[] = {255, 225, 60};
 
@@ -95,6 +95,14 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
         glColor3ubv(litColor);
         drawPoint(dotOf(session.model(), lit), 12);
     }
+}
+
+void drawPivot(const Eigen::Vector3d &place) {
+    const FlatDrawing flat;
+    glColor3ub(20, 20, 20);
+    drawPoint(place, 10);
+    glColor3ubv(litColor);
+    drawPoint(place, 6);
 }
 
 void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit) {

@@ -28,6 +28,8 @@ std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const E
 /// Draws, over what is there, point handles and what they reach, and a light on one of the handles. \param drag may be
 /// null \param lit 0: none
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
+/// Draws where something would turn.
+void drawPivot(const Eigen::Vector3d &place);
 /// Draws the gizmo. \param drag may be null \param lit the part under the mouse
 void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit);
 /// Draws points that a line is given by, the first one larger, and the line that is used, or, while that is not known,

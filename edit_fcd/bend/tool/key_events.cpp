@@ -55,10 +55,17 @@ bool BendTool::beginsByKey(const Place &place) const {
     return place.slot && isFree(session->state(), *place.slot) && !isOther;
 }
 
+/// What is under the mouse for a key: the surface, also where a ring or an arrow, which take presses, lies over it. But
+/// the ball of the gizmo is its handle.
+BendTool::Place BendTool::placeOfKeys() const {
+    const std::optional<GizmoPart> part = partAtMouse();
+    return part && part->axis < 0 ? Place{selected(), {}} : placeAtMouse();
+}
+
 /// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
 void BendTool::dragByKey(BendDrag::Kind kind) {
     findMouse();
-    const Place place = view->underMouse() && !partAtMouse() ? placeAtMouse() : Place();
+    const Place place = view->underMouse() ? placeOfKeys() : Place();
     const bool isBegin = beginsByKey(place);
     const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
     if (!tag && !isBegin)
@@ -78,7 +85,8 @@ void BendTool::placePivot() {
     session->change();
     setPivot(session->edit(), tag, place);
     hint = QString::fromStdString(nameOf(session->state(), tag)) +
-           (!place    ? QString(": turns about its middle again.")
+           (!place    ? QString(jointOf(session->model(), tag) ? ": turns about its joint again."
+                                                               : ": turns about its middle again.")
             : isOther ? ": turns about the middle of " + QString::fromStdString(nameOf(session->state(), other)) + "."
                       : QString(": turns about this place; P beside the mesh takes that back."));
 }

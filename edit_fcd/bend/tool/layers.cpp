@@ -63,7 +63,7 @@ void BendTool::open(MeshModel &newModel) {
         session->readAhead();
     enterLayer(newModel);
     colors = std::make_unique<MarkColors>(newModel);
-    active = hovered = 0;
+    active = hovered = keysTag = 0;
     isChosen = keysBegin = false;
     lit.reset();
     isLive = isShownChanged = false;

@@ -34,7 +34,8 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
         if (each.isHidden)
             hidden.insert(tag);
     std::vector<vcg::Color4b> color;
-    if (!marks && grips.empty())
+    const bool isPreview = previewed && !making;
+    if (!marks && grips.empty() && !isPreview)
         return color;
     color.assign(held.size(), vcg::Color4b(0, 0, 0, 0));
     vcg::fcd::ParallelFor(0, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -44,5 +45,30 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
                 color[i][3] = !making && isAlong(session.model(), i) ? alongOpacity : opacity;
             }
     });
+    if (isPreview)
+        addPreview(session, color);
     return color;
+}
+
+bool MarkColors::preview(std::shared_ptr<const BendExtent> extent) {
+    const bool isOther = extent != previewed;
+    previewed = std::move(extent);
+    return isOther;
+}
+
+void MarkColors::addPreview(const BendSession &session, std::vector<vcg::Color4b> &color) const {
+    const BendTags &tags = session.tags();
+    const auto *marks = session.state().marks.get();
+    const auto set = [&](std::size_t i, double share) {
+        if (marks && (*marks)[i] != 1)
+            return; // it stays, or moves by itself
+        color[i] = vcg::Color4b(250, 190, 40, (unsigned char)(share * opacity));
+    };
+    for (const std::size_t i : previewed->beyond)
+        set(i, 1);
+    for (std::size_t k = 0; k < previewed->around.size(); ++k) {
+        const std::size_t i = previewed->around[k];
+        if (tags[i] < 2 || isAlong(session.model(), i))
+            set(i, previewed->share[k]);
+    }
 }

@@ -16,8 +16,15 @@ class MarkColors {
     /// One colour per vertex slot, of its stretch or else of its marks. Empty where there is nothing to be shown.
     std::vector<vcg::Color4b> of(const BendSession &session);
 
+    /// From now on, what would move with a handle is shown by how much it would. \param extent null: no more is
+    /// \return whether that is another one
+    bool preview(std::shared_ptr<const BendExtent> extent);
+
   private:
+    void addPreview(const BendSession &session, std::vector<vcg::Color4b> &color) const;
+
     const MeshModel &layer;
+    std::shared_ptr<const BendExtent> previewed;
     std::unique_ptr<StretchColors> stretch; ///< once it has been shown
 };
 

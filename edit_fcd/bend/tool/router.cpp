@@ -32,6 +32,7 @@ void BendTool::press(QMouseEvent *event) {
     if (going && going->press(*event))
         return;
     if (!isPlain(*event) || !isReady()) {
+        forgetForeseen();
         toCamera(event);
         return;
     }
@@ -139,13 +140,14 @@ bool BendTool::changeRim(double times) {
     if (!sinceRim.isValid() || sinceRim.hasExpired(1000))
         session->change();
     sinceRim.start();
-    const double least = 0.005 * session->diagonal(), most = 4 * session->diagonal(); // as in the panel
-    const double before = tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()),
-                 rim = std::min(std::max(before * times, least), most);
-    if (tag)
+    double rim = times * (tag ? radiusOf(session->model(), tag) : rimAt(session->state(), slot, session->diagonal()));
+    if (tag) {
         session->setRadius(tag, rim);
-    else
+        rim = radiusOf(session->model(), tag);
+    } else {
         session->setRimAt(slot, rim);
+        rim = rimAt(session->state(), slot, session->diagonal());
+    }
     const double percent = 100 * rim / session->diagonal();
     const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
     hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
@@ -158,18 +160,64 @@ bool BendTool::changeRim(double times) {
     return true;
 }
 
-/// What is under the mouse lights up.
+/// What is under the mouse lights up: what a press would take, which may be a ring that lies over another handle.
 void BendTool::hover() {
     const std::optional<GizmoPart> part = partAtMouse();
-    const Place place = part ? Place() : placeAtMouse();
+    const Place place = placeOfKeys();
+    const int tag = part ? 0 : place.tag;
     const bool isBegin = beginsByKey(place);
-    if (place.tag == hovered && part == lit && isBegin == keysBegin)
+    foreseen = part ? Place{selected(), {}} : place;
+    if (!isForeseeing)
+        later([this] { foresee(); }); // where the mouse is then: it may move faster
+    isForeseeing = true;
+    if (tag == hovered && part == lit && isBegin == keysBegin && place.tag == keysTag)
         return;
-    hovered = place.tag;
+    hovered = tag;
     lit = part;
     keysBegin = isBegin;
+    keysTag = place.tag;
     panel->showState(stateText());
     view->update();
+}
+
+/// What a press would move is shown by how much it would, and where it would turn.
+void BendTool::foresee() {
+    isForeseeing = false;
+    if (!layer() || going || preparing || panel->mode() != BendPanel::Bend || isSuspended)
+        return;
+    const auto &[tag, slot] = foreseen;
+    const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(session->model(), *slot);
+    QElapsedTimer watch;
+    watch.start();
+    std::shared_ptr<const BendExtent> found;
+    if (session->model().influence.isLocal || !session->state().marks) // else all that is free moves
+        found = tag       ? session->glimpseOf(tag)
+                : isThere ? session->glimpse(*slot, panel->radius() * session->diagonal())
+                          : nullptr;
+    foreseenPivot.reset();
+    if (found) {
+        const std::size_t at = found->vertices.front();
+        const BendModel &model = session->model();
+        const Eigen::Vector3d rest = model.ground.world * model.ground.at(at),
+                              pivot = found->joint ? Eigen::Vector3d(model.ground.world * *found->joint) : rest;
+        const int holder = tag ? tag : session->tags()[at];
+        foreseenPivot = tag           ? pivotOf(model, tag)
+                        : holder >= 2 ? Eigen::Vector3d(motionAt(model, holder) * pivot)
+                                      : Eigen::Vector3d(pivot + session->positionOf(at) - rest);
+    }
+    if (!colors->preview(found))
+        return;
+    showOverlay();
+    if (std::getenv("FCD_TRACE") && found)
+        std::fprintf(stderr, "FCD trace: foreseen: %d vertices, %d move, %.1f ms\n", model->cm.vn,
+                     int(found->beyond.size() + found->around.size()), double(watch.nsecsElapsed()) / 1e6);
+}
+
+/// Nothing is going to move any more.
+void BendTool::forgetForeseen() {
+    foreseenPivot.reset();
+    if (colors && colors->preview(nullptr) && layer())
+        showOverlay();
 }
 
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
@@ -192,6 +240,8 @@ bool BendTool::grab() {
 void BendTool::beginDrag(const DragInteraction::Grip &grip) {
     if (grip.tag && handleOf(session->state(), grip.tag).isLocked)
         throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
+    foreseenPivot.reset();
+    colors->preview(nullptr); // the drag shows what it moves
     DragInteraction &begun = goOn<DragInteraction>();
     try {
         begun.begin(grip);

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/coarse_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+using vcg::fcd::Index;
+using vcg::fcd::SurfaceGraph;
+
+namespace {
+
+// Cells that a surface meets, for each that its area is worth: 1.5 for a plane that lies in no direction of the grid.
+const double cellsOfArea = 1.5;
+
+/// The number of each node's cluster, ascending with the first node of each. \return how many there are
+Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cluster) {
+    const Index n = fine.graph.Size();
+    std::vector<Eigen::Vector3i> cellOf(static_cast<std::size_t>(n));
+    for (Index u = 0; u < n; ++u)
+        cellOf[std::size_t(u)] = (fine.graph.position.col(u).cast<double>() / cell).array().floor().cast<int>();
+    std::vector<Index> parent(cellOf.size()); // the first node of each cluster is its root
+    std::iota(parent.begin(), parent.end(), Index(0));
+    const auto rootOf = [&](Index u) {
+        while (parent[std::size_t(u)] != u)
+            u = parent[std::size_t(u)] = parent[std::size_t(parent[std::size_t(u)])];
+        return u;
+    };
+    for (Index u = 0; u < n; ++u)
+        for (const Index v : fine.graph.adjacency[u])
+            if (v < u && cellOf[std::size_t(u)] == cellOf[std::size_t(v)]) {
+                const Index a = rootOf(u), b = rootOf(v);
+                parent[std::size_t(std::max(a, b))] = std::min(a, b);
+            }
+    Index count = 0;
+    cluster.resize(parent.size());
+    for (Index u = 0; u < n; ++u) {
+        const Index root = rootOf(u);
+        cluster[std::size_t(u)] = root == u ? count++ : cluster[std::size_t(root)];
+    }
+    return count;
+}
+
+/// Joins each node with the neighbours of its neighbours, too: ways along the middles of clusters are not straight, and
+/// were a fifth too long.
+vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
+    vcg::fcd::Csr all;
+    std::vector<Index> near;
+    for (Index u = 0; u < beside.Size(); ++u) {
+        near.assign(beside[u].begin(), beside[u].end());
+        for (const Index v : beside[u])
+            near.insert(near.end(), beside[v].begin(), beside[v].end());
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        for (const Index v : near)
+            if (v != u)
+                all.item.push_back(v);
+        all.begin.push_back(std::uint32_t(all.item.size()));
+    }
+    return all;
+}
+
+} // namespace
+
+std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most) {
+    const Index n = fine.graph.Size();
+    if (n <= most || !(fine.area > 0))
+        return nullptr;
+    std::vector<Index> cluster;
+    const Index count = findClusters(fine, std::sqrt(cellsOfArea * fine.area / most), cluster);
+    auto coarse = std::make_unique<SurfaceGraph>();
+    coarse->frame = fine.frame;
+    coarse->area = fine.area;
+    coarse->graph.isCloud = fine.graph.isCloud;
+    coarse->graph.position = Eigen::Matrix3Xf::Zero(3, count);
+    coarse->nodeArea.assign(std::size_t(count), 0);
+    std::vector<float> size(std::size_t(count), 0);
+    std::vector<std::pair<Index, Index>> edges;
+    for (Index u = 0; u < n; ++u) {
+        const Index own = cluster[std::size_t(u)];
+        coarse->graph.position.col(own) += fine.graph.position.col(u);
+        coarse->nodeArea[std::size_t(own)] += fine.nodeArea[std::size_t(u)];
+        ++size[std::size_t(own)];
+        for (const Index v : fine.graph.adjacency[u])
+            if (const Index other = cluster[std::size_t(v)]; other != own)
+                edges.emplace_back(own, other);
+    }
+    for (Index c = 0; c < count; ++c)
+        coarse->graph.position.col(c) /= size[std::size_t(c)];
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    vcg::fcd::Csr beside;
+    beside.begin.assign(std::size_t(count) + 1, 0);
+    for (const auto &[from, to] : edges) {
+        ++beside.begin[std::size_t(from) + 1];
+        beside.item.push_back(to);
+    }
+    std::partial_sum(beside.begin.begin(), beside.begin.end(), beside.begin.begin());
+    coarse->graph.adjacency = withNext(beside);
+    coarse->nodeOf = fine.nodeOf;
+    for (Index &node : coarse->nodeOf)
+        if (node >= 0)
+            node = cluster[std::size_t(node)];
+    return coarse;
+}
