@@ -1294,6 +1294,64 @@ def test_an_animation_is_played(window, tmp_path):
     assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
 
 
+def test_an_animation_is_exported(window, tmp_path):
+    """As the filter writes it, to the bit; a part of it, too. The log has the call."""
+    w, points, faces, tags = tube_with_poses(window, tmp_path)
+    w.click(w.place("export"))
+    w.wait("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.")
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    shown = load(w.save("shown.ply"))[0]
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
+
+    def choose(**fields):
+        for field, text in fields.items():
+            x, y, _, height = w.box(field)
+            w.click((x + 20, y + height // 2))
+            w.key("ctrl+a")
+            w.do("type", "--delay", 5, text)
+            w.key("Tab")
+        w.shot("asked")
+        w.click(w.place("choose"))
+
+    def write(name, **fields):
+        written = w.text().count("Bend: Wrote ")
+        w.click(w.place("export"))
+        w.wait_for_title("Export animation")
+        choose(**fields)
+        w.do("sleep", 0.5) # the next dialog has the same title
+        w.wait_for_title("Export animation")
+        w.do("type", "--delay", 5, str(tmp_path / name))
+        w.key("Return")
+        w.wait("Bend: Wrote ", written + 1)
+        w.wait_for_title("MeshLab")
+        return re.findall(r"Bend: Wrote (\d+) frames to .*", w.text())[-1], w.text().rpartition("Bend: Wrote ")[2].splitlines()[0]
+
+    assert write("all", rate="4")[0] == "5"
+    frames, line = write("all.pc2", rate="4")
+    assert frames == "5" and line.endswith(
+        f"ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=0, frames_per_second=4, "
+        f"pc2_file='{tmp_path}/all.pc2')")
+    rest = write_ply(tmp_path / "tube.ply", points, faces, tags)
+    for folder in ("filter", "server"):
+        (tmp_path / folder).mkdir(exist_ok=True)
+    run = Run(tmp_path / "server", rest, sequence_filter(tmp_path / "poses.csv", tmp_path / "filter", frame_layers=0))
+    assert run.code == 0, run.log
+    assert (tmp_path / "all.glb").read_bytes() == (tmp_path / "filter" / "bone.glb").read_bytes()
+    assert (tmp_path / "all.pc2").read_bytes() == (tmp_path / "filter" / "bone.pc2").read_bytes()
+
+    frames, line = write("part.pc2", rate="4", **{"from": "0,5"})
+    assert frames == "3" and "open('poses.csv', 'w', encoding='utf-8').write('time,easing,bent\\n" in line and "poses_file='poses.csv'" in line
+    floats = np.frombuffer((tmp_path / "part.pc2").read_bytes()[32:], "<f4").reshape(3, -1, 3)
+    assert np.abs(floats[2] - shown).max() < 1e-3 and np.abs(floats[0] - points).max() > 0.05
+    assert np.array_equal(load(w.save("after.ply"))[0], shown)
+
+    w.click(w.place("export"))
+    w.wait_for_title("Export animation")
+    choose(**{"from": "0.8", "to": "0.2"})
+    w.wait("The animation is to end before it begins.")
+
+
 @the_dialogs_are_those_of_2020
 def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     """What the one keeps with the layer, the other finds there."""

@@ -382,6 +382,22 @@ TEST(BendModel, PosesHaveNamesAndTimes) {
     EXPECT_EQ(withKeyFrames(poses, frames).key.back().time, 5) << "they ascend";
 }
 
+TEST(BendModel, APartOfAnAnimationHasTheFramesOfTheWhole) {
+    const PoseSequence poses = withPose(withPose({}, "2: scale 2"), "2: scale 3"); // smooth, from 0 to 2
+    EXPECT_EQ(between(poses, 0, 2, 24).key.size(), 3U) << "all of it is as it is";
+    const PoseSequence part = between(poses, 0.25, 1.5, 4);
+    const std::vector<double> times = vcg::fcd::FrameTimes(part, 4);
+    ASSERT_EQ(times, (std::vector<double>{0.25, 0.5, 0.75, 1, 1.25, 1.5}));
+    for (const double time : times)
+        EXPECT_EQ(part.WeightsAt(time), poses.WeightsAt(time)) << time;
+    EXPECT_EQ(between(poses, 0.5, 0.5, 4).key.size(), 1U);
+    EXPECT_THROW(between(poses, 1.5, 0.25, 4), Error);
+    BendState state;
+    EXPECT_THROW(expectAnimation(state), Error);
+    state.poses = std::make_shared<const PoseSequence>(poses);
+    EXPECT_EQ(expectAnimation(state).key.size(), 3U);
+}
+
 TEST(BendModel, StepsTellARigidMotion) {
     Eigen::Matrix3Xd from = Eigen::Matrix3Xd::Random(3, 30);
     from.colwise() -= from.rowwise().mean();

@@ -73,6 +73,12 @@ const PoseSequence &expectPoses(const BendState &state) {
     return *state.poses;
 }
 
+const PoseSequence &expectAnimation(const BendState &state) {
+    if (!state.poses || state.poses->key.size() < 2)
+        throw Error("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.");
+    return *state.poses;
+}
+
 std::vector<KeyFrame> keyFrames(const BendState &state) {
     return state.poses ? state.poses->key : std::vector<KeyFrame>();
 }
@@ -90,4 +96,18 @@ PoseSequence withKeyFrame(const BendState &state, bool moves) {
     PoseSequence poses = expectPoses(state);
     poses.key.push_back({poses.key.empty() ? 0 : poses.key.back().time + 1, Easing::Smooth, weightsOfPoses(state)});
     return poses;
+}
+
+PoseSequence between(PoseSequence poses, double from, double to, double rate) {
+    if (to < from)
+        throw Error("The animation is to end before it begins. Give an earlier 'From', or a later 'To'.");
+    if (from <= poses.key.front().time && to >= poses.key.back().time)
+        return poses;
+    PoseSequence cut = poses;
+    cut.key = {{from, Easing::Linear, {}}, {to, Easing::Linear, {}}};
+    const std::vector<double> times = FrameTimes(cut, rate);
+    cut.key.clear();
+    for (const double time : times)
+        cut.key.push_back({time, Easing::Linear, poses.WeightsAt(time)});
+    return cut;
 }

@@ -21,6 +21,8 @@ std::vector<double> aloneOf(std::size_t poses, std::size_t number); ///< 100 % o
 std::vector<double> weightsOfPoses(const BendState &state);
 /// \throw vcg::fcd::Error there are none
 const vcg::fcd::PoseSequence &expectPoses(const BendState &state);
+/// \throw vcg::fcd::Error they have less than two key frames
+const vcg::fcd::PoseSequence &expectAnimation(const BendState &state);
 
 /// Ascending in time.
 std::vector<vcg::fcd::KeyFrame> keyFrames(const BendState &state);
@@ -28,5 +30,8 @@ vcg::fcd::PoseSequence withKeyFrames(vcg::fcd::PoseSequence poses, std::vector<v
 /// What is shown of the poses becomes a key frame, a second after the others. \param moves whether anything does
 /// \throw vcg::fcd::Error no pose is shown
 vcg::fcd::PoseSequence withKeyFrame(const BendState &state, bool moves);
+/// The frames from one time to another, \p rate a second, each as a key frame: no other table has the same ones where
+/// an easing is cut. All of it as it is. \throw vcg::fcd::Error it ends before it begins, or as FrameTimes
+vcg::fcd::PoseSequence between(vcg::fcd::PoseSequence poses, double from, double to, double rate);
 
 #endif

@@ -13,6 +13,12 @@
 #include <string>
 #include <vector>
 
+struct AnimationExport;
+class FilesToSave;
+namespace vcg::fcd {
+struct SequenceReport;
+}
+
 /// How the filters are asked for what the panel says.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
 
@@ -117,6 +123,21 @@ class BendSession {
     /// \param time seconds since it began
     void showAnimation(double time);
     void endAnimation() { solver.endBlends(); }
+
+    /// What is exported, as it was when that was asked for.
+    struct Animation {
+        vcg::fcd::PoseSequence poses; ///< whose motions name no layer
+        std::vector<vcg::fcd::KeyFrame> key;
+        std::string name; ///< of the layer
+    };
+    /// \throw vcg::fcd::Error there is none, or not in that range
+    Animation animation(const AnimationExport &how);
+    /// Writes it as FCD: Pose Sequence does, beside the window too. \param files that get it: once they are saved
+    /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames, or a file that cannot be written
+    vcg::fcd::SequenceReport exportAnimation(const Animation &animation, const AnimationExport &how, FilesToSave &files,
+                                             const vcg::fcd::Progress &progress);
+    /// The filter call that writes the same.
+    std::string exportCall(const Animation &animation, const AnimationExport &how) const;
 
     // --- the pose ---
 

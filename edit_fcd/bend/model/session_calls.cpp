@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/animation_export.h" // before Qt
+
 #include "edit_fcd/bend/model/session.h"
 
 #include "edit_fcd/shape/script_call.h"
@@ -105,4 +107,26 @@ std::string BendSession::callToNewLayer(bool graphLayers) const {
     if (exact.empty())
         return call + " (nearly: FCD: Pose Sequence, which blends poses, has no other distances)";
     return graphLayers ? exact + " (which makes no graph layers; with these, and nearly: " + call + ")" : exact;
+}
+
+std::string BendSession::exportCall(const Animation &animation, const AnimationExport &how) const {
+    const bool isWhole = animation.key.size() == state().poses->key.size() && how.from == animation.key.front().time &&
+                         how.to == animation.key.back().time;
+    ScriptCall call("generate_fcd_pose_sequence");
+    PoseSequence table = animation.poses;
+    table.key = animation.key;
+    table.surface.reset();
+    if (!isWhole)
+        call.with("poses_file", std::string("poses.csv"));
+    call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", 0);
+    call.with("frames_per_second", asTyped(how.rate), asTyped(AnimationExport().rate));
+    call.with(how.isPointCache() ? "pc2_file" : "gltf_file", how.file.toStdString());
+    if (!how.isPointCache())
+        call.with("gltf_shapes", int(how.shapes), 0);
+    std::string text = withShape(call, data.options);
+    if (data.options.weights != BendOptions().weights)
+        text += " (nearly: FCD: Pose Sequence has no other distances)";
+    return isWhole
+               ? text
+               : "open('poses.csv', 'w', encoding='utf-8').write(" + inPython(PoseSequenceText(table)) + "); " + text;
 }

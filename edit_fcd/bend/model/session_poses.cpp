@@ -178,8 +178,7 @@ void BendSession::loadPoses(const QString &file) {
 }
 
 double BendSession::beginAnimation(const vcg::fcd::Progress &progress) {
-    if (!state().poses || state().poses->key.size() < 2)
-        throw Error("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.");
+    expectAnimation(state());
     std::vector<std::map<int, Motion>> motions = motionsOfPoses();
     prepare(progress);
     solver.beginBlends(std::move(motions), rest.world(), deformationOf(data.options));

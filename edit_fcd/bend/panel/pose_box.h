@@ -13,7 +13,7 @@ class BendPoseBox : public QWidget {
     Q_OBJECT
 
   public:
-    enum Command { Keep, Load, Save, KeyFrame, Play };
+    enum Command { Keep, Load, Save, KeyFrame, Play, Export };
 
     explicit BendPoseBox(QWidget *parent = nullptr);
     BendPoseList &list() { return *poses; }

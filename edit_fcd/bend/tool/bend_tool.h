@@ -70,6 +70,7 @@ class BendTool : public BendStage {
     void apply(bool inPlace);
     void editHandle(const BendHandleRow &to);
     void onPoseCommand(int which);
+    void exportAnimation();
     void changePoses(const std::function<void()> &change);
     void changePose(int row, const std::function<void()> &change);
     void changeFrame(int row, const std::function<void()> &change);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include "edit_fcd/bend/panel/export_dialog.h" // before Qt
+
 #include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/bend/tool/play_interaction.h"
 
@@ -176,8 +178,42 @@ void BendTool::onPoseCommand(int which) {
         if (!wasPlaying) // else it was stopped by the press
             goOn<PlayInteraction>().begin();
         break;
+    case BendPoseBox::Export: exportAnimation(); break;
     }
     view->update();
+}
+
+/// The key frames become a file, beside the window.
+void BendTool::exportAnimation() {
+    const std::vector<vcg::fcd::KeyFrame> &keys = expectAnimation(session->state()).key;
+    BendExportDialog dialog(keys.front().time, keys.back().time, view->window());
+    if (dialog.exec() != QDialog::Accepted || !isReady())
+        return;
+    AnimationExport how = dialog.asked();
+    const auto animation = std::make_shared<const BendSession::Animation>(session->animation(how));
+    how.file = fileToSave(*view, "Export animation", "glTF (*.glb);;Point caches (*.pc2)", {".glb", ".pc2"});
+    if (how.file.isEmpty() || !isReady())
+        return;
+    const auto files = std::make_shared<FilesToSave>();
+    const auto report = std::make_shared<vcg::fcd::SequenceReport>();
+    beside(
+        "Exporting the animation",
+        [=](const vcg::fcd::Progress &progress) {
+            *report = session->exportAnimation(*animation, how, *files, progress);
+        },
+        [=] {
+            files->save();
+            say("Wrote " + std::to_string(report->frames) + " frames to " + how.file.toStdString() +
+                ". In a script, once the layer is at rest: " + session->exportCall(*animation, how));
+            if (!report->converged)
+                say("Some frames did not converge.", true);
+            if (report->folded > 0)
+                say("In a frame, " + std::to_string(report->folded) +
+                        " triangles are flipped: the surface is squeezed or twisted too much there.",
+                    true);
+            refresh();
+        },
+        {}, true);
 }
 
 void BendTool::showPoses() {

@@ -123,12 +123,12 @@ void BendStage::solve(bool full) {
 // --- beside the window ---
 
 void BendStage::beside(const QString &what, const Job::Work &work, std::function<void()> done,
-                       std::function<void()> stopped) {
+                       std::function<void()> stopped, bool isLong) {
     preparingWhat = what;
     whenPrepared = std::move(done);
     whenStopped = std::move(stopped);
     session->beginBeside();
-    if (model->cm.vn <= preparedAtOnce) {
+    if (!isLong && model->cm.vn <= preparedAtOnce) {
         try {
             work({});
         } catch (...) {

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_ANIMATION_EXPORT_H
+#define FCD_BEND_ANIMATION_EXPORT_H
+
+#include <vcg_ext/sequence/sequence_frames.h> // before Qt
+
+#include <QString>
+
+/// How the key frames become a file.
+struct AnimationExport {
+    double rate = 24;                                                              ///< frames a second
+    double from = 0, to = 0;                                                       ///< seconds
+    vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame; ///< of glTF
+    QString file;                                                                  ///< .glb or .pc2
+
+    bool isPointCache() const { return file.endsWith(".pc2", Qt::CaseInsensitive); }
+};
+
+#endif

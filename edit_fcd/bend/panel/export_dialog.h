@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_EXPORT_DIALOG_H
+#define FCD_BEND_EXPORT_DIALOG_H
+
+#include "edit_fcd/bend/model/animation_export.h" // before Qt
+
+#include <QComboBox>
+#include <QDialog>
+#include <QDoubleSpinBox>
+
+/// Asks how an animation is exported; the file is asked for afterwards.
+class BendExportDialog : public QDialog {
+  public:
+    /// \param first,last seconds, of the key frames
+    BendExportDialog(double first, double last, QWidget *parent);
+    /// All but the file. The whole range is first and last to the bit.
+    AnimationExport asked() const;
+
+  private:
+    const double first, last;
+    QDoubleSpinBox *rate, *from, *to;
+    QComboBox *shapes;
+};
+
+#endif
