@@ -58,6 +58,8 @@ def reaching(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np
     """The header of a file that has points from low to high: with another offset, and a scale that is coarser by a power of ten where needed."""
     made = copy.deepcopy(header)
     whole = np.array(header.offsets), np.array(header.scales)  # as they are where they do
+    usable = np.isfinite(whole[1]) & (whole[1] > 0)
+    whole[1][~usable] = whole[1][usable].min() if usable.any() else 0.001  # a flat tile may have none of its height, which it needs now
     for d in range(3):
         if max(abs(low[d] - whole[0][d]), abs(high[d] - whole[0][d])) / whole[1][d] < 2 ** 31 - 1:
             continue

@@ -131,6 +131,18 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     return deformation;
 }
 
+void addDisplacement(RichParameterList &list, bool displacement) {
+    if (!host::firstMayBeLacking())
+        addParameter<RichBool>(list, Shown::Advanced, "displacement", displacement, "Add displacement",
+                               "Also gives the vertices of the result the vector attribute 'fcd_displacement': the way "
+                               "that each went, in the layer's coordinates. Scripts read it as "
+                               "vertex_custom_point_attribute_matrix.");
+}
+
+bool displacement(const RichParameterList &list) {
+    return list.hasParameter("displacement") && list.getBool("displacement");
+}
+
 void addGraphLayers(RichParameterList &list, bool graphLayers) {
     addParameter<RichBool>(
         list, Shown::Advanced, "graph_layers", graphLayers, "Add graph layers",

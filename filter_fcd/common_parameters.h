@@ -46,6 +46,10 @@ void addSampling(RichParameterList &list, const vcg::fcd::FitParam &fit);
 /// All of a fit from stiffness to the number of steps; not checked.
 void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit);
 
+/// Whether the result also tells how far each vertex went, as an attribute.
+void addDisplacement(RichParameterList &list, bool displacement);
+bool displacement(const RichParameterList &list);
+
 /// Whether the graph is added as layers, too.
 void addGraphLayers(RichParameterList &list, bool graphLayers);
 

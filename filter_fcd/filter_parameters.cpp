@@ -94,6 +94,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
                            "<b>angle</b> by which the surface turned, in degrees, or the <b>contact</b>: how far the "
                            "surface passes through itself where it did not at rest. Up to 250 thousand faces the log "
                            "tells of contact in any case; larger layers take a second for a million faces.");
+    addDisplacement(list, param.displacement);
     if (!host::firstMayBeLacking())
         addParameter<RichBool>(list, Shown::Advanced, "stop_at_contact", param.stopAtContact, "Stop at contact",
                                "Carries the motion out only until the surface would pass through itself: to the last "
@@ -174,12 +175,16 @@ RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &d
                             "Deformed graph", "The layer with the same graph, deformed.");
     addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
                            "Deforms every visible layer but those above, instead of the current one.");
+    addDisplacement(list, param.displacement);
     return list;
 }
 
 CopyParam copyParam(const RichParameterList &list, const MeshDocument &document) {
-    return {host::layerParameter(list, "source_layer", document), host::layerParameter(list, "rest_graph", document),
-            host::layerParameter(list, "deformed_graph", document), list.getOpenFileName("deformation_file"),
+    return {host::layerParameter(list, "source_layer", document),
+            host::layerParameter(list, "rest_graph", document),
+            host::layerParameter(list, "deformed_graph", document),
+            list.getOpenFileName("deformation_file"),
+            displacement(list),
             list.getBool("all_visible")};
 }
 
@@ -218,6 +223,7 @@ DeformMeshParam deformMeshParam(const RichParameterList &list, const MeshDocumen
 
     param.graphLayers = list.getBool("graph_layers");
     param.quality = DeformMeshParam::Quality(enumValue(list, "deformed_quality", 4));
+    param.displacement = displacement(list);
     param.stopAtContact = list.hasParameter("stop_at_contact") && list.getBool("stop_at_contact");
     param.deformation.contact = param.quality == DeformMeshParam::Contact;
     param.deformation.measure = param.quality == DeformMeshParam::Stretch || param.quality == DeformMeshParam::Rotation;

@@ -231,7 +231,10 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
         if (!hasDirections(target))
             linear.clear();
         added.push_back(std::make_unique<NewLayers>(document, target, remark));
-        last = &added.back()->addDeformed("deformed", position, linear, {});
+        MeshModel &copy = added.back()->addDeformed("deformed", position, linear, {});
+        if (param.displacement)
+            added.back()->addDisplacement(copy, position);
+        last = &copy;
         made.vertices += target.cm.vn;
     }
     NewLayers::keep(added, *last, progress);

@@ -174,6 +174,8 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
                                    : param.quality == DeformMeshParam::Contact  ? depth
                                                                                 : none,
                                    param.graphLayers ? found : nullptr);
+    if (param.displacement)
+        layers.addDisplacement(*made.layers.back(), result.position);
     layers.keep(*made.layers.back(), adding);
     if (inWindow) // one sees what one asked for, and the next try takes its place
         showResult(document, layer, made.layers);

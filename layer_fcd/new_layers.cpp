@@ -177,6 +177,17 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
     return layer;
 }
 
+void NewLayers::addDisplacement(MeshModel &layer, const Eigen::Matrix3Xd &position) const {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    const std::string name = "fcd_displacement";
+    if (vcg::tri::HasPerVertexAttribute(layer.cm, name)) // perhaps of another type
+        Allocator::DeletePerVertexAttribute(layer.cm, name);
+    auto way = Allocator::AddPerVertexAttribute<Point3m>(layer.cm, name);
+    Packing(base.cm.vert, base.cm.vn).forEach([&](std::size_t i, std::size_t j) {
+        way[j] = toPoint(position.col(Eigen::Index(i)) - toVector(base.cm.vert[i].cP()));
+    });
+}
+
 std::vector<MeshModel *> NewLayers::addResult(const QString &what, const vcg::fcd::DeformationResult &result,
                                               const std::vector<float> &quality,
                                               const std::shared_ptr<const Prepared> &graphOf) {

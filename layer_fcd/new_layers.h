@@ -50,6 +50,10 @@ class NewLayers {
     MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
                            const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality);
 
+    /// Gives \p layer, which addDeformed made at \p position, the vector attribute "fcd_displacement" per vertex: the
+    /// way from the base's position to its own, in their coordinates, in the place of one that the base has.
+    void addDisplacement(MeshModel &layer, const Eigen::Matrix3Xd &position) const;
+
     /// The layers of a deformation: where \p graphOf, what it was solved with, is not null, "NAME graph" at rest and
     /// "NAME deformed graph", which keeps the deformation; last, as addDeformed, "NAME what".
     std::vector<MeshModel *> addResult(const QString &what, const vcg::fcd::DeformationResult &result,

@@ -81,6 +81,7 @@ struct DeformMeshParam {
     const MeshModel *graphLayer = nullptr;
     bool graphLayers = true;    ///< keep the rest and the deformed graph as layers
     Quality quality = Input;    ///< of the deformed layer
+    bool displacement = false;  ///< also an attribute of its vertices: how far they went
     bool stopAtContact = false; ///< only so much of the motion that the surface does not pass through itself
 };
 
@@ -191,8 +192,9 @@ struct ResetPoseParam {
 /// What "FCD: Apply Deformation to Layer" is asked for.
 struct CopyParam {
     MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
-    QString file;            ///< of a saved deformation; empty: the layers have it
-    bool allVisible = false; ///< to all visible layers but these, instead of to the current one
+    QString file;              ///< of a saved deformation; empty: the layers have it
+    bool displacement = false; ///< also an attribute of the new vertices: how far they went
+    bool allVisible = false;   ///< to all visible layers but these, instead of to the current one
 };
 
 /// What "FCD: Save Deformation" is asked for.

@@ -68,6 +68,23 @@ class Field {
         return nb::make_tuple(positions, others);
     }
 
+    /// How space turns and stretches there, n x 3 x 3.
+    nb::object linear(const Rows &xyz, unsigned threads, const nb::object &report) const {
+        const std::size_t n = xyz.shape(0);
+        double *to;
+        nb::object maps = newArray({n, 3, 3}, to);
+        const double *from = xyz.data();
+        Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
+            forInSpaceOrder(
+                from, n, box, progress, "Mapping points", [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
+                    Eigen::Matrix3f map = Eigen::Matrix3f::Identity();
+                    field(rowOf(from, i), &map, &hint);
+                    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(to + 9 * i) = map.cast<double>();
+                });
+        });
+        return maps;
+    }
+
   private:
     const vcg::fcd::DeformationField field;
     const Eigen::AlignedBox3d box; ///< of its samples

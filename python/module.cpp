@@ -89,7 +89,8 @@ NB_MODULE(_core, module) {
         .def_prop_ro("samples", &Field::samples)
         .def_prop_ro("largest_difference", &Field::largestDifference)
         .def("positions", &Field::positions)
-        .def("apply", &Field::apply, arg("xyz"), arg("normals").none(), arg("threads"), arg("report").none());
+        .def("apply", &Field::apply, arg("xyz"), arg("normals").none(), arg("threads"), arg("report").none())
+        .def("linear", &Field::linear, arg("xyz"), arg("threads"), arg("report").none());
     nb::class_<Prepared>(module, "Prepared")
         .def("graph", &Prepared::graph)
         .def("patch_of", &Prepared::patchOf)

@@ -27,6 +27,24 @@ def rms(a, b):
     return np.sqrt(((a - b) ** 2).sum(1).mean())
 
 
+def test_how_far_vertices_went_is_an_attribute(tmp_path):
+    ms = new_set()
+    points = np.random.default_rng(1).normal(size=(300, 3))
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_scalar_array=np.where(points[:, 2] < -0.5, 0.0, np.where(points[:, 2] > 0.5, 2, 1))), "cloud")
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.5]), displacement=True)
+    bent = ms.current_mesh()
+    assert np.abs(bent.vertex_custom_point_attribute_matrix("fcd_displacement") - (bent.vertex_matrix() - points)).max() < 1e-12
+    other = 0.9 * points[:50]
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=other), "other")
+    ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=2, displacement=True)
+    copy = ms.current_mesh()
+    way = copy.vertex_custom_point_attribute_matrix("fcd_displacement")
+    assert np.abs(way - (copy.vertex_matrix() - other)).max() < 1e-12 and np.abs(way).max() > 0.3
+    ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=2, displacement=True)  # in the place of what it has
+    again = ms.current_mesh()
+    assert np.abs(again.vertex_custom_point_attribute_matrix("fcd_displacement") - (again.vertex_matrix() - copy.vertex_matrix())).max() < 1e-12
+
+
 def test_the_source_itself_becomes_the_deformed_layer():
     ms = bent_bone()
     before = snapshot(ms.current_mesh())
@@ -294,7 +312,7 @@ def applied(points, path, faces=None, normals=None):
 def test_parameters_of_saving_and_what_it_returns(tmp_path):
     ms = bent_bone()
     assert list(ms.filter_parameter_values(SAVE_DEFORMATION)) == ["source_layer", "rest_graph", "deformed_graph", "deformation_file", "accuracy", "inverse"]
-    assert list(ms.filter_parameter_values(COPY)) == ["deformation_file", "source_layer", "rest_graph", "deformed_graph", "all_visible"]
+    assert list(ms.filter_parameter_values(COPY)) == ["deformation_file", "source_layer", "rest_graph", "deformed_graph", "all_visible", "displacement"]
     before = snapshot(ms.mesh(0))
     result = saved(ms, tmp_path / "bend.ply")
     assert {key: type(value) for key, value in result.items()} == {

@@ -22,8 +22,8 @@ DEFORM_DEFAULTS = {
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "handle_layer": 0, "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 0,
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
-    "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "stop_at_contact": False}
-OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "stop_at_contact"}
+    "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "displacement": False, "stop_at_contact": False}
+OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "displacement", "stop_at_contact"}
 POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _files, _measures
+from . import _files, _measures, _splats
 from ._deform import _posed
 from ._deformation import Deformation
 from ._fit import fit
@@ -101,7 +101,8 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
         moved, turned = bend(ply.vertices, threads=threads), None
     else:
         moved, turned = bend(ply.vertices, ply.normals, threads=threads)
-    ply.save(out, moved, turned)
+    others = _splats.columns(ply.names, ply.columns(), bend.linear(ply.vertices, threads=threads)) if _splats.is_splats(ply.names) else {}
+    ply.save(out, moved, turned, others)
     way = np.linalg.norm(moved - ply.vertices, axis=1)
     return {"vertices": len(way), "largest_displacement": float(way.max(initial=0)), "off_by": bend.largest_difference}
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _files, _inputs
 from ._core import Field
@@ -124,6 +124,32 @@ class Deformation:
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point", lent=True)
         positions, turned = self._field.apply(rows, beside, _inputs.whole("threads", threads, 0, 1024), report(progress))
         return positions if turned is None else (positions, turned)
+
+    def linear(self, xyz: ArrayLike, *, threads: int = 1, progress: Progress = None) -> NDArray[np.float64]:
+        """How space turns and stretches at points, by which what has directions goes along: strain, tensors, splats.
+
+        Parameters
+        ----------
+        xyz : array_like
+            n x 3, world coordinates.
+        threads : int, default 1
+            How many to use; 0 is one a core.
+        progress : Progress, optional
+            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+
+        Returns
+        -------
+        ndarray
+            n x 3 x 3: what a small vector there becomes is the matrix times the vector.
+
+        Raises
+        ------
+        TypeError
+            Something is of another kind than what is asked for here.
+        ValueError
+            It has another shape.
+        """
+        return self._field.linear(_inputs.rows("xyz", xyz, lent=True), _inputs.whole("threads", threads, 0, 1024), report(progress))
 
     def grid(self, spacing: float | Sequence[float], *, low: ArrayLike | None = None, high: ArrayLike | None = None, axes: Axes = "LPS",
              kind: GridKind = "modeling", threads: int = 0, progress: Progress = None) -> DisplacementGrid:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,11 +157,21 @@ class Ply:
             raise ValueError(f"the vertices of {self._name} have no {name}; they have {', '.join(self._names)}")
         return self._columns((name,))[:, 0]
 
-    def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None) -> None:
-        """The same file with other positions, and, where it has normals and some are given, with these."""
+    @property
+    def names(self) -> list[str]:
+        """Of the vertices' properties."""
+        return list(self._names)
+
+    def columns(self) -> Points:
+        """All properties of the vertices, n x properties."""
+        return self._columns(tuple(self._names))
+
+    def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None, others: Mapping[str, Points] = MappingProxyType({})) -> None:
+        """The same file with other positions, and, where it has normals and some are given, with these, and with other properties."""
         new = list(zip("xyz", vertices.T))
         if normals is not None and self.normals is not None:
             new += list(zip(_NORMALS, normals.T))
+        new += list(others.items())
         if self._order == "ascii":
             rows = [list(row) for row in self._rows]
             for name, values in new:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer, Motion, _batch as batch, deform, fit
+from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, deform, fit
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -280,6 +280,68 @@ def test_a_dask_cluster_does_the_same(tmp_path, capsys):
         assert (tmp_path / "here" / f"{name}.ply").read_bytes() == (tmp_path / "there" / f"{name}.ply").read_bytes()
     rows = [table(tmp_path / folder / "deform.csv") for folder in ("here", "there")]
     assert [[row["error"] for row in each.values()] for each in rows][0] == [row["error"] for row in rows[1].values()]
+
+
+def write_splats(path, points, scale, rotation, rest):
+    names = ["x", "y", "z", *(f"f_dc_{i}" for i in range(3)), *(f"f_rest_{i}" for i in range(rest.shape[1])), "opacity",
+             *(f"scale_{i}" for i in range(3)), *(f"rot_{i}" for i in range(4))]
+    rows = np.concatenate([points, np.full((len(points), 3), 0.5), rest, np.ones((len(points), 1)), scale, rotation], axis=1).astype("<f4")
+    path.write_bytes(("ply\nformat binary_little_endian 1.0\n" + f"element vertex {len(points)}\n"
+                      + "".join(f"property float {name}\n" for name in names) + "end_header\n").encode() + rows.tobytes())
+
+
+def turn_of(quaternion):
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
+
+
+@pytest.mark.parametrize("rest", [0, 9, 24, 45])
+def test_splats_turn_and_stretch_with_the_field(tmp_path, rest):
+    vertices, faces, tags, _ = bar(21, 5)
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]])
+    random = np.random.default_rng(3)
+    points, scale, rotation = vertices[::4], random.normal(-3, 1, (len(vertices[::4]), 3)), random.normal(size=(len(vertices[::4]), 4))
+    scale[-1, 0] = np.inf  # which stays as it is
+    write_splats(tmp_path / "splats.ply", points, scale, rotation, random.normal(size=(len(points), rest)))
+    for name, linear in (("turned", turn), ("stretched", turn @ np.diag([1.5, 1.0, 0.7]))):
+        motion = np.eye(4)
+        motion[:3, :3], motion[:3, 3] = linear, [3, 1, 2]
+        bend = Deformer(vertices, faces, np.where(tags == 1, 1, 2)).pose({2: motion}, check=False).deformation()
+        bend.save(tmp_path / f"{name}.fcd")
+        assert main(["apply", str(tmp_path / f"{name}.fcd"), str(tmp_path / "splats.ply"), "--out", str(tmp_path / name)]) == 0
+        before, after = Ply(tmp_path / "splats.ply"), Ply(tmp_path / name / "splats.ply")
+        maps, names = bend.linear(before.vertices), before.names
+        if name == "turned":
+            assert np.abs(maps - turn).max() < 1e-5
+        old, new = before.columns(), after.columns()
+        at = {each: names.index(each) for each in names}
+        for k in range(0, len(points) - 1, 7):
+            shape = [turn_of(each[k, at["rot_0"]:at["rot_0"] + 4]) * np.exp(each[k, at["scale_0"]:at["scale_0"] + 3]) for each in (old, new)]
+            wanted = maps[k] @ shape[0]
+            assert np.allclose(shape[1] @ shape[1].T, wanted @ wanted.T, rtol=1e-3, atol=1e-4 * np.abs(wanted).max() ** 2)
+        assert (old[-1, 6:] == new[-1, 6:]).all()
+        for each in ("f_dc_0", "opacity"):
+            assert (old[:, at[each]] == new[:, at[each]]).all()
+        if rest:
+            d = random.normal(size=(5, 3))
+            d /= np.linalg.norm(d, axis=1, keepdims=True)
+            u, _, v = np.linalg.svd(maps[0])
+            seen = []
+            for each, directions in ((old, d), (new, d @ (u @ v).T)):  # what shone there shines in the turned direction
+                basis = np.concatenate([_splats._basis(band, directions) for band in (1, 2, 3)], axis=1)[:, :rest // 3]
+                seen.append(basis @ each[0, at["f_rest_0"]:at["f_rest_0"] + rest].reshape(3, -1).T)
+            assert np.abs(seen[0] - seen[1]).max() < 1e-4 and np.abs(old[0] - new[0])[at["f_rest_0"]:at["f_rest_0"] + rest].max() > 0.1
+
+
+def test_the_harmonics_are_orthonormal():
+    """By Gauss quadrature over the sphere: they are what they are called."""
+    heights, weights = np.polynomial.legendre.leggauss(8)
+    angle = 2 * np.pi * np.arange(16) / 16
+    z, a = np.meshgrid(heights, angle, indexing="ij")
+    d = np.stack([np.sqrt(1 - z**2) * np.cos(a), np.sqrt(1 - z**2) * np.sin(a), z], -1).reshape(-1, 3)
+    basis = np.concatenate([_splats._basis(band, d) for band in (1, 2, 3)], axis=1)
+    assert np.abs(basis.T @ (np.repeat(weights, 16)[:, None] * 2 * np.pi / 16 * basis) - np.eye(15)).max() < 1e-9
 
 
 def test_wrong_commands_are_refused_before_anything_is_done(tmp_path, capsys):

@@ -96,6 +96,20 @@ def test_tiles_in_chunks(sink, tiles, tmp_path):
     assert len(shared) > 300 and max(shared) == 0  # no gap where tiles meet
 
 
+def test_a_flat_tile_whose_heights_have_no_scale_gets_one(sink, tmp_path):
+    header = laspy.LasHeader(point_format=3, version="1.2")
+    header.scales, header.offsets = [SCALE, SCALE, 0.0], ORIGIN
+    las = laspy.LasData(header)
+    xy = np.random.default_rng(5).integers(0, 100000, (5000, 2))
+    las.X, las.Y, las.Z = xy[:, 0], xy[:, 1], np.zeros(5000, int)
+    las.write(tmp_path / "flat.las")
+    bend = pymeshlab_fcd.Deformation.load(sink)
+    assert warp(bend, tmp_path / "flat.las", tmp_path / "sunk.las", vectors=True) == 5000
+    before, after = laspy.read(tmp_path / "flat.las"), laspy.read(tmp_path / "sunk.las")
+    assert np.ptp(before.z) == 0 and np.ptp(after.z) > 1 and list(after.header.scales) == [SCALE] * 3
+    assert np.abs(xyz(after) - bend(xyz(before))).max() < 0.51 * SCALE
+
+
 def test_memory_is_bounded_by_the_chunk(sink, tmp_path):
     code = ("import re, sys; sys.path.insert(0, sys.argv[1]); import pymeshlab_fcd; from warp_las import warp; "
             "warp(pymeshlab_fcd.Deformation.load(sys.argv[2]), sys.argv[3], sys.argv[4], 50000); "
