@@ -359,6 +359,16 @@ TEST(BendModel, AHandleTurnsAboutItsPivot) {
     EXPECT_THROW(setMotionText(bent.model, 2, "foo"), Error);
 }
 
+TEST(BendModel, AMotionIsToldInAFewWords) {
+    BendState state;
+    EXPECT_EQ(shortMotionOf(state, 2), "");
+    state.motion[2] = {MotionStep::Rotate({0, 0, -1}, 45), MotionStep::Translate({3, 4, 0}),
+                       MotionStep::Rotate({0, 0, 1}, 60)};
+    EXPECT_EQ(shortMotionOf(state, 2), "turn 60\u00b0, move 5, turn -45\u00b0") << "what was done last is seen first";
+    state.motion[2] = {MotionStep::Scale({1, 2, 1})};
+    EXPECT_EQ(shortMotionOf(state, 2), "scale 2");
+}
+
 TEST(BendModel, UndoGoesBackAndForth) {
     History<BendState> history{3};
     BendState now;
