@@ -991,6 +991,50 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
 
 
+def test_a_limb_follows_the_mouse(window, tmp_path):
+    """After J: the place under the mouse goes with it, what is beyond turns as a whole, what is before the limb stays, nothing is squeezed;
+    and later, further along, the limb turns where it did."""
+    x = np.linspace(-1, 1, 200)
+    points, faces = tube_of(x, 32, 0.08)
+    body = points[:, 0] < 0
+    points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
+    w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
+    w.start_tool()
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    w.do("mousemove", X + 180, Y)
+    w.key("j")
+    assert said().startswith("Handle 2: turn the limb: move the mouse")
+    for i in range(1, 9): # on a circle about the joint
+        place = X + 25 + round(155 * np.cos(np.radians(5 * i))), Y - round(155 * np.sin(np.radians(5 * i)))
+        w.do("mousemove", *place)
+    w.shot("limb")
+    w.key("Return")
+    turned = load(w.save("turned.ply"))[0]
+    hand = points[:, 0] > 0.45
+    assert np.abs(turned[body] - points[body]).max() < 0.03
+    assert 25 < turned_by(points[hand], turned[hand]) < 60
+    assert most_stretched(points, turned, faces) < 2.2
+    at = np.argmin(np.linalg.norm(points - [180 / 285, 0, 0.08], axis=1))
+    assert np.abs(turned[at, :2] - [(place[0] - X) / 285, (Y - place[1]) / 285]).max() < 0.06 # pixels a unit, at the side that is seen
+    w.do("mousemove", *place)
+    w.key("j")
+    assert said().startswith("Handle 2: turn the limb") # again the same one
+    w.key("x", "9", "0", "Return")
+    assert "Handle 2: turn about x 90_" in w.text()
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], turned)
+    w.do("mousemove", X - 180, Y)
+    w.key("j")
+    w.wait("There is no limb here that could be turned")
+    assert np.array_equal(load(w.save("as_it_was.ply"))[0], turned)
+    w.key("v", "shift+h")
+    w.drag((X - 220, Y - 40), (X - 140, Y + 40))
+    w.key("m")
+    w.do("mousemove", X - 180, Y)
+    w.key("j")
+    w.wait("A marked handle is no point of a limb: R turns it.")
+
+
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
     """The next one bends as far as its place says, whatever the wheel did."""
     w, points = tip_of_a_limb(window, tmp_path)

@@ -198,6 +198,31 @@ TEST(BendModel, WhatWouldMoveIsSeenBefore) {
     EXPECT_EQ(share[bent.nearest({0, 0, 0.08})], 0);
 }
 
+TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
+    // A limb of 0.16 on a body three times as thick, from x = 0 on: what is at the left of that.
+    Shape figure = Limb(0.08, 400, {0, 0, 0}, 1, 48);
+    for (Eigen::Vector3d &p : figure.position) {
+        const double thick = p[0] < 0 ? 3 : p[0] < 0.05 ? 3 - 40 * p[0] : 1;
+        p[1] *= thick;
+        p[2] *= thick;
+    }
+    Bent bent(figure);
+    const double usual = 0.3;
+    for (const double x : {0.5, 0.7}) {
+        const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
+        ASSERT_TRUE(root);
+        EXPECT_NEAR(bent.position[*root][0], 0.05 + 0.16, 0.1) << "its thickness from there";
+        const auto joint = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01)->joint;
+        ASSERT_TRUE(joint);
+        EXPECT_NEAR((*joint)[0], 0.05, 0.12);
+        EXPECT_LT(std::hypot((*joint)[1], (*joint)[2]), 0.03);
+    }
+    const std::size_t near = bent.nearest({0.2, 0, 0.08});
+    EXPECT_EQ(bent.reach.rootOfLimb(near, usual, 0.01), near) << "it begins there";
+    EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01)) << "the body is no limb";
+    EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({1, 0, 0}), usual, 0.01)) << "beyond its tip nothing is";
+}
+
 TEST(BendModel, AHandleBendsAsFarAsItsLimbIsThick) {
     for (const double thickness : {0.06, 0.12, 0.16}) {
         Bent bent(Limb(thickness / 2));
@@ -334,6 +359,16 @@ TEST(BendModel, AHandleTurnsAboutItsPivot) {
     EXPECT_THROW(setMotionText(bent.model, 2, "foo"), Error);
 }
 
+TEST(BendModel, AMotionIsToldInAFewWords) {
+    BendState state;
+    EXPECT_EQ(shortMotionOf(state, 2), "");
+    state.motion[2] = {MotionStep::Rotate({0, 0, -1}, 45), MotionStep::Translate({3, 4, 0}),
+                       MotionStep::Rotate({0, 0, 1}, 60)};
+    EXPECT_EQ(shortMotionOf(state, 2), "turn 60\u00b0, move 5, turn -45\u00b0") << "what was done last is seen first";
+    state.motion[2] = {MotionStep::Scale({1, 2, 1})};
+    EXPECT_EQ(shortMotionOf(state, 2), "scale 2");
+}
+
 TEST(BendModel, UndoGoesBackAndForth) {
     History<BendState> history{3};
     BendState now;
@@ -450,4 +485,45 @@ TEST(BendDrag, TheMouseAndNumbersMakeMotions) {
     drag.snap = false;
     drag.typed = "2";
     EXPECT_EQ(text(2), "2: scale 1 1 2");
+}
+
+TEST(BendDrag, ALimbFollowsTheMouse) {
+    Camera view; // 100 pixels are two units, seen from z
+    view.width = view.height = 100;
+    BendDrag drag;
+    drag.tag = 2;
+    drag.kind = BendDrag::Limb;
+    drag.isAbout = drag.modal = true;
+    drag.pivot = {-0.5, 0, 0};
+    drag.held = {0, 0, 0};
+    drag.from = drag.last = {50, 50, 0.5};
+    drag.carried[3] = {};
+    EXPECT_EQ(drag.text(view).find("turn the limb: move the mouse"), 0U);
+    const auto placeOf = [&](int tag, const Eigen::Vector3d &place) {
+        const auto motions = drag.motions(view);
+        return Eigen::Vector3d(Eigen::Affine3d(ToMotion(motions.at(tag), {0.3, 0.2, 0.1}).matrix) * place);
+    };
+    const auto to = [&](double x, double y) { // world, where the held place is to go
+        drag.moveTo(view, {50 + 50 * x, 50 + 50 * y, 0.5});
+    };
+    to(-0.5, 0.5); // a quarter of a circle
+    for (const int tag : {2, 3})
+        EXPECT_LT((placeOf(tag, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4) << tag;
+    EXPECT_LT((placeOf(2, drag.pivot) - drag.pivot).norm(), 1e-4) << "it keeps its length";
+    EXPECT_EQ(drag.steps(view).size(), 1U);
+    to(-0.5, 0.2); // nearer to the joint: it points there, and is not squeezed
+    EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4);
+    to(-0.5, 0.8); // farther than it reaches
+    EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.8, 0)).norm(), 1e-4);
+    EXPECT_EQ(drag.steps(view).size(), 2U);
+    drag.typed = "30";
+    drag.axis = 1;
+    EXPECT_EQ(WriteMotionText({{2, drag.motions(view).at(2)}}), "2: rotate 0 1 0 30 about -0.5 0 0");
+    drag.typed.clear();
+    drag.axis = -1;
+    drag.held = {-0.2, 0, -0.4}; // in the view's depth: it turns out of that before it gets longer
+    to(0.2, 0);
+    const Eigen::Vector3d now = placeOf(2, drag.held);
+    EXPECT_NEAR(now[0], 0, 1e-4);
+    EXPECT_NEAR(std::abs(now[2]), 0, 1e-3);
 }

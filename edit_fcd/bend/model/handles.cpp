@@ -2,6 +2,7 @@
 #include "edit_fcd/bend/model/handles.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 using vcg::fcd::MotionStep;
@@ -35,6 +36,32 @@ std::string motionTextOf(const BendState &state, int tag) {
         return {};
     const std::string text = vcg::fcd::WriteMotionText({{tag, motionOf(state, tag)}});
     return text.substr(text.find(':') + 2);
+}
+
+std::string shortMotionOf(const BendState &state, int tag) {
+    std::string words;
+    const std::vector<MotionStep> &steps = motionOf(state, tag);
+    for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+        const auto digits = [](double x) {
+            char number[32];
+            return std::string(number,
+                               std::to_chars(number, number + sizeof number, x, std::chars_format::general, 3).ptr);
+        };
+        if (!words.empty())
+            words += ", ";
+        switch (step->kind) {
+        case MotionStep::Translation: words += "move " + digits(step->vector.norm()); break;
+        case MotionStep::Rotation: {
+            Eigen::Index largest = 0;
+            step->vector.cwiseAbs().maxCoeff(&largest);
+            words += "turn " + digits(step->vector[largest] < 0 ? -step->degrees : step->degrees) + "\xc2\xb0"; // UTF-8
+            break;
+        }
+        case MotionStep::Scaling: words += "scale " + digits(step->vector.maxCoeff()); break;
+        case MotionStep::Matrix: words += "matrix"; break;
+        }
+    }
+    return words;
 }
 
 int rankOf(const BendState &state, int tag) {

@@ -14,6 +14,9 @@ std::string nameOf(const BendState &state, int tag); ///< as a person reads it
 const std::vector<vcg::fcd::MotionStep> &motionOf(const BendState &state, int tag);
 /// Its steps as "Motions as text" takes them; empty: it is at rest.
 std::string motionTextOf(const BendState &state, int tag);
+/// The same in a few words, the last step first, as a list may cut the rest. Of a turn, degrees are those about the
+/// axis whose largest part is positive: where a handle was turned by -45 degrees with another, it says so.
+std::string shortMotionOf(const BendState &state, int tag);
 int rankOf(const BendState &state, int tag);
 /// What a new handle frees must not let go what is posed.
 int rankOfNew(const BendState &state);

@@ -57,6 +57,11 @@ class BendReach {
     /// limb that it is on, where a ball of the radius \p usual cuts off a tip of one; else \p usual. World units.
     double radiusAt(std::size_t slot, double usual);
 
+    /// The vertex whose handle turns all of the limb that another one is on: near the place from where on it is clearly
+    /// thicker than there; that one where this is near. None where it is on no limb. \param usual as radiusAt() has it
+    /// \param hair as looseAmong() has it
+    std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair);
+
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
     /// vertex among them
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);

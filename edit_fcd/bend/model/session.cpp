@@ -263,6 +263,33 @@ void BendSession::makeGrip(int tag) {
         makeGrip(other);
 }
 
+int BendSession::limbAt(std::size_t slot, double usual) {
+    int nearest = 0;
+    std::size_t least = 0;
+    for (const auto &[tag, extent] : data.influence.extents) {
+        const std::vector<std::size_t> &beyond = extent->beyond;
+        const bool isOn = data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot ||
+                                                               std::binary_search(beyond.begin(), beyond.end(), slot));
+        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!nearest || beyond.size() < least)) {
+            nearest = tag;
+            least = beyond.size();
+        }
+    }
+    if (nearest)
+        return nearest;
+    BendReach &glance = reach.glance();
+    const double hair = usualGap(rest.diagonal());
+    const std::size_t carrier = glance.carrierOf(slot, hair);
+    std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair);
+    if (root && !canBecomePoint(data, *root))
+        root = canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
+    if (!root)
+        throw Error("There is no limb here that could be turned: G pulls this place, and R turns it.");
+    const int tag = addPoint(*root, usual);
+    makeGrip(tag);
+    return tag;
+}
+
 void BendSession::setRadius(int tag, double radius) {
     radius = std::min(std::max(radius, leastRadius * rest.diagonal()), mostRadius * rest.diagonal());
     const int other = mirrored(data, tag);

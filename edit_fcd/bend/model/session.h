@@ -91,6 +91,10 @@ class BendSession {
     /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
     /// joint, or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
+    /// The handle that turns the limb that a vertex is on: the nearest one that was turned, on the way to what it hangs
+    /// on, or else a new one where the limb begins. \pre as addPoint() \return its tag
+    /// \throw vcg::fcd::Error there is no limb
+    int limbAt(std::size_t slot, double usual);
     /// How far a handle, and its twin, bend what is around them where nothing is marked as fixed, world units; within
     /// what the panel has room for.
     void setRadius(int tag, double radius);

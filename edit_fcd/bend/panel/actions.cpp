@@ -20,6 +20,9 @@ const ActionTable &bendActions() {
         {BendAction::Move, "G", "move what is under the mouse, a handle or a place, or else the selected handle"},
         {BendAction::Turn, "R", "turn it"},
         {BendAction::Scale, "S", "scale it"},
+        {BendAction::Limb, "J",
+         "turn the limb under the mouse so that this place follows: at the last joint that was turned, or where it "
+         "begins"},
         {BendAction::Pivot, "P",
          "what the mouse points at is where the selected handle turns: a place of the surface, or another handle's "
          "middle; beside the mesh, its own middle again"},

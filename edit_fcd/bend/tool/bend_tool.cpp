@@ -129,7 +129,7 @@ QString BendTool::stateText() const {
     else if (hovered)
         text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)
-        text = "Drag this point, or press G, R or S.";
+        text = "Drag this point, or press G, R, S, or J: that turns the limb.";
     else
         text = "Drag a handle (red), or a point of the surface. G, R, S: " + textOfKeys() + ".";
     if (drag && !drag->carried.empty())

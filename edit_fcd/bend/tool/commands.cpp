@@ -11,7 +11,6 @@
 #include <QGuiApplication>
 
 using vcg::fcd::Error;
-using vcg::fcd::MotionStep;
 
 void BendTool::makePanel() {
     if (panel)
@@ -211,23 +210,6 @@ void BendTool::editHandle(const BendHandleRow &to) {
     showOverlay();
 }
 
-namespace {
-
-/// The motion of a handle, as far as the list has room.
-QString shortTextOf(const BendSession &session, int tag) {
-    QStringList words;
-    for (const MotionStep &step : motionOf(session.state(), tag))
-        switch (step.kind) {
-        case MotionStep::Translation: words += QString("move %1").arg(step.vector.norm(), 0, 'g', 3); break;
-        case MotionStep::Rotation: words += QString("turn %1").arg(step.degrees, 0, 'g', 3) + QChar(0xb0); break;
-        case MotionStep::Scaling: words += QString("scale %1").arg(step.vector.maxCoeff(), 0, 'g', 3); break;
-        case MotionStep::Matrix: words += "matrix"; break;
-        }
-    return words.join(", ");
-}
-
-} // namespace
-
 void BendTool::showHandles() {
     std::vector<BendHandleRow> rows;
     for (const int tag : session->model().influence.handles()) {
@@ -236,7 +218,7 @@ void BendTool::showHandles() {
         row.tag = tag;
         row.name = QString::fromStdString(nameOf(session->state(), tag));
         row.motion = QString::fromStdString(motionTextOf(session->state(), tag));
-        row.shortMotion = shortTextOf(*session, tag);
+        row.shortMotion = QString::fromStdString(shortMotionOf(session->state(), tag));
         row.color = QColor(color[0], color[1], color[2]);
         row.isShown = !handleOf(session->state(), tag).isHidden;
         row.isLocked = handleOf(session->state(), tag).isLocked;

@@ -73,7 +73,36 @@ bool BendDrag::isRefused() const {
     return !typed.empty() && !readTyped(number);
 }
 
-bool BendDrag::isBeginning(const Camera &view) const { return modal && axis < 0 && typed.empty() && !step(view); }
+bool BendDrag::isBeginning(const Camera &view) const {
+    return modal && axis < 0 && typed.empty() && steps(view).empty();
+}
+
+/// Where the mouse leads what is held of a limb, from the pivot. It stays as long as it was where a turn is enough:
+/// where it would get longer, it first turns out of the view's depth; and it never gets shorter.
+Eigen::Vector3d BendDrag::limbTo(const Camera &view) const {
+    const double depth = view.toWindow(held)[2], length = (held - pivot).norm();
+    const Eigen::Vector3d way = view.toWorld({last[0], last[1], depth}) - view.toWorld({from[0], from[1], depth});
+    Eigen::Vector3d to = held - pivot + way;
+    if (to.norm() <= length)
+        return length / std::max(to.norm(), 1e-6 * length) * to;
+    const Eigen::Vector3d eye = view.towardsEye(held);
+    const double deep = to.dot(eye);
+    const Eigen::Vector3d flat = to - deep * eye;
+    return flat + std::copysign(std::sqrt(std::max(0.0, length * length - flat.squaredNorm())), deep) * eye;
+}
+
+BendDrag::Steps BendDrag::steps(const Camera &view) const {
+    Steps all;
+    if (const auto turned = step(view))
+        all.push_back(*turned);
+    if (does() != Limb || snap)
+        return all;
+    const Eigen::Vector3d to = limbTo(view);
+    const double longer = to.norm() - (held - pivot).norm();
+    if (longer > 1e-6 * to.norm())
+        all.push_back(MotionStep::Translate(inFewDigits(Eigen::Vector3d(longer * to.normalized()))));
+    return all;
+}
 
 std::optional<MotionStep> BendDrag::step(const Camera &view) const {
     const Eigen::Vector3d center = view.toWindow(pivot);
@@ -87,7 +116,16 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
             step.about = inFewDigits(pivot);
         return step;
     };
-    switch (kind) {
+    switch (does()) {
+    case Limb: {
+        const Eigen::Vector3d before = held - pivot, now = limbTo(view);
+        const Eigen::AngleAxisd turn(Eigen::Quaterniond::FromTwoVectors(before, now));
+        const double turned = turn.angle() / oneDegree,
+                     degrees = inFewDigits(snap ? inSteps(turned, snapDegrees) : turned);
+        if (degrees == 0 || !before.allFinite() || !now.allFinite())
+            return {};
+        return about(MotionStep::Rotate(inFewDigits(turn.axis()), degrees));
+    }
     case Move: {
         const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
         Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
@@ -143,7 +181,8 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
 }
 
 std::string BendDrag::text(const Camera &view) const {
-    std::string text = kind == Move ? "move" : kind == Turn ? "turn" : "scale";
+    const Kind kind = does();
+    std::string text = kind == Move ? "move" : kind == Turn ? "turn" : kind == Limb ? "turn the limb" : "scale";
     if (axis >= 0)
         text += std::string(kind == Turn ? " about " : " along ") + "xyz"[axis];
     else if (!typed.empty() && kind == Move)
@@ -152,7 +191,8 @@ std::string BendDrag::text(const Camera &view) const {
         return text + " " + typed + "_" +
                (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
     if (isBeginning(view))
-        return kind == Move   ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
+        return kind == Limb ? "turn the limb: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+               : kind == Move ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
                : kind == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
                               : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
     const auto added = step(view);
@@ -162,7 +202,7 @@ std::string BendDrag::text(const Camera &view) const {
     };
     if (kind == Move)
         return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
-    if (kind == Turn)
+    if (kind == Turn || kind == Limb)
         return text + " by " + digits(added ? added->degrees : 0) + " degrees";
     return text;
 }
@@ -170,13 +210,13 @@ std::string BendDrag::text(const Camera &view) const {
 std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
     std::map<int, Steps> all = carried;
     all[tag] = begin;
-    const std::optional<MotionStep> added = step(view);
-    if (!added)
-        return all;
-    all[tag] = joined(begin, *added);
-    Steps placed = {*added};
+    const Steps added = steps(view);
+    Steps placed = added;
     setPlaces(placed, pivot); // as it turns, not each by itself
-    for (const auto &each : carried)
-        all[each.first] = joined(each.second, placed.front());
+    for (std::size_t i = 0; i < added.size(); ++i) {
+        all[tag] = joined(all[tag], added[i]);
+        for (const auto &each : carried)
+            all[each.first] = joined(all[each.first], placed[i]);
+    }
     return all;
 }

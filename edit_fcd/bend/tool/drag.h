@@ -13,7 +13,9 @@
 
 /// A handle that is being moved: what a way of the mouse, or a typed number, makes of its motion.
 struct BendDrag {
-    enum Kind { Move, Turn, Scale };
+    enum Kind { Move, Turn, Scale, Limb }; ///< Limb: turned so that a place of it follows the mouse
+
+    using Steps = std::vector<vcg::fcd::MotionStep>;
 
     int tag = 0;
     Kind kind = Move;
@@ -23,17 +25,19 @@ struct BendDrag {
     std::optional<Eigen::Vector3d> onto; ///< where a move leads the pivot, world; none: where the mouse is
     std::string typed;                   ///< a number
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< of length 1, as columns, world
-    Eigen::Vector3d pivot, from; ///< where the handle is turned as it begins, world, and where the mouse was, window
-    bool isAbout = false;        ///< the pivot is not the handle's middle
-    double angle = 0;            ///< that the mouse went about the pivot, degrees
-    Eigen::Vector3d last;        ///< where the mouse is, window
-    using Steps = std::vector<vcg::fcd::MotionStep>;
+    Eigen::Vector3d pivot, from;  ///< where the handle is turned as it begins, world, and where the mouse was, window
+    Eigen::Vector3d held;         ///< of a limb: where what follows the mouse was as it began, world
+    bool isAbout = false;         ///< the pivot is not the handle's middle
+    double angle = 0;             ///< that the mouse went about the pivot, degrees
+    Eigen::Vector3d last;         ///< where the mouse is, window
     Steps begin;                  ///< the motion before it
     std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
 
     void moveTo(const Camera &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
     std::optional<vcg::fcd::MotionStep> step(const Camera &view) const;
+    /// All of that: a limb that does not reach as far as the mouse is moved, too.
+    Steps steps(const Camera &view) const;
     /// Whether what was typed is no number, so that nothing moves.
     bool isRefused() const;
     /// What it does now, or what can be done where nothing was yet, as a person reads it.
@@ -42,6 +46,8 @@ struct BendDrag {
     std::map<int, Steps> motions(const Camera &view) const;
 
   private:
+    Kind does() const { return kind == Limb && (axis >= 0 || !typed.empty()) ? Turn : kind; }
+    Eigen::Vector3d limbTo(const Camera &view) const;
     bool readTyped(double &number) const;
     bool isBeginning(const Camera &view) const;
 };

@@ -18,12 +18,24 @@ void DragInteraction::begin(const Grip &what) {
     }
     grip = what;
     grip.isNew = !what.tag;
+    asked = what.tag;
+    const bool isLimb = what.part.kind == BendDrag::Limb;
+    if (const auto point = session.state().points.find(what.tag); point != session.state().points.end())
+        grip.slot = point->second.slot; // else a mark, which has none
+    else if (isLimb && what.tag)
+        throw vcg::fcd::Error("A marked handle is no point of a limb: R turns it.");
+    held = session.positionOf(grip.slot);
     gripped = stage.mouseInWindow();
     isReleased = false;
     const double radius = stage.panel->radius() * session.diagonal();
     stage.beside(
         "Preparing the layer",
-        [this, radius](const vcg::fcd::Progress &progress) {
+        [this, radius, isLimb](const vcg::fcd::Progress &progress) {
+            if (isLimb) {
+                const BendInfluence before = stage.session->model().influence;
+                grip.tag = stage.session->limbAt(grip.slot, radius);
+                grip.isNew = !before.isHandle(grip.tag);
+            }
             if (!grip.tag)
                 grip.tag = stage.session->addPoint(grip.slot, radius);
             if (grip.part.kind != BendDrag::Move)
@@ -50,6 +62,7 @@ void DragInteraction::beginPrepared() {
     begun.kind = grip.part.kind;
     begun.axis = grip.part.axis;
     begun.modal = grip.modal;
+    begun.held = held;
     begun.axes = stage.axesOf(tag);
     begun.from = begun.last = gripped;
     begun.begin = motionOf(model.state, tag);
@@ -102,13 +115,14 @@ void DragInteraction::placePivot() {
 /// prepared anew.
 void DragInteraction::changeKind(BendDrag::Kind kind) {
     const BendState &state = stage.session->state();
-    if (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag)) {
+    const bool isOther = kind == BendDrag::Limb || now->kind == BendDrag::Limb; // which may be another handle
+    if (!isOther && (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag))) {
         now->kind = kind;
         placePivot();
         return;
     }
     Grip again = grip;
-    again.tag = grip.isNew ? 0 : grip.tag;
+    again.tag = asked;
     again.part = {kind, now->axis};
     stop(false);
     stage.comeToRest();
@@ -117,7 +131,7 @@ void DragInteraction::changeKind(BendDrag::Kind kind) {
 
 void DragInteraction::stop(bool keep) {
     const auto motions = now->motions(stage.seen);
-    const bool isClick = keep && !now->step(stage.seen);
+    const bool isClick = keep && now->steps(stage.seen).empty();
     stage.isClicked = isClick && grip.isNew;
     stage.isChosen = isClick || (stage.isChosen && now->modal);
     if (!keep)
@@ -193,6 +207,7 @@ bool DragInteraction::pressKey(QKeyEvent &event) {
     case Qt::Key_G: changeKind(BendDrag::Move); break;
     case Qt::Key_R: changeKind(BendDrag::Turn); break;
     case Qt::Key_S: changeKind(BendDrag::Scale); break;
+    case Qt::Key_J: changeKind(BendDrag::Limb); break;
     case Qt::Key_Backspace:
         if (!now->typed.empty())
             now->typed.pop_back();

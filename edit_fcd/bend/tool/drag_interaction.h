@@ -43,6 +43,8 @@ class DragInteraction : public BendInteraction {
 
     std::unique_ptr<BendDrag> now; ///< once the layer is prepared
     Grip grip;
+    Eigen::Vector3d held;       ///< where its vertex was then, world
+    int asked = 0;              ///< the tag of what was to be dragged
     Eigen::Vector3d gripped;    ///< where the mouse was then, window
     double tookToPrepare = 0;   ///< milliseconds
     bool isRadiusShown = false; ///< the wheel has changed it

@@ -103,6 +103,7 @@ void BendTool::act(BendAction::Id action) {
     case BendAction::Move: dragByKey(BendDrag::Move); break;
     case BendAction::Turn: dragByKey(BendDrag::Turn); break;
     case BendAction::Scale: dragByKey(BendDrag::Scale); break;
+    case BendAction::Limb: dragByKey(BendDrag::Limb); break;
     case BendAction::Pivot: placePivot(); break;
     case BendAction::Bend: setMode(BendPanel::Bend); break;
     case BendAction::Brush: setMode(BendPanel::Brush); break;
