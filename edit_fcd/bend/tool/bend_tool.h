@@ -88,6 +88,7 @@ class BendTool : public BendStage {
     QString markingText() const;
     QString lineText() const;
     QString stateText() const;
+    QString figuresText() const;
 
     int refused = -1;                                 ///< a layer that cannot be bent
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
