@@ -242,10 +242,22 @@ class Window:
         x, y, _, height = self.box(name)
         return x + 8, y + height // 2
 
+    def is_unfolded(self, part):
+        time.sleep(0.3) # as in box()
+        return self.text().rfind(f"FCD trace: place: {part} ") > self.text().rfind("FCD trace: place: marks_fold ")
+
+    def unfold(self, button, part):
+        """Shows what a button of the panel shows, if it is not there yet: it is remembered."""
+        if not self.is_unfolded(part):
+            self.click(self.place(button))
+            self.until(part, lambda: self.is_unfolded(part))
+
     def more(self):
-        """Shows all that the panel has."""
-        self.click(self.place("more"))
-        self.wait("FCD trace: place: take ")
+        """Shows what shapes a deformation, and motions as text."""
+        if self.is_unfolded("take"): # once more, as that scrolls there
+            self.click(self.place("more"))
+            self.until("nothing more", lambda: not self.is_unfolded("take"))
+        self.unfold("more", "take")
 
     def traces(self, kind):
         return [tuple(map(float, found)) for found in re.findall(

@@ -111,7 +111,7 @@ def test_handles_are_things(window, tmp_path):
 
     x, y, width, _ = w.box("handles")
     row = lambda i: y + 35 + 22 * i
-    w.click((x + width - 12, row(1))) # removes the other one
+    w.click((x + width - 20, row(1))) # removes the other one
     w.click((x + 30, row(0)), count=2)
     w.do("type", "arm")
     w.key("Return")
@@ -473,7 +473,7 @@ def test_keys_are_the_views_after_a_click_in_the_panel(window, tmp_path):
     w.drag((X + 40, Y), (X + 40, Y - 80))
     bent = load(w.save("bent.ply"))[0]
     x, y, width, _ = w.box("handles")
-    w.click((x + width - 12, y + 35)) # removes it
+    w.click((x + width - 20, y + 35)) # removes it
     w.shot("removed")
     w.key("ctrl+z")
     assert np.array_equal(load(w.save("back.ply"))[0], bent)
@@ -634,7 +634,7 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
     w.key("BackSpace", "BackSpace", "BackSpace", "BackSpace", "1", "Return")
     assert np.abs(load(w.save("typed_anew.ply"))[0][handle] - moved[handle] - [0, 1, 0]).max() < 1e-5
     w.key("ctrl+z", "o")
-    assert "What is marked from now on becomes outside." in w.text()
+    assert "What is marked from now on becomes ignored." in w.text()
 
     x, y, width, height = w.box("handles")
     row, cells = y + 35, lambda: np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].astype(int)
@@ -651,6 +651,26 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
         assert np.array_equal(cells(), before)
         assert said in w.text().rpartition("trace: says: ")[2]
     assert "The motion" not in w.text().rpartition("trace: says: ")[2] # what was refused is said until something else is done
+    for key in ("Escape", "Return"): # and until it is given up
+        w.click((x + width - 70, row), count=2)
+        w.key("ctrl+a")
+        w.do("type", "foo")
+        w.key("Return")
+        assert "The motion" in w.text().rpartition("trace: says: ")[2]
+        w.click((x + width - 70, row), count=2)
+        w.key(key)
+        w.until("another text", lambda: "The motion" not in w.text().rpartition("trace: says: ")[2])
+    w.more()
+    for text in ("300", "1,5"): # the latter is not 15
+        px, py, pwidth, pheight = w.box("patches")
+        w.click((px + 20, py + pheight // 2))
+        w.key("ctrl+a")
+        w.do("type", text)
+        w.key("Tab")
+        w.do("mousemove", X, Y + 200)
+        before = np.asarray(w.picture())[py:py + pheight, px:px + pwidth - 24] if text == "300" else before
+        w.shot("patches")
+        assert np.array_equal(np.asarray(w.picture())[py:py + pheight, px:px + pwidth - 24], before)
 
 
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
@@ -822,7 +842,7 @@ def tube_with_poses(window, tmp_path):
     points, faces, tags = tube_with_ends()
     w = window(write_ply(tmp_path / "tube.ply", points, faces))
     w.start_tool()
-    w.click(w.place("poses_fold"))
+    w.unfold("poses_fold", "keep")
     mark_two_regions(w, 310)
     return w, points, faces, tags
 
@@ -848,8 +868,7 @@ def test_a_pose_is_as_it_was_kept_when_its_point_is_turned_later(window, tmp_pat
     w.drag((X + 110, Y), (X + 110, Y - 60))
     pulled = load(w.save("pulled.ply"))[0]
     w.do("mousemove", X, Y + 230) # where it changes nothing that the panel says
-    w.click(w.place("poses_fold"))
-    w.wait("trace: place: keep ")
+    w.unfold("poses_fold", "keep")
     keep_pose(w, "up")
     w.do("mousemove", X + 110, Y - 60)
     w.key("r", "z", "4", "5", "Return")
@@ -871,8 +890,7 @@ def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_p
     w.key("r", "z", "3", "0", "Return")
     turned = load(w.save("turned.ply"))[0]
     w.do("mousemove", X, Y + 230)
-    w.click(w.place("poses_fold"))
-    w.wait("trace: place: keep ")
+    w.unfold("poses_fold", "keep")
     keep_pose(w, "up")
     at = turned[np.argmin(np.linalg.norm(points - [0.72, 0, 0.08], axis=1))] # seen from z
     place = X + round(250 * at[0]), Y - round(250 * at[1])
@@ -1073,18 +1091,35 @@ def test_a_reset_lets_each_handle_bend_all_around_it(window, tmp_path):
     assert points[bent, 0].min() > 0.2 and points[bent_again, 0].min() < 0.2 # what the first one bends, and a gap, end there
 
 
-def test_what_stands_below_the_text_stays_there_when_that_gets_shorter(window, tmp_path):
-    """Or it would move away from under a mouse."""
+def test_the_panel_keeps_its_places_on_a_small_screen(window, tmp_path):
+    """Modes and text stay above what is scrolled, and nothing moves when the text gets longer; a usual panel with poses needs no scrolling;
+    what is folded is so the next time."""
     w, _ = tip_of_a_limb(window, tmp_path)
-    w.click(w.place("poses_fold"))
-    w.wait("trace: place: keep ")
-    before = w.box("poses")[1]
+    w.unfold("poses_fold", "keep")
+    before = {name: w.box(name) for name in ("keys", "marks_fold", "state", "handles", "poses", "play", "export")}
+    x, y, width, height = before["export"]
+    assert y + height < 768 - 34 # above the line of the window's own
+    assert w.box("brush")[1] > before["state"][1] + before["state"][3] # and all that is above it is seen
     w.press_and_move((X + 180, Y), (X + 180, Y - 60))
-    w.until("longer text", lambda: w.box("poses")[1] > before)
+    w.shot("long")
+    assert {name: w.box(name) for name in before} == before
     w.do("mouseup", 1)
     w.do("mousemove", X, Y + 230) # where there is less to say
     w.shot("short")
     keep_pose(w, "up")
+    w.more()
+    w.shot("more")
+    assert {name: w.box(name) for name in ("keys", "marks_fold", "state")} == {name: before[name] for name in ("keys", "marks_fold", "state")}
+    assert w.box("play")[1] != before["play"][1] # it was scrolled
+
+    w.click(w.place("more"), w.place("marks_fold"))
+    w.until("no marks", lambda: not w.is_unfolded("brush"))
+    assert w.box("handles")[1] < before["handles"][1]
+    w.toggle_tool()
+    w.start_tool()
+    w.until("the same parts", lambda: w.is_unfolded("keep") and not w.is_unfolded("brush") and not w.is_unfolded("take"))
+    w.click(w.place("marks_fold"))
+    w.until("marks", lambda: w.is_unfolded("brush"))
 
 
 def sequenced(folder, points, faces, tags, poses):
@@ -1149,7 +1184,7 @@ def test_poses_have_names(window, tmp_path):
     answer(w, "loadposes", "Load poses", str(blend))
     w.wait("Pose 'bent': transforms moves handle 3, but no vertex has tag 3; the only handle is 2.")
     x, y, width = row_of_poses(w, 0)
-    w.click((x + width - 12, y)) # removes the first one
+    w.click((x + width - 20, y)) # removes the first one
     answer(w, "saveposes", "Save poses", str(tmp_path / "one.csv"))
     w.wait("one.csv.")
     assert (tmp_path / "one.csv").read_text().endswith("\n0,smooth,0\n1,smooth,100\n")
@@ -1247,9 +1282,7 @@ def test_the_log_has_the_calls_that_make_blends(window, tmp_path):
 
     def back():
         choose_layer(w, 0)
-        unfolded = w.text().count("trace: place: keep ")
-        w.click(w.place("poses_fold"))
-        w.wait("trace: place: keep ", unfolded + 1) # where all is from then on
+        w.unfold("poses_fold", "keep")
 
     shape, text = apply("ctrl+Return", "one", 0, 40) # one that turns the handle, as no other does more
     (name, parameters), = calls_in(text, tmp_path / "calls1")
@@ -1280,7 +1313,7 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     w.start_tool()
-    w.click(w.place("poses_fold"))
+    w.unfold("poses_fold", "keep")
     full = w.text().count("trace: full")
     w.do("mousemove", X + 40, Y, "mousedown", 1, "mousemove", X + 60, Y - 80, "mouseup", 1)
     w.wait("trace: full", full + 1)
@@ -1288,7 +1321,7 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     pulled = load(w.save("pulled.ply"))[0]
     w.toggle_tool()
     w.start_tool() # nothing is prepared any more
-    w.click(w.place("poses_fold"))
+    w.unfold("poses_fold", "keep")
     answers = w.text().count("trace: answer")
     w.while_asleep(w.meshlab, "mousemove", *w.place("play"), "click", 1, "mousemove", X, Y + 200, "key", "Escape")
     assert w.text().count("trace: answer") == answers + 1 and not w.text().count("trace: frame")
@@ -1318,7 +1351,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.do("type", "1") # which is that of the next one
     w.key("Return")
     w.wait("Their times must ascend.")
-    w.click((x + width - 12, row(0)), (x + 80, row(0))) # the one at rest goes, and that of the pose is held now
+    w.click((x + width - 20, row(0)), (x + 80, row(0))) # the one at rest goes, and that of the pose is held now
     w.do("mousemove", X, Y + 200)
     w.shot("key_frames")
     answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
@@ -1427,7 +1460,7 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     filters.current_layer(0)
     filters.back()
     w.start_tool()
-    w.click(w.place("poses_fold"))
+    w.unfold("poses_fold", "keep")
     w.shot("found")
     answer(w, "saveposes", "Save poses", str(tmp_path / "found.csv"))
     rows = (tmp_path / "found.csv").read_text().splitlines()

@@ -97,6 +97,31 @@ def test_the_filter_goes_back_over_applies_of_the_tool(window, tmp_path):
     assert (tmp_path / "back2.ply").read_bytes() == before
 
 
+@the_dialogs_are_those_of_2020
+def test_an_apply_that_is_undone_leaves_copies_their_rest_shape(window, tmp_path):
+    w, points, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    w.drag(*PULL)
+    w.key("ctrl+Return")
+    w.wait("ms.apply_filter")
+    applied = load(w.save("applied.ply"))[0]
+    w.toggle_tool()
+    filters = Filters(w)
+    filters.run("Duplicate Current layer")
+    choose_layer(w, 0)
+    w.start_tool()
+    w.key("ctrl+z", "ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], points)
+    choose_layer(w, 1)
+    assert np.array_equal(load(w.save("copy.ply"))[0], applied)
+    dialog = filters.dialog("FCD: Reset Pose")
+    filters.apply(dialog)
+    filters.wait_for_log("Applied filter FCD: Reset Pose")
+    filters.finish(dialog)
+    filters.back()
+    assert np.array_equal(load(w.save("reset.ply"))[0], points)
+
+
 def test_a_layer_is_not_touched_by_marks(window, tmp_path):
     points, faces, _ = tube_with_ends()
     rng = np.random.default_rng(0)

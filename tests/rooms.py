@@ -23,7 +23,7 @@ TOOL_ROOMS = {
     "kit": ["view"],
     "shape": [],
     "bend/model": ["shape", "kit/history.h"],
-    "bend/panel": ["kit", "view/stretch_colors.h", "bend/model/state.h"],
+    "bend/panel": ["kit", "view/stretch_colors.h", "bend/model/state.h", "bend/model/animation_export.h"],
     "bend/tool": ["view", "kit", "shape", "bend/model", "bend/panel"],
     "fit/model": ["shape", "kit/history.h"],
     "fit/panel": ["kit", "view/distance_colors.h", "fit/model/session.h"],

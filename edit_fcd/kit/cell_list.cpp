@@ -41,7 +41,8 @@ class CellList::Model : public QAbstractTableModel {
     }
     /// What becomes of it is told by what is shown next.
     bool setData(const QModelIndex &index, const QVariant &value, int) override {
-        if (value.toString() != at(index).typed)
+        list.isTold = value.toString() != at(index).typed;
+        if (list.isTold)
             emit list.cellEdited(index.row(), index.column(), value.toString());
         return false;
     }
@@ -108,6 +109,12 @@ bool CellList::showRows(std::vector<Row> rows, const std::optional<int> &selecte
     if (selected && *selected >= 0)
         selectRow(*selected);
     return true;
+}
+
+void CellList::closeEditor(QWidget *editor, QAbstractItemDelegate::EndEditHint hint) {
+    QTableView::closeEditor(editor, hint);
+    if (!std::exchange(isTold, false))
+        emit editLeft();
 }
 
 #include "edit_fcd/kit/moc_cell_list.cpp" // NOLINT(bugprone-suspicious-include)

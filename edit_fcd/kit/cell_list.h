@@ -45,11 +45,16 @@ class CellList : public QTableView {
   signals:
     void cellClicked(int row, int column);
     void cellEdited(int row, int column, QString text);
+    void editLeft(); ///< without a change
+
+  protected:
+    void closeEditor(QWidget *editor, QAbstractItemDelegate::EndEditHint hint) override;
 
   private:
     class Model;
     Model *cells;
     std::optional<int> selection;
+    bool isTold = false; ///< what was edited
 };
 
 #endif

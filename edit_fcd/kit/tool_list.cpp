@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <string>
 
-#include <QResizeEvent>
-#include <QScrollArea>
+#include <QStyle>
+#include <QVBoxLayout>
 
 std::optional<double> typedNumber(const QString &text) {
     const std::string word = text.trimmed().replace(',', '.').toStdString();
@@ -21,35 +21,24 @@ std::optional<double> typedNumber(const QString &text) {
     return number;
 }
 
-PanelState::PanelState(int height) : least(height) {
+PanelState::PanelState(int height) : text(new QLabel) {
     setObjectName("state");
-    setWordWrap(true);
-    setMinimumHeight(least);
-    setAlignment(Qt::AlignTop | Qt::AlignLeft);
+    text->setWordWrap(true);
+    text->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+    setWidget(text);
+    setWidgetResizable(true);
+    setFrameShape(QFrame::NoFrame);
+    setFocusPolicy(Qt::NoFocus);
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setFixedHeight(height);
 }
 
 void PanelState::say(const QString &said) {
-    if (std::getenv("FCD_TRACE") && said != text())
+    if (said == text->text())
+        return;
+    if (std::getenv("FCD_TRACE"))
         std::fprintf(stderr, "FCD trace: says: %s\n", qPrintable(said));
-    setText(said);
-    if (isVisible())
-        grow();
-}
-
-void PanelState::resizeEvent(QResizeEvent *event) {
-    QLabel::resizeEvent(event);
-    if (event->size().width() == event->oldSize().width())
-        return;
-    setMinimumHeight(least); // a wider one needs less
-    grow();
-}
-
-void PanelState::grow() {
-    const int height = heightForWidth(width());
-    if (height <= minimumHeight())
-        return;
-    setMinimumHeight(height);
-    tracePlaces(*parentWidget());
+    text->setText(said);
 }
 
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {
@@ -61,12 +50,21 @@ void connectSlider(QSlider &slider, const std::function<void()> &begins, const s
     });
 }
 
-void setScrolled(QDockWidget &panel, QWidget &content) {
+QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content) {
     auto *scroll = new QScrollArea;
     scroll->setWidget(&content);
     scroll->setWidgetResizable(true);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setMinimumWidth(content.minimumSizeHint().width() + 20);
+    scroll->setMinimumWidth(content.minimumSizeHint().width() +
+                            scroll->style()->pixelMetric(QStyle::PM_ScrollBarExtent));
     scroll->setFocusPolicy(Qt::NoFocus);
-    panel.setWidget(scroll);
+    scroll->setFrameShape(QFrame::NoFrame);
+    auto *all = new QWidget;
+    auto *column = new QVBoxLayout(all);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    column->addWidget(&head);
+    column->addWidget(scroll, 1);
+    panel.setWidget(all);
+    return scroll;
 }

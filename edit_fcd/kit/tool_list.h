@@ -9,7 +9,10 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QLocale>
+#include <QRegularExpression>
+#include <QScrollArea>
 #include <QSlider>
+#include <QSpinBox>
 #include <QString>
 
 /// \file
@@ -27,26 +30,32 @@ class NumberBox : public QDoubleSpinBox {
     }
 };
 
-/// What a panel says of its tool's state. It keeps the height of the longest text that it had, so that what stands
-/// below it does not move under the mouse while the text changes.
-class PanelState : public QLabel {
+/// A field for a whole number: one with decimals is what it was before. (QSpinBox makes 15 of 1,5.)
+class CountBox : public QSpinBox {
   public:
-    /// \param height of each text at least, pixels
+    CountBox() { setKeyboardTracking(false); }
+    QValidator::State validate(QString &input, int &place) const override {
+        return input.contains(QRegularExpression("[.,]")) ? QValidator::Intermediate : QSpinBox::validate(input, place);
+    }
+    void fixup(QString &) const override {}
+};
+
+/// What a panel says of its tool's state. It has a height of its own, so that nothing moves under the mouse while the
+/// text changes; a longer text is scrolled.
+class PanelState : public QScrollArea {
+  public:
+    /// \param height pixels
     explicit PanelState(int height);
     void say(const QString &said);
 
-  protected:
-    void resizeEvent(QResizeEvent *event) override;
-
   private:
-    void grow();
-    int least;
+    QLabel *text;
 };
 
 /// Calls \p begins before a slider changes what it is for, once for each way of it, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);
 
-/// Puts what a panel shows into an area that scrolls up and down alone.
-void setScrolled(QDockWidget &panel, QWidget &content);
+/// Puts what a panel shows into an area that scrolls up and down alone. \param head stays above it
+QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content);
 
 #endif

@@ -2,16 +2,18 @@
 #ifndef FCD_APPLIES_H
 #define FCD_APPLIES_H
 
-#include <layer_fcd/rest_shape.h> // before Qt
+#include <layer_fcd/rest_shape.h> // these before Qt
+
+#include <layer_fcd/inherited_rest.h>
 
 #include <algorithm>
 
 /// \file
 /// Undo over applies: a layer keeps the rest shapes of before them, as far as RestShape does.
 
-/// A rest shape of before, as shapeOf tells it, is that of the layer again, and what it shows. \return false: it is not
-/// kept, and nothing has changed
-inline bool goBackTo(MeshModel &layer, std::uint64_t shape) {
+/// A rest shape of before, as shapeOf tells it, is that of the layer again, and what it shows; copies of the layer have
+/// their rest shapes before that. \return false: it is not kept, and nothing has changed
+inline bool goBackTo(const MeshDocument &document, MeshModel &layer, std::uint64_t shape) {
     if (!RestShape::exists(layer))
         return false;
     RestShape shapes(layer);
@@ -19,6 +21,7 @@ inline bool goBackTo(MeshModel &layer, std::uint64_t shape) {
     const auto place = std::find(kept.begin(), kept.end(), shape);
     if (place == kept.end())
         return false;
+    handDownRest(document, layer);
     shapes.backTo(std::size_t(place - kept.begin()));
     shapes.restore();
     return true;

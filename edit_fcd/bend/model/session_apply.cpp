@@ -113,7 +113,7 @@ void BendSession::beginAnew() {
 void BendSession::crossApplies() {
     const BendState to = state();
     if (to.applies < applies) {
-        goBackTo(layer, applied[to.applies].rest);
+        goBackTo(document, layer, applied[to.applies].rest);
         applies = to.applies;
         data.options = applied[applies].options;
         keepRest();

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/handle_list.h"
 
+#include <algorithm>
+
+#include <QHeaderView>
+
 BendHandleList::BendHandleList(QWidget *parent)
     : CellList({{"Handle", "Click selects: the gizmo is on it, and G, R and S move it. Double click: its name", 104},
                 {"seen", "Whether its marks and its gizmo are shown", 38},
                 {"lock", "A locked handle is not moved by the mouse, nor taken along by others", 38},
                 {"Motion", "Its motion; double click to type it as the filters take it, empty for none", 0},
                 {"", "Removes the handle: what it held is free", 22}},
-               116, parent) {
+               78, parent) {
+    setWordWrap(true); // a motion may have several steps
     connect(this, &CellList::cellEdited, this, [this](int row, int column, const QString &text) {
         BendHandleRow to = shown[std::size_t(row)];
         (column == Name ? to.name : to.motion) = text;
@@ -44,8 +49,11 @@ void BendHandleList::show(const std::vector<BendHandleRow> &handles) {
                         {each.shortMotion, each.motion, each.motion, {}, {}, false},
                         {QString(QChar(0xd7)), {}, {}, {}, {}, false}});
     }
-    if (showRows(std::move(rows), chosen))
-        shown = handles;
+    if (!showRows(std::move(rows), chosen))
+        return;
+    shown = handles;
+    for (int row = 0; row < int(handles.size()); ++row)
+        setRowHeight(row, std::max(verticalHeader()->defaultSectionSize(), sizeHintForRow(row)));
 }
 
 #include "edit_fcd/bend/panel/moc_handle_list.cpp" // NOLINT(bugprone-suspicious-include)

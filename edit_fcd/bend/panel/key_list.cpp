@@ -12,11 +12,11 @@ const int easingCount = 3;
 
 BendKeyList::BendKeyList(QWidget *parent)
     : CellList({{"time, s", "When it is reached; double click to type", 56},
-                {"then",
+                {"easing",
                  "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one", 62},
                 {"key frame", "The poses that it has; a click shows it", 0},
                 {"", "Removes the key frame", 22}},
-               100, parent) {
+               72, parent) {
     connect(this, &CellList::cellEdited, this, [this](int row, int, const QString &text) {
         const BendKeyRow &at = shown[std::size_t(row)];
         emit edited(row, typedNumber(text).value_or(at.time), at.easing);

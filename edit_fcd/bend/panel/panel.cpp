@@ -33,11 +33,13 @@ const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/b
 BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     setObjectName("fcdBendPanel");
     setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
-    auto *content = new QWidget;
-    auto *column = new QVBoxLayout(content);
-    column->setContentsMargins(6, 4, 6, 4);
-    column->setSpacing(4);
-    addModes(*column);
+    auto *head = new QWidget, *content = new QWidget;
+    auto *top = new QVBoxLayout(head), *column = new QVBoxLayout(content);
+    for (QVBoxLayout *each : {top, column}) {
+        each->setContentsMargins(6, 2, 6, 2);
+        each->setSpacing(3);
+    }
+    addModes(*top);
     marking = new QWidget;
     addMarking(*marking);
     column->addWidget(marking);
@@ -49,15 +51,15 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
     poseBox = new BendPoseBox;
     moreOptions = new QWidget;
     addCommands(*column);
-    state = new PanelState(48);
-    column->addWidget(state);
     column->addWidget(poseBox);
     addMore(*column);
     column->addStretch();
-    setScrolled(*this, *content);
-    moreOptions->hide(); // the width is that of all
-    poseBox->hide();
+    addFolds(*top);
+    state = new PanelState(62); // four lines
+    top->addWidget(state);
+    scroll = setScrolled(*this, *head, *content); // the width is that of all
     lineBox->hide();
+    showParts();
     connectOptions();
     tracePlaces(*this);
 }
@@ -74,7 +76,7 @@ void BendPanel::addModes(QBoxLayout &column) {
         row->addWidget(button);
         return button;
     };
-    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Line"};
+    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Straighten"};
     const QString tips[] = {
         bendActions().withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
         bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
@@ -90,9 +92,6 @@ void BendPanel::addModes(QBoxLayout &column) {
         modes->addButton(button, i);
     }
     row->addStretch();
-    QToolButton *keys = add("?", bendActions().withKeys("What the keys do", BendAction::Page));
-    keys->setObjectName("keys");
-    connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
     setMode(Bend);
     column.addLayout(row);
 }
@@ -100,29 +99,32 @@ void BendPanel::addModes(QBoxLayout &column) {
 void BendPanel::addMarking(QWidget &place) {
     auto *form = new QFormLayout(&place);
     form->setContentsMargins(0, 0, 0, 0);
-    form->setVerticalSpacing(3);
+    form->setVerticalSpacing(2);
     const auto withTip = [](auto *widget, const QString &tip) {
         widget->setToolTip(tip);
         return widget;
     };
     auto *row = new QHBoxLayout;
+    row->setSpacing(3);
     role = withTip(new QComboBox, "What is marked becomes this (F, U, H, O)");
-    role->addItems({"Fixed", "Free", "Handle", "Outside"});
+    role->addItems({"Fixed", "Free", "Handle", "Ignore"});
     role->setCurrentIndex(Handle);
+    role->setMaximumWidth(78);
     number =
-        withTip(new QSpinBox, bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
+        withTip(new CountBox, bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
     number->setRange(2, 1000000);
-    through = withTip(new QCheckBox("through"), bendActions().withKeys("Also what is hidden", BendAction::Through));
+    number->setMaximumWidth(44); // the panel leaves as much as it can to the view
+    through =
+        withTip(new QCheckBox("through the mesh"), bendActions().withKeys("Also what is hidden", BendAction::Through));
     row->addWidget(role);
     row->addWidget(number);
     row->addWidget(through);
     form->addRow("Mark", row);
-    brushPixels = withTip(new QSpinBox, "How far the brush marks around the mouse (wheel)");
+    brushPixels = withTip(new CountBox, "How far the brush marks around the mouse (wheel)");
     brushPixels->setObjectName("brush");
     brushPixels->setRange(2, 500);
     brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
-    form->addRow("Brush radius", brushPixels);
     radiusPercent = withTip(
         new NumberBox,
         "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
@@ -130,7 +132,11 @@ void BendPanel::addMarking(QWidget &place) {
     radiusPercent->setRange(0.5, 400);
     radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
-    form->addRow("Point radius", radiusPercent);
+    auto *sizes = new QHBoxLayout;
+    sizes->addWidget(brushPixels);
+    sizes->addWidget(new QLabel("Reach"));
+    sizes->addWidget(radiusPercent);
+    form->addRow("Brush", sizes);
     auto *frame = new QHBoxLayout;
     mirrorAxis = withTip(new QComboBox, "Marks and moves on both sides of the middle of the layer");
     mirrorAxis->addItems({"none", "x", "y", "z"});
@@ -191,12 +197,8 @@ void BendPanel::connectOptions() {
     connect(through, &QCheckBox::clicked, this, &BendPanel::roleChanged);
     connect(modes, QOverload<QAbstractButton *, bool>::of(&QButtonGroup::buttonToggled), this, [this] {
         const bool isLine = mode() == Line;
-        if (lineBox->isHidden() != isLine)
-            return;
-        marking->setVisible(!isLine);
-        list->setVisible(!isLine); // there is no room for all
-        lineBox->setVisible(isLine);
-        tracePlaces(*this);
+        if (lineBox->isHidden() == isLine)
+            showParts();
     });
     connect(modes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, [this] {
         emit optionsChanged();

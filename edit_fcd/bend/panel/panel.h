@@ -66,6 +66,7 @@ class BendPanel : public QDockWidget {
     void showMotions(const QString &text);
     void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
     void showState(const QString &text) { state->say(text); }
+    void showFigures(const QString &text) { figures->setText(text); } ///< of what is solved
     void showKeys();
     BendHandleList &handles() { return *list; }
     BendPoseBox &poses() { return *poseBox; }
@@ -87,7 +88,8 @@ class BendPanel : public QDockWidget {
     void addMarking(QWidget &place);
     void addCommands(QBoxLayout &column);
     void addMore(QBoxLayout &column);
-    QToolButton *fold(const char *name, const char *text, const QString &tip, QWidget *part);
+    void addFolds(QBoxLayout &column);
+    void showParts();
     void scrollTo(QWidget *part);
     void connectOptions();
 
@@ -99,12 +101,14 @@ class BendPanel : public QDockWidget {
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     PanelState *state;
-    QLabel *poseLabel;
+    QLabel *poseLabel, *figures;
     BendHandleList *list;
     BendPoseBox *poseBox;
     BendLineBox *lineBox;
     QWidget *marking, *moreOptions;
-    QPointer<QScrollArea> page; ///< of keys
+    QScrollArea *scroll;
+    std::vector<std::pair<QToolButton *, QWidget *>> folds; ///< and what they show
+    QPointer<QScrollArea> page;                             ///< of keys
 };
 
 #endif

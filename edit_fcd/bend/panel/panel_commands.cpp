@@ -11,6 +11,7 @@
 #include <QHBoxLayout>
 #include <QPushButton>
 #include <QScrollArea>
+#include <QSettings>
 #include <QTimer>
 #include <QVBoxLayout>
 
@@ -19,50 +20,74 @@
 void BendPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
     grid->setSpacing(3);
-    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place) {
+    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place, int width) {
         auto *button = new QPushButton(text);
         button->setToolTip(tip);
         button->setFocusPolicy(Qt::NoFocus);
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
-        grid->addWidget(button, row, place);
+        grid->addWidget(button, row, place, 1, width);
     };
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 1);
-    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0);
-    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 1);
+    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 3);
+    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 3, 3);
+    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0, 2);
+    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 2, 2);
+    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 1, 4, 2);
     add("Apply in place",
         bendActions().withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace),
-        ApplyInPlace, 2, 0);
+        ApplyInPlace, 2, 0, 3);
     add("Apply to new layer",
         bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
-        ApplyToNewLayer, 2, 1);
-    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 3, 0);
-    auto *folds = new QHBoxLayout;
-    folds->addWidget(fold("poses_fold", "Poses", "Poses that have names, blended by sliders", poseBox));
-    folds->addWidget(fold("more", "More", "What shapes a deformation, motions as text, graph layers", moreOptions));
-    grid->addLayout(folds, 3, 1);
+        ApplyToNewLayer, 2, 3, 3);
     column.addLayout(grid);
 }
 
-/// A button that shows, or hides, a part of the panel.
-QToolButton *BendPanel::fold(const char *name, const char *text, const QString &tip, QWidget *part) {
-    auto *button = new QToolButton;
-    button->setObjectName(name);
-    button->setText(text);
-    button->setToolTip(tip);
-    button->setCheckable(true);
-    button->setFocusPolicy(Qt::NoFocus);
-    button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
-    button->setArrowType(Qt::RightArrow);
-    button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-    connect(button, &QToolButton::toggled, this, [this, button, part](bool shown) {
-        button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
-        part->setVisible(shown);
-        if (shown)
-            scrollTo(part);
-        tracePlaces(*this);
-    });
-    return button;
+/// The buttons that show, or hide, parts of the panel, as it was the last time.
+void BendPanel::addFolds(QBoxLayout &column) {
+    auto *row = new QHBoxLayout;
+    row->setSpacing(3);
+    const auto add = [&](const char *name, const char *text, const QString &tip, QWidget *part, bool usual) {
+        auto *button = new QToolButton;
+        button->setObjectName(name);
+        button->setText(text);
+        button->setToolTip(tip);
+        button->setCheckable(true);
+        button->setFocusPolicy(Qt::NoFocus);
+        button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+        button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+        const QString setting = QString("fcd/bend/shows_") + name;
+        button->setChecked(QSettings().value(setting, usual).toBool());
+        connect(button, &QToolButton::toggled, this, [this, setting, part](bool shown) {
+            QSettings().setValue(setting, shown);
+            showParts();
+            if (shown)
+                scrollTo(part);
+        });
+        row->addWidget(button);
+        folds.emplace_back(button, part);
+    };
+    add("marks_fold", "Marks", "What is marked and how, symmetry, stretch", marking, true);
+    add("handles_fold", "Handles", "The list of handles", list, true);
+    add("poses_fold", "Poses", "Poses that have names, blended by sliders, and key frames", poseBox, false);
+    add("more", "More", "What shapes a deformation, motions as text, graph layers, figures", moreOptions, false);
+    auto *keys = new QToolButton;
+    keys->setObjectName("keys");
+    keys->setText("?");
+    keys->setToolTip(bendActions().withKeys("What the keys do", BendAction::Page));
+    keys->setFocusPolicy(Qt::NoFocus); // keys go to the view
+    connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
+    row->addWidget(keys);
+    column.addLayout(row);
+}
+
+/// What is unfolded; while a line is given, neither marks nor handles.
+void BendPanel::showParts() {
+    const bool isLine = mode() == Line;
+    lineBox->setVisible(isLine);
+    for (const auto &[button, part] : folds) {
+        button->setArrowType(button->isChecked() ? Qt::DownArrow : Qt::RightArrow);
+        part->setVisible(button->isChecked() && !(isLine && (part == marking || part == list)));
+    }
+    tracePlaces(*this);
 }
 
 void BendPanel::addMore(QBoxLayout &column) {
@@ -76,12 +101,13 @@ void BendPanel::addMore(QBoxLayout &column) {
     smoothnessValue->setSingleStep(0.002);
     smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
-    patchCount = new QSpinBox;
+    patchCount = new CountBox;
+    patchCount->setObjectName("patches");
     patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "
                            "Automatic (0): 100 to 1500, as many as the surface is worth");
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
-    form->addRow("Initial patches", patchCount);
+    form->addRow("Detail", patchCount);
     const ParameterText words = weightsText();
     weightsChoice = new QComboBox;
     weightsChoice->setObjectName("distances");
@@ -93,9 +119,9 @@ void BendPanel::addMore(QBoxLayout &column) {
     motionText->setFixedHeight(58);
     motionText->setPlaceholderText("Motions as text");
     motionText->setToolTip("The motions of the handles as the filters take them ('Motions as text'); type or paste, "
-                           "then press 'Take motions'");
+                           "then press 'Apply text'");
     form->addRow(motionText);
-    auto *take = new QPushButton("Take motions");
+    auto *take = new QPushButton("Apply text");
     take->setObjectName("take");
     take->setToolTip("Moves the handles as the text says");
     take->setFocusPolicy(Qt::NoFocus);
@@ -104,10 +130,13 @@ void BendPanel::addMore(QBoxLayout &column) {
     graphs->setObjectName("graphs");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
     form->addRow(graphs, take);
+    figures = new QLabel;
+    figures->setObjectName("figures");
+    form->addRow(figures);
     column.addWidget(moreOptions);
 }
 
 /// Once it has a place.
 void BendPanel::scrollTo(QWidget *part) {
-    QTimer::singleShot(50, this, [this, part] { static_cast<QScrollArea *>(widget())->ensureWidgetVisible(part); });
+    QTimer::singleShot(50, this, [this, part] { scroll->ensureWidgetVisible(part); });
 }

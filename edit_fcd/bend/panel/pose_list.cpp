@@ -12,10 +12,10 @@
 
 BendPoseList::BendPoseList(QWidget *parent)
     : CellList({{"Pose", "Click shows this pose alone; double click: its name", 0},
-                {"how much", "How much of it is shown, mixed with the others", 110},
+                {"strength", "How much of it is shown, mixed with the others", 110},
                 {"%", "The same as a number, also below 0 or above 100; double click to type", 44},
                 {"", "Removes the pose", 22}},
-               100, parent) {
+               72, parent) {
     connect(this, &CellList::cellEdited, this, [this](int row, int column, const QString &text) {
         if (column == Name) {
             emit renamed(row, text);

@@ -80,7 +80,7 @@ QString BendTool::roleText() const {
     return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
            : tag == 1 ? "free"
            : tag == 0 ? "fixed"
-                      : "outside";
+                      : "ignored";
 }
 
 /// What is to be done in a mode that marks.
@@ -103,7 +103,7 @@ QString BendTool::textOfKeys() const {
 
 QString BendTool::stateText() const {
     if (isSuspended)
-        return "The mouse is the camera's: Esc gives it back.";
+        return "Camera mode. Esc: back to bending.";
     if (going && going->isEndedByAll())
         return going->text();
     if (!hint.isEmpty())
@@ -135,15 +135,17 @@ QString BendTool::stateText() const {
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, but for locked ones.";
     if (drag && isKeptApart(session->model(), drag->tag))
-        text += "\nWhat other handles have bent stays as it is; the wheel makes this one bend that, too.";
+        text += "\nDoes not affect areas bent by other handles; scroll to include them.";
     else if (session->model().influence.isLocal)
-        text += "\nNothing is marked as fixed: what is farther away than the point radius stays.";
-    if (session->nodes() > 0 && milliseconds > 0) {
-        text += QString("\n%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1);
-        if (frame > 0)
-            text += QString(", drawn %1/s").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0);
-    }
+        text += "\nNothing is marked as fixed: what is farther away than the reach stays.";
     return text;
+}
+
+QString BendTool::figuresText() const {
+    if (session->nodes() == 0 || milliseconds <= 0)
+        return {};
+    return QString("%1 nodes, %2 ms a step").arg(session->nodes()).arg(milliseconds, 0, 'f', 1) +
+           (frame > 0 ? QString(", drawn %1/s").arg(1000 / frame, 0, 'f', frame > 200 ? 1 : 0) : QString());
 }
 
 void BendTool::refresh() {
@@ -167,6 +169,7 @@ void BendTool::refresh() {
     showLines();
     lookForLine();
     panel->showState(stateText());
+    panel->showFigures(figuresText());
 }
 
 #include "edit_fcd/bend/tool/moc_bend_tool.cpp" // NOLINT(bugprone-suspicious-include)

@@ -92,6 +92,7 @@ class BendTool : public BendStage {
     QString lineText() const;
     QString textOfKeys() const;
     QString stateText() const;
+    QString figuresText() const;
 
     int refused = -1;                                 ///< a layer that cannot be bent
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number

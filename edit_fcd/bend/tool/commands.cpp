@@ -35,7 +35,16 @@ void BendTool::makePanel() {
         refresh();
         view->update();
     });
-    when(panel.data(), &BendPanel::command, [this](int which) { onCommand(which); });
+    when(panel.data(), &BendPanel::command, [this](int which) {
+        hint.clear();
+        onCommand(which);
+    });
+    for (const CellList *list :
+         std::initializer_list<const CellList *>{&panel->handles(), &panel->poses().list(), &panel->poses().keys()})
+        when(list, &CellList::editLeft, [this] {
+            hint.clear(); // of what was refused before
+            later([this] { refresh(); });
+        });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
     dockPanel(*view, *panel);

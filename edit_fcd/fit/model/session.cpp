@@ -62,7 +62,7 @@ bool FitSession::undo() {
     // The rest shape of then; what led beyond it is gone.
     restore();
     history.forgetUndone();
-    if (!goBackTo(layer, applied[now.applies])) {
+    if (!goBackTo(document, layer, applied[now.applies])) {
         now = from;
         history.forget([](const FitState &) { return true; });
         return false;

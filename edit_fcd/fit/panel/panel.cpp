@@ -25,18 +25,20 @@ double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
 FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     setObjectName("fcdFitPanel");
     setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
-    auto *content = new QWidget;
-    auto *column = new QVBoxLayout(content);
-    column->setContentsMargins(6, 4, 6, 4);
-    column->setSpacing(5);
-    addLayers(*column);
-    state = new PanelState(52);
-    column->addWidget(state);
+    auto *head = new QWidget, *content = new QWidget;
+    auto *top = new QVBoxLayout(head), *column = new QVBoxLayout(content);
+    for (QVBoxLayout *each : {top, column}) {
+        each->setContentsMargins(6, 4, 6, 4);
+        each->setSpacing(5);
+    }
+    addLayers(*top);
+    state = new PanelState(72); // four lines
+    top->addWidget(state);
     addPairs(*column);
     addShape(*column);
     addCommands(*column);
     column->addStretch();
-    setScrolled(*this, *content);
+    setScrolled(*this, *head, *content);
     for (QWidget *widget : std::initializer_list<QWidget *>{targets, start, stiffness, distance, graphs})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     showProgress(-1);

@@ -101,7 +101,7 @@ void FitTool::draw() {
 
 QString FitTool::stateText() const {
     if (isSuspended)
-        return "The mouse is the camera's: Esc gives it back.";
+        return "Camera mode. Esc: back to fitting.";
     if (!hint.isEmpty())
         return hint;
     if (!target())
