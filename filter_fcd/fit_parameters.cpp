@@ -100,7 +100,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "First moves all of the current layer where the layers do not lie on each other: by <b>landmarks</b> (at least "
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
         "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
-        "lie</b> moves the layer onto the target's middle, too, and says so.");
+        "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
+        "tried turned by its axes, and scaled, and the log says which.");
     addParameter<RichFloat>(list, Shown::Always, "stiffness", Scalarm(fit.stiffness),
                             "Stiffness (1 is the default, 10 stiff)",
                             "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of "
