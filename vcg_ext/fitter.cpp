@@ -290,8 +290,8 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         report = before;
         if (least < farLess * strained) {
             lay(progress.Slice(0.9, 1));
-            report.scaledBy = std::cbrt(began.linear().determinant());
-            report.turnedBy = Eigen::AngleAxisd(began.linear() / report.scaledBy).angle();
+            report.scaledBy = began.linear().col(0).norm();
+            report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
         } else {
             graph = there;
             matches = std::move(with);
