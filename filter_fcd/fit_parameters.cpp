@@ -80,7 +80,8 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "First moves all of the current layer where the layers do not lie on each other: by <b>landmarks</b> (at least "
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
         "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
-        "lie</b> moves the layer onto the target's middle, too, and says so.");
+        "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
+        "tried turned by its axes, and scaled, and the log says which.");
     addStiffness(list, fit);
     if (!host::firstMayBeLacking())
         addParameter<RichFloat>(list, Shown::Advanced, "rigidity", Scalarm(fit.rigidity),

@@ -99,13 +99,16 @@ struct FitReport {
     bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
     bool fromAfar = false;  ///< they lay far apart, and the fit began where it moved the surface to by itself
     bool isSureFromAfar = true; ///< false: another way round fits nearly as well
-    bool otherSize = false;     ///< so much larger, or smaller, that the fit is not to be trusted
-    bool mirrored = false;      ///< the target is the surface's mirror image, or its faces look inwards as of one
-    bool flat = false;          ///< the target is a plane, and the surface is none
-    std::size_t unmet = 0;      ///< landmarks farther than their tolerance, as the graph is too coarse for them
-    std::size_t notFinite = 0;  ///< vertices of the target that were left out: a coordinate is not a finite number
-    double apart = 0;           ///< between the boxes of surface and target, world units; 0 where they overlap
-    double larger = 1;          ///< the target's size over that of the surface
+    double turnedBy =
+        0; ///< radians: it came out strained where it lay, and far less so after it was turned by its axes
+    double scaledBy = 1;       ///< and scaled, before the fit
+    bool otherSize = false;    ///< so much larger, or smaller, that the fit is not to be trusted
+    bool mirrored = false;     ///< the target is the surface's mirror image, or its faces look inwards as of one
+    bool flat = false;         ///< the target is a plane, and the surface is none
+    std::size_t unmet = 0;     ///< landmarks farther than their tolerance, as the graph is too coarse for them
+    std::size_t notFinite = 0; ///< vertices of the target that were left out: a coordinate is not a finite number
+    double apart = 0;          ///< between the boxes of surface and target, world units; 0 where they overlap
+    double larger = 1;         ///< the target's size over that of the surface
     /// What is wrong with the target or the landmarks and what to do, a sentence or two each; for log and warnings.
     std::vector<std::string> Remarks() const;
     std::vector<std::string> LandmarkRemarks() const; ///< of these, what is about landmarks
@@ -177,7 +180,8 @@ class Fitter {
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
                           const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const;
     bool IsAllFree() const;
-    bool FollowsAlone() const; // its landmarks: nothing is matched
+    bool MayBegin(const FitReport &report, bool isLed) const; // elsewhere than where it lies
+    bool FollowsAlone() const;                                // its landmarks: nothing is matched
     bool CountsAt(std::size_t slot, const FitReport &report) const;
     std::size_t CountOn(const FitMatches &matches, const FitReport &report) const;
     double CountedShare() const;

@@ -7,6 +7,7 @@
 #include <vcg_ext/fit/fit_target.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -117,6 +118,12 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
     // Where it is 0, rounding has taken it: the target is so far away.
     report.otherSize = report.larger > 0 && (report.larger > otherUnits || report.larger < smallPart) &&
                        (placement.median > astray || isApart) && param.start != FitStart::Similar;
+}
+
+/// Nothing is told or asked for that says where it is, and its strain tells it.
+bool Fitter::MayBegin(const FitReport &report, bool isLed) const {
+    return param.start == FitStart::AsItLies && !isLed && IsAllFree() && !report.otherSize && !report.mirrored &&
+           !report.flat && std::isinf(param.largestDistance) && param.rigidity == 1;
 }
 
 std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t first,

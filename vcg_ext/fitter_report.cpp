@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit is worth: how far it is from the target, and what of it has a counterpart there.
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_guess.h>
 #include <vcg_ext/fit/fit_matches.h>
@@ -140,6 +141,13 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isSureFromAfar ? "."
                                           : ", but which way round is not sure. Look at it; if it is turned, give "
                                             "landmarks and start from these."));
+    const bool isTurned = turnedBy > 1e-6, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than what rounding leaves
+    if (isTurned || isScaled)
+        remarks.push_back("The surface was first laid onto the target's middle" +
+                          (isTurned ? ", turned by " + Rounded(turnedBy * 180 / detail::pi) + " degrees" : "") +
+                          (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
+                          ", as it fits with far less strain so. Look at it; if that is wrong, give landmarks and "
+                          "start from these.");
     if (mirrored)
         remarks.emplace_back("The target looks like the mirror image of the surface. If it is, mirror one of the two "
                              "first: negate one coordinate, and turn its faces over.");

@@ -156,7 +156,8 @@ class Fitter(Unchanging):
         Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
         scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
         best. `as_they_lie`, the only one where something is fixed or a handle: not at all, or, where nothing of the two overlaps and there are
-        no landmarks, onto the target's middle (`FitInfo.from_afar`).
+        no landmarks, onto the target's middle (`FitInfo.from_afar`). Where that leaves it strained, it is tried turned by its axes and scaled,
+        and a MatchWarning says which.
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
     rigidity : float, default 1.0

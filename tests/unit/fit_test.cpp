@@ -728,6 +728,30 @@ TEST(Fit, BeginsFromAfarByItself) {
     EXPECT_EQ(Fit(source, Moved(target, shift), param).report.matched, 0);
 }
 
+// Where the layers overlap, but lie turned or are of another size, the strain of the fit tells, and other starts are
+// tried.
+TEST(Fit, BeginsTurnedOrScaledByItself) {
+    const int around = sanitized ? 24 : 60;
+    const Shape from = Lumpy(around), to = Rolled(Lumpy(around + 9)), belongs = Rolled(from);
+    const Fitted straight = Fit(from, to);
+    EXPECT_EQ(straight.report.turnedBy, 0);
+    EXPECT_EQ(straight.report.scaledBy, 1);
+    const Vector3d middle(0, 0, 0.2);
+    for (const auto &[degrees, times] : {std::pair(150.0, 1.0), {0.0, 1.5}, {110.0, 0.7}}) {
+        const Eigen::Affine3d away = Eigen::Translation3d(middle) * Eigen::Scaling(times) *
+                                     Eigen::AngleAxisd(degrees * detail::pi / 180, Vector3d(1, 2, -1).normalized()) *
+                                     Eigen::Translation3d(-middle);
+        const Fitted fitted = Fit(from, Moved(to, away));
+        EXPECT_LT(Rms(fitted, Moved(belongs, away)), 1.5 * times * Rms(straight, belongs)) << degrees;
+        EXPECT_NEAR(fitted.report.scaledBy, times, 0.05 * times);
+        EXPECT_EQ(fitted.report.turnedBy > 1, degrees > 1);
+        const std::string said = Joined(fitted.report.Remarks());
+        EXPECT_NE(said.find("far less strain"), std::string::npos);
+        EXPECT_EQ(said.find("scaled by") != std::string::npos, times != 1);
+        EXPECT_EQ(said.find("turned by") != std::string::npos, degrees > 0);
+    }
+}
+
 TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     FitParam param = Small();
     param.fitSteps = 5;

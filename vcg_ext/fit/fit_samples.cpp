@@ -63,6 +63,14 @@ Eigen::Vector3d FitSamples::At(std::size_t s, const GraphPose &pose) const {
     return x;
 }
 
+std::vector<Eigen::Vector3d> FitSamples::Places(std::size_t count, const GraphPose &pose) const {
+    std::vector<Eigen::Vector3d> places;
+    places.reserve(count);
+    for (std::size_t s = 0; s < count; ++s)
+        places.push_back(At(s, pose));
+    return places;
+}
+
 Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const {
     Eigen::Vector3d n = Eigen::Vector3d::Zero();
     for (std::uint32_t t = begin[s]; t < begin[s + 1]; ++t)

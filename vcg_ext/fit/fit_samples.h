@@ -38,6 +38,8 @@ struct FitSamples {
     /// \param pose gives the motions of what is held
     void Add(const RegionDeformer &deformer, const RegionPose &pose, Index node);
     Eigen::Vector3d At(std::size_t s, const GraphPose &pose) const;
+    /// Those of the first \p count.
+    std::vector<Eigen::Vector3d> Places(std::size_t count, const GraphPose &pose) const;
     /// The normal in a pose, of length 1; 0 where it is not known.
     Eigen::Vector3d NormalAt(std::size_t s, const GraphPose &pose) const;
 };

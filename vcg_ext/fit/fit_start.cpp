@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace vcg::fcd {
 
@@ -46,6 +47,9 @@ constexpr double better = 0.8;
 constexpr double farBetter = 0.5;
 constexpr double apart = 0.01;   // of the diagonal: nearer than this, mirror images are alike
 constexpr std::size_t few = 200; // places that tell it
+// What bends changes how far it spreads by some percent; what is larger by less is found by the fit itself.
+constexpr double someSize = 0.1;
+constexpr std::size_t waysTried = 2; // where two axes are alike, the nearest may be the wrong one
 
 /// How far points, moved, are from a target: the sum over the nearest four fifths. A side that looks the other way is
 /// no counterpart: as if it were so much farther; the target's normals are taken as they are, or turned over.
@@ -135,6 +139,52 @@ Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const 
     }
     isSure = least > better * unturned || least < better * second;
     return least > better * unturned ? shift : best;
+}
+
+std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &points,
+                                         const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
+                                         unsigned threads) {
+    const Moments own = MomentsOf(points), &its = target.Spread();
+    const double larger = its.Radius() / std::max(own.Radius(), 1e-12);
+    std::vector<Eigen::Affine3d> starts;
+    for (const double scale : {1.0, larger}) {
+        if (scale != 1 && std::abs(scale - 1) < someSize)
+            continue;
+        const Eigen::Affine3d scaled =
+            Eigen::Translation3d(its.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-its.Middle());
+        if (scale != 1)
+            starts.push_back(scaled * Eigen::Translation3d(its.Middle() - own.Middle()));
+        std::vector<std::pair<double, Eigen::Affine3d>> ways;
+        for (const Eigen::Affine3d &motion : OntoAxes(points, target, false))
+            ways.emplace_back(Misfit(points, normal, scaled * motion, target, threads), scaled * motion);
+        std::stable_sort(ways.begin(), ways.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
+        for (std::size_t i = 0; i < waysTried; ++i)
+            starts.push_back(ways[i].second);
+    }
+    return starts;
+}
+
+double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
+    const DeformationGraph &graph = deformer.graph;
+    double off = 0, all = 0;
+    for (Index i = 0; i < graph.Size(); ++i)
+        for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
+             item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+            const Index j = graph.graph.adjacency.item[item];
+            const Eigen::Vector3d edge = (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>(),
+                                  turned = pose.linear[std::size_t(i)] * edge;
+            off += double(graph.weight[item]) * (pose.position.col(i) + turned - pose.position.col(j)).squaredNorm();
+            all += double(graph.weight[item]) * turned.squaredNorm();
+        }
+    return all > 0 ? std::sqrt(off / all) : 0;
+}
+
+GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion) {
+    for (std::size_t j = 0; j < pose.linear.size(); ++j) {
+        pose.position.col(Eigen::Index(j)) = motion * pose.position.col(Eigen::Index(j)).eval();
+        pose.linear[j] = motion.linear() * pose.linear[j];
+    }
+    return pose;
 }
 
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {

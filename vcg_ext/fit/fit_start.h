@@ -29,6 +29,20 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
 Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                               const FitTarget &target, unsigned threads, bool &isSure);
 
+/// Other starts than where points lie, to be judged by the fits that come of them: middle and principal axes on those
+/// of the target, the nearest two of the 24 ways; and where that spreads farther or less, scaled as well, and not
+/// turned. \param points, \param normal as of StartFromAxes
+std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &points,
+                                         const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
+                                         unsigned threads);
+
+/// How much the edges of a graph are strained in a pose, root mean square, of their lengths: the first part of Eq. 2
+/// over what it would be if all edges were drawn together to nothing.
+double StrainOf(const RegionDeformer &deformer, const GraphPose &pose);
+
+/// A pose that is moved, and scaled, as a whole.
+GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion);
+
 /// How points lie to a target.
 struct FitPlacement {
     double apart = 0;    ///< between their boxes, frame units
