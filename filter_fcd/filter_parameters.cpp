@@ -121,6 +121,10 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
                            "Computes normals of what moves from the faces, as MeshLab does. Without it they turn with "
                            "the surface: a tenth faster, and some degrees off where it bends. A layer's own normals, "
                            "and those of clouds, turn in any case.");
+    if (!host::firstMayBeLacking())
+        addParameter<RichBool>(list, Shown::Advanced, "contact", param.contact, "Look for contact",
+                               "Tells how many triangles pass through the layer that did not at rest, and how far. It "
+                               "takes several times as long as the pose, and so does each step of a preview.");
     return list;
 }
 
@@ -149,6 +153,7 @@ PoseParam poseParam(const RichParameterList &given, const MeshDocument &document
     if (!host::scriptsMayLackParameters && !given.hasParameter("weld_distance")) // of no dialog, so not rounded
         param.deformation.weldDistance = vcg::fcd::DeformerParam().weldDistance;
     param.exactNormals = list.getBool("exact_normals");
+    param.contact = list.hasParameter("contact") && list.getBool("contact");
     return param;
 }
 

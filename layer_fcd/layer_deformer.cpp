@@ -243,7 +243,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             computeFaceNormals(mesh, found->moving);
         restShape.knowNormals();
         result.secondsNormals = watch.Seconds();
-        if (moved && mesh.fn > 0 && mesh.face.size() <= vcg::fcd::contactUnasked)
+        if (param.contact && moved && mesh.fn > 0)
             result.contact = contactNow(param.deformation);
     } catch (const std::bad_alloc &) {
         if (isFirst)

@@ -29,7 +29,7 @@ struct PoseResult {
     double discretisationError = 0; ///< as Deformer::DiscretisationError gives it
     vcg::fcd::PoseWay way;
     vcg::fcd::TagCount tags;
-    vcg::fcd::SurfaceContact contact; ///< of no more than vcg::fcd::contactUnasked faces
+    vcg::fcd::SurfaceContact contact; ///< where it was asked for
     bool prepared = false;            ///< anew
     double secondsFind = 0, secondsPrepare = 0, secondsSolve = 0, secondsMap = 0, secondsNormals = 0;
 };

@@ -177,6 +177,7 @@ struct PoseParam {
     HandleParam handles;
     vcg::fcd::DeformationParam deformation; ///< without nodes
     bool exactNormals = true;               ///< computed from the faces instead of turned, where they are these
+    bool contact = false; ///< also look for contact; of 250 thousand triangles it takes three times as long as the pose
 };
 
 /// What "FCD: Reset Pose" is asked for.

@@ -24,7 +24,7 @@ DEFORM_DEFAULTS = {
     "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "displacement": False, "stop_at_contact": False}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "displacement", "stop_at_contact"}
-POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True}
+POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True, "contact": False}
 SURFACE_RETURNS = {"components": int, "welded_vertices": int, "joined_vertices": int, "gap_vertices": int, "isolated_vertices": int, "non_manifold_edges": int,
                    "degenerate_faces": int}
 GRAPH_RETURNS = {**SURFACE_RETURNS, "patches": int, "edges": int, "iterations": int, "converged": bool, "cost": float, "target_radius": float,
@@ -1083,7 +1083,8 @@ def test_a_pose_in_place_tells_of_contact():
     deep = ms.apply_filter(DEFORM, transforms=turn(160), graph_layers=False)
     ms.set_current_mesh(0)
     for degrees in (60, 160):
-        found = ms.apply_filter(POSE, transforms=turn(degrees))
+        assert ms.apply_filter(POSE, transforms=turn(degrees))["contact_triangles"] == 0  # nobody has asked
+        found = ms.apply_filter(POSE, transforms=turn(degrees), contact=True)
         assert (found["contact_triangles"], found["contact_depth"]) == ((0, 0) if degrees == 60 else (deep["contact_triangles"], deep["contact_depth"]))
 
 

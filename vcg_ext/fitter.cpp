@@ -74,7 +74,7 @@ constexpr double mostUnreached = 0.002;
 // 150 has two thirds of that, and a limb is one at least.
 constexpr double aLimb = 0.01;
 // Strain of edges (rms) above which other starts are tried, and the share of it that one must leave. Shapes made by
-// formula have 0.36 and more where they lie turned; where they lie right, at most 0.19.
+// formula had 0.36 and more where they lay turned, and 0.19 (a hand with touching fingers) where they lay right.
 constexpr double pressed = 0.25, farLess = 0.5;
 
 } // namespace
