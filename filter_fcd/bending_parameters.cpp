@@ -132,7 +132,7 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
 }
 
 void addDisplacement(RichParameterList &list, bool displacement) {
-    if (!host::firstMayBeLacking())
+    if (host::scriptsMayLackParameters)
         addParameter<RichBool>(list, Shown::Advanced, "displacement", displacement, "Add displacement",
                                "Also gives the vertices of the result the vector attribute 'fcd_displacement': the way "
                                "that each went, in the layer's coordinates. Scripts read it as "

@@ -95,7 +95,7 @@ RichParameterList toRichParameters(const DeformMeshParam &param, const MeshDocum
                            "surface passes through itself where it did not at rest. Up to 250 thousand faces the log "
                            "tells of contact in any case; larger layers take a second for a million faces.");
     addDisplacement(list, param.displacement);
-    if (!host::firstMayBeLacking())
+    if (host::scriptsMayLackParameters)
         addParameter<RichBool>(list, Shown::Advanced, "stop_at_contact", param.stopAtContact, "Stop at contact",
                                "Carries the motion out only until the surface would pass through itself: to the last "
                                "hundredth of it that is free. Solves eight poses; the log tells how far it came.");
@@ -121,7 +121,7 @@ RichParameterList allParameters(const PoseParam &param, const MeshDocument &docu
                            "Computes normals of what moves from the faces, as MeshLab does. Without it they turn with "
                            "the surface: a tenth faster, and some degrees off where it bends. A layer's own normals, "
                            "and those of clouds, turn in any case.");
-    if (!host::firstMayBeLacking())
+    if (host::scriptsMayLackParameters)
         addParameter<RichBool>(list, Shown::Advanced, "contact", param.contact, "Look for contact",
                                "Tells how many triangles pass through the layer that did not at rest, and how far. It "
                                "takes several times as long as the pose, and so does each step of a preview.");

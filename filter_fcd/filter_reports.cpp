@@ -180,11 +180,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceContact &contac
 std::vector<std::string> warningsOf(const vcg::fcd::SurfaceContact &contact) {
     if (contact.face.empty())
         return {};
-    std::ostringstream line;
-    line << contact.face.size()
-         << " triangles pass through others, which they did not at rest: the surface has come up to " << contact.largest
-         << " far through itself. Move the handles less.";
-    return {line.str()};
+    return {contact.Text() + " Move the handles less."};
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {

@@ -905,16 +905,19 @@ def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_p
 
 
 def test_a_handle_is_dragged_where_an_arrow_of_another_one_lies_over_it(window, tmp_path):
-    w, points = tip_of_a_limb(window, tmp_path)
-    w.drag((X + 150, Y), (X + 150, Y - 30))
-    w.drag((X + 75, Y), (X + 75, Y - 40)) # with what lies beyond it
+    points, faces = tube_of(*LIMB[:2], 0.04) # so thin that two handles are near, and the first one still beyond the second
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    w.drag((X + 150, Y), (X + 150, Y - 6))
+    w.drag((X + 95, Y), (X + 95, Y - 40)) # with what lies beyond it; its arrow along x ends at 155
     before = load(w.save("before.ply"))[0]
-    w.drag((X + 150, Y - 70), (X + 150, Y - 110))
+    w.shot("under an arrow")
+    w.drag((X + 150, Y - 46), (X + 150, Y - 86))
     w.shot("dragged")
     moved = (load(w.save("after.ply"))[0] - before)[:, 1]
-    at = lambda x: np.argmin(np.linalg.norm(points - [x, 0, 0.08], axis=1))
+    at = lambda x: np.argmin(np.linalg.norm(points - [x, 0, 0.04], axis=1))
     pixels = 285 # a unit, at the side that is seen
-    assert abs(moved[at(150 / pixels)] - 40 / pixels) < 0.03 and abs(moved[at(75 / pixels)]) < 0.03
+    assert abs(moved[at(150 / pixels)] - 40 / pixels) < 0.03 and abs(moved[at(95 / pixels)]) < 0.03
 
 
 def test_keys_act_on_what_is_under_the_mouse_or_was_chosen(window, tmp_path):
@@ -1469,3 +1472,22 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
     w.key("ctrl+z") # those that the tool had
     answer(w, "saveposes", "Save poses", str(tmp_path / "back.csv"))
     assert (tmp_path / "back.csv").read_text().startswith("time,easing,bent\n")
+
+
+def test_contact_is_told_and_shown(window, tmp_path):
+    """An end that is pushed into the other one, and taken back."""
+    w, _, _ = open_tube(window, tmp_path)
+    w.start_tool()
+    mark_two_regions(w)
+    w.do("mousemove", X, Y + 200)
+    w.key("g", "x", "minus", "1", "period", "3", "Return", "g", "y", "0", "period", "1", "Return")
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    assert re.search(r"\d+ triangles pass through others\.", said())
+    assert len(re.findall(r"FCD: Bend: \d+ triangles pass through others, which they did not at rest", w.text())) == 1 # in the log, once
+    w.click(w.place("stretch"))
+    w.shot("contact")
+    seen = w.seen()
+    assert np.count_nonzero((seen[..., 0] > seen[..., 1] + 60) & (seen[..., 2] > seen[..., 1] + 60)) > 100 # magenta
+    assert "triangles pass through others, shown in magenta." in said()
+    w.key("ctrl+z", "ctrl+z")
+    assert "triangles pass through" not in said()

@@ -177,18 +177,39 @@ class Window:
         self.until("end of the dialog", lambda: self.find(self.x("getwindowname", window)) == [])
 
     def enter(self, window, x, y, text):
-        self.x("windowactivate", "--sync", window)  # so that the keys go there
-        self.click(window, x, y, times=3)
-        self.keys("ctrl+a")
-        self.type(text)
+        """Types into a field. A busy machine loses a click at times: the field looks as before then."""
+        for _ in range(3):
+            self.x("windowactivate", "--sync", window)  # so that the keys go there
+            left, top, width, _ = self.place(window)
+            row = (left, top + y - 8, left + width, top + y + 8)
+            before = self.seen(row)
+            self.click(window, x, y, times=3)
+            self.keys("ctrl+a")
+            self.type(text)
+            if not np.array_equal(self.seen(row), before):
+                return
+
+    def seen(self, box):
+        return np.asarray(ImageGrab.grab(box, xdisplay=self.screen.environment["DISPLAY"]))
 
     def windows(self):
         return set(self.x("search", "--onlyvisible", "--class", ".").split())
 
+    def opens_list(self, before):
+        for _ in range(100):
+            if self.windows() - before:
+                return True
+            time.sleep(0.05)
+        return False
+
     def choose(self, window, x, y, *keys):
         """From a list that opens on a click."""
         before = self.windows()
-        self.click(window, x, y)
+        for _ in range(3):  # a busy machine loses a click at times
+            self.click(window, x, y)
+            if self.opens_list(before):
+                break
+            self.x("windowactivate", "--sync", window)
         self.until("list", lambda: self.windows() - before)
         self.keys(*keys, "Return")
         self.until("end of the list", lambda: not self.windows() - before)

@@ -419,14 +419,14 @@ TEST(BendModel, PosesHaveNamesAndTimes) {
 
 TEST(BendModel, APartOfAnAnimationHasTheFramesOfTheWhole) {
     const PoseSequence poses = withPose(withPose({}, "2: scale 2"), "2: scale 3"); // smooth, from 0 to 2
-    EXPECT_EQ(between(poses, 0, 2, 24).key.size(), 3U) << "all of it is as it is";
-    const PoseSequence part = between(poses, 0.25, 1.5, 4);
+    EXPECT_EQ(partOfAnimation(poses, 0, 2, 24).key.size(), 3U) << "all of it is as it is";
+    const PoseSequence part = partOfAnimation(poses, 0.25, 1.5, 4);
     const std::vector<double> times = vcg::fcd::FrameTimes(part, 4);
     ASSERT_EQ(times, (std::vector<double>{0.25, 0.5, 0.75, 1, 1.25, 1.5}));
     for (const double time : times)
         EXPECT_EQ(part.WeightsAt(time), poses.WeightsAt(time)) << time;
-    EXPECT_EQ(between(poses, 0.5, 0.5, 4).key.size(), 1U);
-    EXPECT_THROW(between(poses, 1.5, 0.25, 4), Error);
+    EXPECT_EQ(partOfAnimation(poses, 0.5, 0.5, 4).key.size(), 1U);
+    EXPECT_THROW(partOfAnimation(poses, 1.5, 0.25, 4), Error);
     BendState state;
     EXPECT_THROW(expectAnimation(state), Error);
     state.poses = std::make_shared<const PoseSequence>(poses);

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 namespace vcg::fcd {
@@ -194,6 +195,15 @@ SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position
             }
     contact.largest = double(*std::max_element(contact.depth.begin(), contact.depth.end()));
     return contact;
+}
+
+std::string SurfaceContact::Text() const {
+    if (face.empty())
+        return {};
+    std::ostringstream line;
+    line << face.size() << " triangles pass through others, which they did not at rest: the surface has come up to "
+         << largest << " far through itself.";
+    return line.str();
 }
 
 } // namespace vcg::fcd

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -25,6 +26,8 @@ struct SurfaceContact {
     /// this is the distance of its vertices from the surface that they came through; of other corners of those faces,
     /// how far the two reach through each other.
     std::vector<float> depth;
+
+    std::string Text() const; ///< all of that in a sentence, empty where there is no contact
 };
 
 /// Faces of a surface in which contact is looked for without being asked: that takes a tenth of a second at most, which

@@ -27,13 +27,13 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     if (own < 0)
         return {};
     const double radius = radiusAt(slot, usual);
-    const auto extent = whole({slot}, radius, hair);
-    if (!extent->joint)
+    const auto grip = whole({slot}, radius, hair);
+    if (!grip->joint)
         return {};
     const vcg::fcd::Graph &graph = surface->graph;
     const double all = std::numeric_limits<double>::infinity();
     std::vector<char> isBeyond(std::size_t(graph.Size()), 0);
-    for (const std::size_t i : extent->beyond)
+    for (const std::size_t i : grip->beyond)
         if (surface->nodeOf[i] >= 0)
             isBeyond[std::size_t(surface->nodeOf[i])] = 1;
     const std::vector<vcg::fcd::Index> fromHere = vcg::fcd::NodesWithin(graph, {own}, all);
@@ -46,26 +46,26 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     const std::vector<vcg::fcd::Index> fromTip = vcg::fcd::NodesWithin(graph, {*tip}, all, &distances);
     const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is twice the thickness
     std::vector<std::size_t> section(isBeyond.size(), 0);
-    std::vector<float> area;
+    std::vector<float> area(1, 0);
     float total = 0;
     for (std::size_t k = 0; k < fromTip.size(); ++k) {
         const auto u = std::size_t(fromTip[k]);
         section[u] = std::size_t(distances[k] / bin);
-        area.resize(section[u] + 1, 0);
+        area.resize(std::max(area.size(), section[u] + 1), 0);
         area[section[u]] += surface->nodeArea[u];
         total += surface->nodeArea[u];
     }
-    const std::size_t begin = section[std::size_t(own)];
+    const std::size_t start = section[std::size_t(own)];
     float before = 0;
-    for (std::size_t k = 0; k <= begin; ++k)
+    for (std::size_t k = 0; k <= start; ++k)
         before += area[k];
-    std::size_t root = begin;
-    while (root + 1 < area.size() && area[root + 1] <= thicker * area[begin] &&
+    std::size_t root = start;
+    while (root + 1 < area.size() && area[root + 1] <= thicker * area[start] &&
            before + area[root + 1] <= largestLimb * total)
         before += area[++root];
     // A handle on a limb turns about a joint that is about its thickness away.
-    const std::size_t at = root > begin + binsOfThickness ? root - binsOfThickness : begin;
-    if (at == begin)
+    const std::size_t at = root > start + binsOfThickness ? root - binsOfThickness : start;
+    if (at == start)
         return slot;
     const auto there = std::find_if(fromHere.begin(), fromHere.end(),
                                     [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });

@@ -51,9 +51,10 @@ Eigen::Vector3d dotOf(const BendModel &model, int tag) { return motionAt(model, 
 
 std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag) {
     const auto extent = model.influence.extents.find(tag);
-    if (!isGrip(model.state, tag) || extent == model.influence.extents.end() || !extent->second->joint)
+    if (!isGrip(model.state, tag) || extent == model.influence.extents.end())
         return {};
-    return model.ground.world * *extent->second->joint;
+    const std::optional<Eigen::Vector3d> &joint = extent->second->joint;
+    return joint ? std::optional<Eigen::Vector3d>(model.ground.world * *joint) : std::nullopt;
 }
 
 Eigen::Vector3d pivotOf(const BendModel &model, int tag) {

@@ -98,7 +98,7 @@ PoseSequence withKeyFrame(const BendState &state, bool moves) {
     return poses;
 }
 
-PoseSequence between(PoseSequence poses, double from, double to, double rate) {
+PoseSequence partOfAnimation(PoseSequence poses, double from, double to, double rate) {
     if (to < from)
         throw Error("The animation is to end before it begins. Give an earlier 'From', or a later 'To'.");
     if (from <= poses.key.front().time && to >= poses.key.back().time)

@@ -32,6 +32,6 @@ vcg::fcd::PoseSequence withKeyFrames(vcg::fcd::PoseSequence poses, std::vector<v
 vcg::fcd::PoseSequence withKeyFrame(const BendState &state, bool moves);
 /// The frames from one time to another, \p rate a second, each as a key frame: no other table has the same ones where
 /// an easing is cut. All of it as it is. \throw vcg::fcd::Error it ends before it begins, or as FrameTimes
-vcg::fcd::PoseSequence between(vcg::fcd::PoseSequence poses, double from, double to, double rate);
+vcg::fcd::PoseSequence partOfAnimation(vcg::fcd::PoseSequence poses, double from, double to, double rate);
 
 #endif

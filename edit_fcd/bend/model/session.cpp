@@ -264,19 +264,19 @@ void BendSession::makeGrip(int tag) {
 }
 
 int BendSession::limbAt(std::size_t slot, double usual) {
-    int nearest = 0;
+    int found = 0;
     std::size_t least = 0;
     for (const auto &[tag, extent] : data.influence.extents) {
         const std::vector<std::size_t> &beyond = extent->beyond;
         const bool isOn = data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot ||
                                                                std::binary_search(beyond.begin(), beyond.end(), slot));
-        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!nearest || beyond.size() < least)) {
-            nearest = tag;
+        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || beyond.size() < least)) {
+            found = tag;
             least = beyond.size();
         }
     }
-    if (nearest)
-        return nearest;
+    if (found)
+        return found;
     BendReach &glance = reach.glance();
     const double hair = usualGap(rest.diagonal());
     const std::size_t carrier = glance.carrierOf(slot, hair);

@@ -160,6 +160,9 @@ class BendSession {
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
     /// The rest shape again, to the bit.
     void restore();
+    /// Where the last full pose passes through itself and did not at rest; of layers with no more than
+    /// vcg::fcd::contactUnasked faces.
+    const vcg::fcd::SurfaceContact &contact() const { return contactOfPose; }
 
     /// The layer gets the present pose as FCD: Pose in Place gives it. It stays a pose of the rest shape, and the
     /// session goes on if the layer isAsLeft(). \return the filter calls, empty where the layer has it already, or is
@@ -194,6 +197,7 @@ class BendSession {
     void writePoses();
 
     void writePose(const vcg::fcd::Deformer::Pose &pose);
+    void findContact(const vcg::fcd::DeformationParam &param);
     HandleParam handleParam() const;
     void handOver();
     void writeAppliedTags();
@@ -239,6 +243,7 @@ class BendSession {
 
     std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest, once it has been read
     std::uint64_t facesOfSurface = 0;                       ///< facesOf the mesh then
+    vcg::fcd::SurfaceContact contactOfPose;
 
     /// What is done beside the window has in the place of the layer, and of the document.
     struct Beside {

@@ -13,7 +13,8 @@ using vcg::fcd::PoseSequence;
 BendSession::Animation BendSession::animation(const AnimationExport &how) {
     writeAppliedTags(); // by which the filter knows the handles
     const PoseSequence &all = expectAnimation(state());
-    return {posesInNumbers(), between(all, how.from, how.to, asTyped(how.rate)).key, layer.label().toStdString()};
+    return {posesInNumbers(), partOfAnimation(all, how.from, how.to, asTyped(how.rate)).key,
+            layer.label().toStdString()};
 }
 
 vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation, const AnimationExport &how,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/session.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/marks.h>
 
@@ -38,6 +39,7 @@ void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
 
 BendSession::Times BendSession::pose(bool full, bool faces) {
     Times times;
+    contactOfPose = {};
     if (!isMoved(data)) {
         restore();
         return times;
@@ -58,12 +60,22 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
         computeFaceNormals(layer.cm, {});
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
         rest.know();
+        findContact(param);
     }
     times.write = 1000 * watch.Seconds();
     return times;
 }
 
+/// Of a pose that was solved to the end: a step of a drag has no time for it.
+void BendSession::findContact(const vcg::fcd::DeformationParam &param) {
+    if (layer.cm.fn == 0 || layer.cm.face.size() > vcg::fcd::contactUnasked)
+        return;
+    readSurface();
+    contactOfPose = vcg::fcd::ContactOf(surface->View(), *solver.prepared()->deformer, positionsOf(layer), param);
+}
+
 void BendSession::restore() {
+    contactOfPose = {};
     isLeft = false;
     rest.restore();
     solver.forgetPose();

@@ -112,6 +112,7 @@ QString BendTool::stateText() const {
         return lineText();
     const BendDrag *drag = this->drag();
     QString text;
+    const std::size_t inContact = session->contact().face.size();
     if (panel->mode() != BendPanel::Bend)
         text = markingText();
     else if (session->model().influence.handles().empty())
@@ -138,6 +139,10 @@ QString BendTool::stateText() const {
         text += "\nDoes not affect areas bent by other handles; scroll to include them.";
     else if (session->model().influence.isLocal)
         text += "\nNothing is marked as fixed: what is farther away than the reach stays.";
+    if (inContact > 0)
+        text += QString("\n%1 triangles pass through others%2.")
+                    .arg(inContact)
+                    .arg(colors->isStretch(*session) ? ", shown in magenta" : "");
     return text;
 }
 

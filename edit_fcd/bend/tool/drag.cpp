@@ -181,28 +181,28 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
 }
 
 std::string BendDrag::text(const Camera &view) const {
-    const Kind kind = does();
-    std::string text = kind == Move ? "move" : kind == Turn ? "turn" : kind == Limb ? "turn the limb" : "scale";
+    const Kind what = does();
+    std::string text = what == Move ? "move" : what == Turn ? "turn" : what == Limb ? "turn the limb" : "scale";
     if (axis >= 0)
-        text += std::string(kind == Turn ? " about " : " along ") + "xyz"[axis];
-    else if (!typed.empty() && kind == Move)
+        text += std::string(what == Turn ? " about " : " along ") + "xyz"[axis];
+    else if (!typed.empty() && what == Move)
         text += " along x";
     if (!typed.empty())
         return text + " " + typed + "_" +
                (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
     if (isBeginning(view))
-        return kind == Limb ? "turn the limb: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
-               : kind == Move ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
-               : kind == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+        return what == Limb ? "turn the limb: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+               : what == Move ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
+               : what == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
                               : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
     const auto added = step(view);
     const auto digits = [](double x) {
         char number[32];
         return std::string(number, std::to_chars(number, number + sizeof number, x, std::chars_format::general, 4).ptr);
     };
-    if (kind == Move)
+    if (what == Move)
         return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
-    if (kind == Turn || kind == Limb)
+    if (what == Turn || what == Limb)
         return text + " by " + digits(added ? added->degrees : 0) + " degrees";
     return text;
 }

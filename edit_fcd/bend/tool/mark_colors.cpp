@@ -9,6 +9,7 @@ namespace {
 
 const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
 const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
+const vcg::Color4b inContact(200, 0, 200, 255);
 
 } // namespace
 
@@ -21,7 +22,12 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
         if (!stretch)
             stretch = std::make_unique<StretchColors>(layer);
         const RestGuard &rest = session.restShape();
-        return stretch->of(rest.positions(), rest.world().linear(), opacity);
+        std::vector<vcg::Color4b> color = stretch->of(rest.positions(), rest.world().linear(), opacity);
+        const std::vector<float> &depth = session.contact().depth;
+        for (std::size_t i = 0; i < depth.size(); ++i)
+            if (depth[i] > 0)
+                color[i] = inContact;
+        return color;
     }
     const BendState &state = session.state();
     const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();

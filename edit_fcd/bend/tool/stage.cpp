@@ -71,6 +71,13 @@ void BendStage::showChanged() {
     isShownChanged = true;
 }
 
+void BendStage::tellContact() {
+    const std::string contact = session->contact().Text();
+    if (!contact.empty() && !isContactTold)
+        say(contact, true);
+    isContactTold = !contact.empty();
+}
+
 /// Shows the marks, or the stretch.
 void BendStage::showOverlay() {
     if (!layer())
@@ -106,6 +113,8 @@ void BendStage::solve(bool full) {
     isLive = !full;
     if (full && isMoved(session->model()))
         showChanged();
+    if (full)
+        tellContact();
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
     const double took = double(watch.nsecsElapsed()) / 1e6;

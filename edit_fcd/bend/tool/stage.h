@@ -84,6 +84,7 @@ class BendStage : public LayerTool {
     void comeToRest(); ///< what has moved step by step is solved to the end \pre there is a layer
     void showVertices(bool full) override;
     void showChanged();
+    void tellContact(); ///< in the log, where there is contact since the last full pose
     void showOverlay(); ///< the marks, or the stretch
 
     int tagToMark() const;      ///< what is marked next to a handle that was moved is another handle, at rest
@@ -120,6 +121,7 @@ class BendStage : public LayerTool {
     JobRunner preparing{this}; ///< while it runs, nothing else touches the session
     QString preparingWhat;
     bool isShownChanged = false; ///< the list of layers shows that the layer was changed
+    bool isContactTold = false;  ///< the log has told of the contact that there is
     double milliseconds = 0;     ///< of the last step
 
   private:
