@@ -118,9 +118,7 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
     table.surface.reset();
     if (!isWhole)
         call.with("poses_file", std::string("poses.csv"));
-    call.with("handles", 2)
-        .with("tag_attribute", appliedTags(document, layer))
-       .with("frame_layers", 0);
+    call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", 0);
     call.with("frames_per_second", asTyped(how.rate), asTyped(AnimationExport().rate));
     call.with(how.isPointCache() ? "pc2_file" : "gltf_file", how.file.toStdString());
     if (!how.isPointCache())
