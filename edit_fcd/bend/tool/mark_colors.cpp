@@ -9,7 +9,6 @@ namespace {
 
 const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
 const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
-const vcg::Color4b inContact(200, 0, 200, 255);
 
 } // namespace
 
@@ -23,6 +22,7 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
             stretch = std::make_unique<StretchColors>(layer);
         const RestGuard &rest = session.restShape();
         std::vector<vcg::Color4b> color = stretch->of(rest.positions(), rest.world().linear(), opacity);
+        const vcg::Color4b inContact(200, 0, 200, 255);
         const std::vector<float> &depth = session.contact().depth;
         for (std::size_t i = 0; i < depth.size(); ++i)
             if (depth[i] > 0)
