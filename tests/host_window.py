@@ -46,6 +46,11 @@ class Screen:
         self.manager.wait()
 
 
+def alike(one, other):
+    """Two pictures of a field, but for its cursor, which comes and goes."""
+    return one.shape == other.shape and np.count_nonzero((one != other).any(axis=(0, 2))) <= 2
+
+
 class Window:
     """MeshLab with a mesh, or a project."""
 
@@ -177,17 +182,22 @@ class Window:
         self.until("end of the dialog", lambda: self.find(self.x("getwindowname", window)) == [])
 
     def enter(self, window, x, y, text):
-        """Types into a field. A busy machine loses a click at times: the field looks as before then."""
-        for _ in range(3):
+        """Types into a field. A busy machine loses a click at times, so it looks whether the text came: the field has it both times,
+        and had not when it was empty."""
+        shown, clicks = None, self.clicks + 1
+        for _ in range(6):
             self.x("windowactivate", "--sync", window)  # so that the keys go there
             left, top, width, _ = self.place(window)
             row = (left, top + y - 8, left + width, top + y + 8)
-            before = self.seen(row)
             self.click(window, x, y, times=3)
-            self.keys("ctrl+a")
+            self.keys("ctrl+a", "Delete")
+            empty = self.seen(row)
             self.type(text)
-            if not np.array_equal(self.seen(row), before):
+            before, shown = shown, self.seen(row)
+            if before is not None and alike(before, shown) and not alike(empty, shown):
+                self.clicks = clicks
                 return
+        raise AssertionError(f"'{text}' did not come into the field at {x}, {y}")
 
     def seen(self, box):
         return np.asarray(ImageGrab.grab(box, xdisplay=self.screen.environment["DISPLAY"]))
@@ -195,22 +205,18 @@ class Window:
     def windows(self):
         return set(self.x("search", "--onlyvisible", "--class", ".").split())
 
-    def opens_list(self, before):
-        for _ in range(100):
-            if self.windows() - before:
-                return True
-            time.sleep(0.05)
-        return False
-
     def choose(self, window, x, y, *keys):
-        """From a list that opens on a click."""
+        """From a list that opens on a click. A busy machine loses one at times."""
         before = self.windows()
-        for _ in range(3):  # a busy machine loses a click at times
-            self.click(window, x, y)
-            if self.opens_list(before):
-                break
+        for _ in range(3):
             self.x("windowactivate", "--sync", window)
-        self.until("list", lambda: self.windows() - before)
+            self.click(window, x, y)
+            end = time.time() + 5
+            while not self.windows() - before and time.time() < end:
+                time.sleep(0.05)
+            if self.windows() - before:
+                break
+        assert self.windows() - before, f"no list opens at {x}, {y}"
         self.keys(*keys, "Return")
         self.until("end of the list", lambda: not self.windows() - before)
 
