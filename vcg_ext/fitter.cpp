@@ -263,7 +263,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     };
     const std::vector<Contradiction> doubted = Doubted(drawn, matched, place, isFree, graph, progress.Slice(0.05, 0.1));
     const bool isTried = !doubted.empty() && (!isAlone || tolerance > 0);
-    lay(progress.Slice(0.1, isTried ? 0.5 : 1));
+    lay(progress.Slice(0.1, isTried ? 0.5 : 0.9));
     for (const Contradiction &each : doubted)
         report.contradicted.push_back(each.landmark);
     const auto onIt = [&](const FitMatches &all) { return report.matched - all.Unreached(); };
@@ -274,12 +274,13 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         const double on = onIt(*with) - aLimb;
         double least = farLess * strained;
         Eigen::Affine3d began = Eigen::Affine3d::Identity();
-        for (const Eigen::Affine3d &motion :
-             OtherStarts(samples.Places(matched, asItLies), sampleNormal, target, progress.threads)) {
-            if (least < farLess * farLess * strained)
-                break;
+        const std::vector<Eigen::Affine3d> motions =
+            OtherStarts(samples.Places(matched, asItLies), sampleNormal, target, progress.threads);
+        const double each = 0.06 / double(motions.size());
+        for (std::size_t m = 0; m < motions.size() && least >= farLess * farLess * strained; ++m) {
+            const Eigen::Affine3d &motion = motions[m];
             const GraphPose best = std::exchange(start, Moved(asItLies, motion));
-            draw(progress.Slice(0.5, 0.9));
+            draw(progress.Slice(0.9 + double(m) * each, 0.9 + double(m + 1) * each));
             if (const double strain = StrainOf(region, graph); strain < least && onIt(*matches) >= on) {
                 least = strain;
                 began = motion;
@@ -289,7 +290,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         }
         report = before;
         if (least < farLess * strained) {
-            lay(progress.Slice(0.9, 1));
+            lay(progress.Slice(0.96, 0.98));
             report.scaledBy = began.linear().col(0).norm();
             report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
         } else {
@@ -304,7 +305,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         const double withAll = onIt(*with);
         for (const Contradiction &each : doubted)
             leads[each.landmark] = 0;
-        lay(progress.Slice(0.5, 1));
+        lay(progress.Slice(0.5, 0.98));
         const double enough = std::max({tolerance, noHand, 3 * report.nearest / frame.scale});
         report.contradicted.clear();
         for (const auto &[l, strain] : doubted) {

@@ -73,7 +73,9 @@ Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Sma
     goal.normal = normal;
     goal.weight = targetWeight;
     const auto prepared = fitter.Prepare(goal, progress);
-    const Deformer::Pose pose = fitter.Solve(*prepared, landmark, fitted.report, progress);
+    const CallbackLog log;
+    const Deformer::Pose pose = fitter.Solve(*prepared, landmark, fitted.report, log.Progress(threads));
+    EXPECT_TRUE(std::is_sorted(log.percent.begin(), log.percent.end())) << "progress never goes back";
     fitted.position = fromArrays.View().Copy();
     Carrier(fitter.Surface(), pose).Apply(fitted.position);
     fitter.Compare(*prepared, fitted.report, fitted.position, fitted.distance, fitted.liesOn, progress);
