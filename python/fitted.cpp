@@ -4,6 +4,7 @@
 #include <vcg_ext/handles/motion_text.h>
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -103,6 +104,13 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         goal.normal = normalsOf(normals);
         weights = nb::cast<std::optional<Weights>>(given["weights"]);
         goal.weight = weightsOf(weights);
+        for (const auto &[points, corners] : nb::cast<std::vector<std::pair<Numbers, Rows>>>(given["curves"])) {
+            vcg::fcd::Curve curve;
+            curve.vertex.assign(points.data(), points.data() + points.shape(0));
+            for (std::size_t k = 0; k < corners.shape(0); ++k)
+                curve.target.emplace_back(rowOf(corners.data(), k));
+            goal.curves.push_back(std::move(curve));
+        }
     }
     FitReport found;
     std::vector<double> leftOut;
@@ -138,6 +146,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["carried"] = found.carried;
     all["landmarks"] = points.shape(0);
     all["landmark_residual"] = found.landmarks;
+    all["curve_residual"] = found.curves;
     all["landmark_pull"] = found.pull;
     all["both_ways"] = found.bothWays;
     all["inside_out"] = found.insideOut;

@@ -3,6 +3,7 @@
 #define VCG_FCD_FIT_H
 
 #include <vcg_ext/deformer.h>
+#include <vcg_ext/fit/fit_curves.h>
 #include <vcg_ext/fit/fit_samples.h>
 
 #include <Eigen/Geometry>
@@ -37,6 +38,7 @@ struct FitGoal {
     Eigen::Affine3d world = Eigen::Affine3d::Identity(); ///< the matrix of its layer
     std::function<void()> isRead; ///< called when no array of it is needed any more; may be empty
     WeightOf weight;              ///< of each vertex: 0 does not count, 1 counts fully; may be empty: 1 everywhere
+    std::vector<Curve> curves;    ///< that vertices of the source slide along, in the world; may be empty
 };
 
 /// From where a fit begins.
@@ -92,6 +94,7 @@ struct FitReport {
     std::size_t carried = 0; ///< separate parts that others carried, as nothing of the target leads them
     double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
     double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
+    double curves = 0;       ///< largest distance of a vertex from its curve, world units
     double pull = 0;         ///< how far nodes had to give way so that all landmarks are there, world units
     std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
     bool leftOut = false;                  ///< these were not followed, as there is a tolerance
@@ -140,7 +143,8 @@ class Fitter {
     /// Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
-    /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place
+    /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place; a curve
+    /// with a vertex that is none or not free, or with fewer than two points
     /// \throw Unsolvable \throw Cancelled
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
@@ -185,6 +189,8 @@ class Fitter {
     bool CountsAt(std::size_t slot, const FitReport &report) const;
     std::size_t CountOn(const FitMatches &matches, const FitReport &report) const;
     double CountedShare() const;
+    std::vector<Eigen::Vector3d> Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
+                                      std::vector<char> &hasSample, FitSamples &samples) const;
     void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
                       const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;
     FitTarget NoTarget(const std::vector<Landmark> &landmark) const;

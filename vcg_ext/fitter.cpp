@@ -2,6 +2,7 @@
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
+#include <vcg_ext/fit/fit_curves.h>
 #include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_matches.h>
@@ -124,31 +125,21 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     for (std::size_t s = 0; s < matched && !nodeWeight.empty(); ++s)
         samples.weight[s] = double(nodeWeight[std::size_t(sample[s])]);
     report.counted = CountedShare();
-    std::vector<Eigen::Vector3d> place; // of each landmark
-    std::vector<char> hasLandmark(std::size_t(surface.graph.Size()), 0);
-    for (const Landmark &each : landmark) {
-        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
-            throw BadInput("Landmark " + std::to_string(place.size() + 1) + " is no vertex, or belongs nowhere.");
-        const Index node = deformer->nodeOf[each.vertex];
-        place.push_back(frame.ToFrame(handles.world.inverse() * each.target));
-        if (node < 0 || region.held.tag[std::size_t(node)] != 1)
-            throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
-        if (std::exchange(hasLandmark[std::size_t(node)], char(1)))
-            throw BadInput("Landmark " + std::to_string(place.size()) +
-                           " is at the place of another one. Leave one of the two out.");
-        samples.Add(region, pose, node);
-    }
+    std::vector<char> hasSample(std::size_t(surface.graph.Size()), 0);
+    const std::vector<Eigen::Vector3d> place = Lead(landmark, pose, hasSample, samples);
 
     std::vector<char> isFree(std::size_t(region.graph.Size()));
     for (Index j = 0; j < region.graph.Size(); ++j)
         isFree[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
     const std::vector<char> isAnyFree = isFree;
     const bool isAlone = FollowsAlone();
-    FitSamples drawn = samples; // the landmarks are behind those that are matched
+    FitSamples drawn = samples; // behind those that are matched are the landmarks, and then what lies on curves
+    const FitCurves curves(target.curves, deformer->nodeOf, region, pose, hasSample, drawn);
+    const bool isLed = drawn.Size() > matched;
     FitParts parts(region, isAlone ? drawn.From(matched) : drawn, isAlone ? 0 : matched);
     isFree = parts.Led(std::move(isFree));
     if (!isAlone)
-        Judge(target, PlacementOf(samples.Places(matched, graph), target, progress.threads), !place.empty(), report);
+        Judge(target, PlacementOf(samples.Places(matched, graph), target, progress.threads), isLed, report);
     const GraphPose asItLies = graph;
     if (param.start != FitStart::AsItLies || report.fromAfar)
         graph = Moved(graph, Start(target, samples, matched, place, report, progress.threads));
@@ -161,17 +152,16 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     how.spacing = std::sqrt(std::max(region.surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)));
     const double tolerance = param.landmarkTolerance / frame.scale;
     std::unique_ptr<FitMatches> matches;
-    std::vector<char> leads(landmark.size(), 1); // the landmarks that it follows
+    std::vector<char> leads(drawn.Size() - matched, 1); // the landmarks and curves that it follows
     std::vector<FitSystem::Pull> pull(drawn.Size());
     // One step. Root mean square of the nodes' moves.
     const auto move = [&](double part, const std::vector<double> &stiffness) {
         matches->Find(graph, part, progress.threads, pull);
-        for (std::size_t s = matched; s < drawn.Size(); ++s) {
-            pull[s] = {};
-            if (!leads[s - matched])
-                continue;
-            pull[s] = LandmarkPull(tolerance, place[s - matched], drawn.At(s, graph), 10 / double(landmark.size()));
-        }
+        for (std::size_t l = 0; l < place.size(); ++l)
+            pull[matched + l] =
+                leads[l] ? LandmarkPull(tolerance, place[l], drawn.At(matched + l, graph), 10 / double(place.size()))
+                         : FitSystem::Pull();
+        curves.Find(drawn, graph, pull);
         const auto change = system.Step(graph, pull, stiffness, progress.threads);
         FitSystem::Take(change, graph);
         return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
@@ -267,7 +257,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     for (const Contradiction &each : doubted)
         report.contradicted.push_back(each.landmark);
     const auto onIt = [&](const FitMatches &all) { return report.matched - all.Unreached(); };
-    if (const double strained = StrainOf(region, graph); strained > pressed && MayBegin(report, !place.empty())) {
+    if (const double strained = StrainOf(region, graph); strained > pressed && MayBegin(report, isLed)) {
         const FitReport before = report;
         const GraphPose there = graph;
         auto with = std::exchange(matches, nullptr);
@@ -333,6 +323,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     }
     Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress.Slice(0.98, 1));
     parts.Carry(isAnyFree, param.smoothness, param.rigidity, stiffest, graph, progress.threads);
+    report.curves = curves.Farthest(drawn, graph) * frame.scale;
     report.carried = parts.Carried();
     report.carriedNode = parts.CarriedNodes();
     pose.solved.position = graph.position;

@@ -11,6 +11,8 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <string>
+#include <utility>
 
 namespace vcg::fcd {
 
@@ -37,12 +39,37 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    auto target = std::make_shared<const FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress,
-                                                    goal.isRead, goal.weight);
+    auto target =
+        std::make_shared<FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead, goal.weight);
     if (!(target->Spans().acrossLine > noShape))
         throw BadInput("All of the target lies at one point or on one line, so it is no surface. Choose a surface, or "
                        "points all over one; where points are meant one by one, give them as landmarks.");
+    target->curves = goal.curves;
+    const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
+    for (Curve &curve : target->curves)
+        for (Eigen::Vector3d &corner : curve.target)
+            corner = toFrame * corner;
     return target;
+}
+
+/// Adds a sample for each landmark. \return where it belongs, frame units
+std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
+                                          std::vector<char> &hasSample, FitSamples &samples) const {
+    const RegionDeformer &region = deformer->Whole();
+    std::vector<Eigen::Vector3d> place;
+    for (const Landmark &each : landmark) {
+        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
+            throw BadInput("Landmark " + std::to_string(place.size() + 1) + " is no vertex, or belongs nowhere.");
+        const Index node = deformer->nodeOf[each.vertex];
+        place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
+        if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+            throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
+        if (std::exchange(hasSample[std::size_t(node)], char(1)))
+            throw BadInput("Landmark " + std::to_string(place.size()) +
+                           " is at the place of another one. Leave one of the two out.");
+        samples.Add(region, pose, node);
+    }
+    return place;
 }
 
 /// No place of the surface is near enough to it to be matched.
@@ -131,7 +158,8 @@ std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t 
                                            const GraphPose &pose, const Progress &progress) const {
     if (!param.judgesLandmarks || place.empty())
         return {};
-    const FitSamples marks = drawn.From(first);
+    FitSamples marks = drawn.From(first);
+    marks.Shrink(place.size());
     return Contradictions(deformer->Whole(), isFree, marks, place, FollowsAlone() ? tornStrain : tornStrain / 2,
                           param.landmarkTolerance / deformer->Whole().surface.frame.scale, param.smoothness, pose,
                           progress);

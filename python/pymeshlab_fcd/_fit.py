@@ -60,6 +60,8 @@ class FitInfo(PoseInfo):
     """How many there are."""
     landmark_residual: float
     """The largest distance of a landmark from where it belongs."""
+    curve_residual: float
+    """The largest distance of a vertex of `curves` from its curve; 0 without any."""
     landmark_pull: float
     """The remaining stretch at landmarks: large where they contradict each other."""
     both_ways: bool
@@ -263,6 +265,7 @@ class Fitter(Unchanging):
         target_weights: ArrayLike | None = None,
         check: Sequence[ArrayLike] | None = None,
         leave_one_out: bool = False,
+        curves: Sequence[Sequence[ArrayLike]] | None = None,
         progress: Progress = None,
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
@@ -287,6 +290,10 @@ class Fitter(Unchanging):
             (`FitInfo.check`).
         leave_one_out : bool, default False
             Also fits without each of the landmarks, which takes as many fits, and tells where these would be (`FitInfo.leave_one_out`).
+        curves : Sequence[Sequence[array_like]], optional
+            Pairs of curves that belong together and may slide along each other, such as lips, a ridge or a tooth's margin: for each, numbers
+            of free vertices (or places, of which the nearest vertices are taken) in any order, and the k x 3 corners of a polyline on the
+            target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -301,7 +308,7 @@ class Fitter(Unchanging):
             Something is of another kind than what is asked for here.
         ValueError
             It has another shape or is out of range, the target is empty, a point or a line, nothing of the surface has a counterpart there,
-            landmarks are not free or at one place, or the start does not go with them or with the tags.
+            landmarks or curves are not free, landmarks at one place, or the start does not go with them or with the tags.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is half done.
 
@@ -311,16 +318,20 @@ class Fitter(Unchanging):
             What is not to be trusted: little is matched, flipped triangles, landmarks contradict each other or are too
             dense for the graph, much is guessed, the target lies far away, is of another size, mirrored or flat, the fit did not converge.
         """
-        return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, check, leave_one_out,
+        return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, check, leave_one_out, curves,
                          shared(progress), 3)
 
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
-             weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool, told: Progress, level: int) -> Fitted:
+             weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool,
+             curves: Sequence[Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
         points, places = self._pairs("landmarks", landmarks)
         judges, judged = self._pairs("check", check)
+        lines = self._curves(curves)
+        if self._alone and lines:
+            raise ValueError("curves lie on a target: give that, and leave landmarks_only out")
         if self._alone and len(points) == 0:
             raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
-        goal = {} if self._alone else self._goal(target, faces, normals, weights)
+        goal = {} if self._alone else {**self._goal(target, faces, normals, weights), "curves": lines}
         fitting = self._deformer._fitting
         solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 0, 70))
         found["alone"] = self._alone
@@ -359,8 +370,25 @@ class Fitter(Unchanging):
         if given.ndim == 1:
             return np.asarray(given, np.int64), places
         starts = np.asarray(given, np.float64)
-        points = _core.nearest_vertices(vertices, starts, self._deformer._threads, None)
+        points = self._nearest(starts)
         return points, places + (vertices[points] - starts)  # the vertex goes as far as the place that it is nearest to
+
+    def _nearest(self, places: Points) -> NDArray[np.int64]:
+        return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)
+
+    def _curves(self, curves: Sequence[Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points]]:
+        """Of each, numbers of vertices, and corners."""
+        found = []
+        for k, curve in enumerate(() if curves is None else curves):
+            if not isinstance(curve, (tuple, list)) or len(curve) != 2:
+                raise TypeError(f"curve {k} must be a pair: (numbers of vertices or places, k x 3 corners on the target)")
+            given = _inputs.points(curve[0], len(self._deformer.vertices), f"the first of curve {k}")
+            second = f"the second of curve {k}"
+            corners = _inputs.finite(second, _inputs.rows(second, curve[1]))
+            if len(corners) < 2:
+                raise ValueError(f"{second} has {len(corners)} corners; give two at least, in order")
+            found.append((np.asarray(given, np.int64) if given.ndim == 1 else self._nearest(np.asarray(given, np.float64)), corners))
+        return found
 
     def __repr__(self) -> str:
         return f"<Fitter of {len(self._deformer.vertices)} vertices, {self._deformer.info.nodes} nodes>"
@@ -381,6 +409,7 @@ def fit(
     target_weights: ArrayLike | None = None,
     check: Sequence[ArrayLike] | None = None,
     leave_one_out: bool = False,
+    curves: Sequence[Sequence[ArrayLike]] | None = None,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
     rigidity: float = 1.0,
@@ -429,6 +458,8 @@ def fit(
         Pairs as of `landmarks` that are kept back, to judge the fit by: `FitInfo.check`.
     leave_one_out : bool, default False
         Also fits without each landmark: `FitInfo.leave_one_out`.
+    curves : Sequence[Sequence[array_like]], optional
+        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`.
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0
@@ -471,8 +502,8 @@ def fit(
     TypeError
         Something is of another kind than what is asked for here.
     ValueError
-        It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks are not
-        free or at one place, or the start does not go with them or with the tags.
+        It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks or curves are
+        not free, landmarks at one place, or the start does not go with them or with the tags.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 
@@ -487,4 +518,4 @@ def fit(
     fitter = Fitter(vertices, own, tags, transforms, normals=normals, weights=weights, start=start, stiffness=stiffness, rigidity=rigidity,
                     largest_distance=largest_distance, largest_angle=largest_angle, landmarks_only=landmarks_only, both_ways=both_ways, landmark_tolerance=landmark_tolerance,
                     patches=patches, smoothness=smoothness, seed=seed, samples=samples, steps=steps, threads=threads, progress=report(told, 0, 40))
-    return fitter._fit(target, corners, landmarks, target_normals, target_weights, check, leave_one_out, report(told, 40, 100), 3)
+    return fitter._fit(target, corners, landmarks, target_normals, target_weights, check, leave_one_out, curves, report(told, 40, 100), 3)

@@ -128,6 +128,37 @@ def test_more_landmarks_than_nodes_fling_nothing_away():
     assert np.linalg.norm(led.vertices - TRUTH, axis=1).max() < 0.03 * DIAGONAL and led.info.contradicted == ()
 
 
+def test_curves_lead_what_slides():
+    """A round tube slides about its axis; a line along it tells how far, wherever the vertices are along that."""
+    def round_tube(*how):
+        points, faces = tube(*how)
+        return points * np.stack([0.4 / np.hypot(points[:, 0], points[:, 1])] * 2 + [np.ones(len(points))], 1), faces
+
+    turn = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 0], [0, 0, 1]])
+    points, faces = round_tube()
+    target, target_faces = round_tube(49, 27)
+    target, truth = target @ turn.T, points @ turn.T
+    line = np.arange(2, 58) * 30
+    corners = np.stack([np.full(9, 0.4), np.zeros(9), np.linspace(0, LENGTH, 9)], 1) @ turn.T
+    without = fit(points, faces, target, target_faces, **QUICK)
+    led = fit(points, faces, target, target_faces, curves=[(line, corners)], **QUICK)
+    assert rms(led.vertices, truth) < 0.2 * rms(without.vertices, truth)
+    assert led.info.curve_residual < 1e-3 and without.info.curve_residual == 0
+    assert same(led.vertices, fit(points, faces, target, target_faces, curves=[(points[line], corners)], **QUICK).vertices)
+
+
+def test_curves_that_cannot_be(fitter):
+    line = np.array([[0.0, 0, 0], [0, 0, 1]])
+    for curves, error, text in [([([5], line[:1])], ValueError, "has 1 corners"), ([line[0]], TypeError, "curve 0 must be a pair"),
+                                ([([5], line), ([9], line * np.nan)], ValueError, "the second of curve 1"),
+                                ([([10 ** 6], line)], ValueError, "the first of curve 0 must be numbers of vertices")]:
+        with pytest.raises(error, match=text):
+            fitter.fit(TARGET, TARGET_FACES, curves=curves)
+    alone = Fitter(VERTICES, FACES, landmarks_only=True, **QUICK)
+    with pytest.raises(ValueError, match="leave landmarks_only out"):
+        alone.fit(landmarks=(CHOSEN, TRUTH[CHOSEN]), curves=[([5], line)])
+
+
 def test_a_target_that_lies_elsewhere_or_is_another():
     with pytest.warns(DeformationWarning, match="did not overlap: they were .* apart, so the surface was first moved onto the target's middle"):
         far = fit(VERTICES, FACES, TARGET + [500, 0, -200], TARGET_FACES, **QUICK)

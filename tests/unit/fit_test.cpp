@@ -59,7 +59,7 @@ struct Fitted {
 
 Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Small(), std::vector<int> tag = {},
            const std::vector<Landmark> &landmark = {}, const NormalOf &normal = {}, unsigned threads = 0,
-           const WeightOf &weight = {}, const WeightOf &targetWeight = {}) {
+           const WeightOf &weight = {}, const WeightOf &targetWeight = {}, const std::vector<Curve> &curves = {}) {
     const MeshD from(source), to(target);
     const Arrays fromArrays = Read(from), toArrays = Read(to);
     Handles handles;
@@ -72,6 +72,7 @@ Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Sma
     goal.surface = toArrays.View();
     goal.normal = normal;
     goal.weight = targetWeight;
+    goal.curves = curves;
     const auto prepared = fitter.Prepare(goal, progress);
     const CallbackLog log;
     const Deformer::Pose pose = fitter.Solve(*prepared, landmark, fitted.report, log.Progress(threads));
@@ -512,6 +513,50 @@ TEST(Fit, FollowsLittleOfStrongNoise) {
     FitParam param;
     param.samples = 4000;
     EXPECT_LT(Rms(Fit(from, Jittered(Rolled(Lumpy(131)), 0.04), param), Rolled(from)), 0.0038);
+}
+
+// A ball slides along itself, so nothing but the curves tells that the target is turned. Their vertices and corners are
+// not at the same places.
+TEST(Fit, CurvesLeadWhatSlides) {
+    const int around = 40;
+    const double turned = 0.45;
+    const Eigen::Affine3d turn(Eigen::AngleAxisd(turned, Vector3d::UnitZ()));
+    const Shape from = Ball(Vector3d::Zero(), 5, around), to = Moved(Ball(Vector3d::Zero(), 5, around + 7), turn),
+                belongs = Moved(from, turn);
+    Curve meridian, ring;
+    for (int i = 3; i <= around / 2 - 3; ++i)
+        meridian.vertex.push_back(std::size_t(i * around));
+    const auto onBall = [](double along, double up) {
+        return Vector3d(5 * std::sin(up) * std::cos(along), 5 * std::sin(up) * std::sin(along), 5 * std::cos(up));
+    };
+    for (int k = 0; k <= 50; ++k)
+        meridian.target.push_back(onBall(turned, 0.2 + k * 0.055));
+    const double height = std::acos(from.position[std::size_t(around / 2 * around / 2)][2] / 5);
+    for (int k = 0; k < around; ++k)
+        ring.vertex.push_back(std::size_t(around / 2 * around / 2 + k));
+    for (int k = 0; k <= 90; ++k)
+        ring.target.push_back(onBall(0.01 + 2 * detail::pi * (k % 90) / 90, height));
+    const auto fit = [&](const std::vector<Curve> &curves) {
+        return Fit(from, to, Small(), {}, {}, {}, 0, {}, {}, curves);
+    };
+    const double without = Rms(fit({}), belongs);
+    for (const std::vector<Curve> &curves : Rounds<std::vector<Curve>>({{meridian, ring}, {meridian}})) {
+        const Fitted fitted = fit(curves);
+        EXPECT_LT(Rms(fitted, belongs), 0.2 * without);
+        EXPECT_LT(fitted.report.curves, 0.01);
+        EXPECT_TRUE(fitted.report.converged);
+    }
+    EXPECT_EQ(fit({}).report.curves, 0);
+    std::vector<int> tag(from.position.size(), 1);
+    tag[meridian.vertex[0]] = 0;
+    ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); }, "is none or is not free");
+    ring.target.resize(1);
+    ExpectError([&] { fit({meridian, ring}); }, "Curve 2 has fewer than two points");
+    meridian.target[3][1] = std::nan("");
+    ExpectError([&] { fit({meridian}); }, "Curve 1 has a point that is not finite");
+    meridian.vertex.push_back(from.position.size());
+    meridian.target.erase(meridian.target.begin() + 3);
+    ExpectError([&] { fit({meridian}); }, "which is none");
 }
 
 Shape Together(Shape a, const Shape &b) {

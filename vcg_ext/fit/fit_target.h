@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/progress.h>
+#include <vcg_ext/fit/fit_curves.h>
 #include <vcg_ext/fit/fit_samples.h>
 #include <vcg_ext/fit/one_sided.h>
 #include <vcg_ext/surface/nearest_place.h>
@@ -71,6 +72,7 @@ class FitTarget {
         double acrossLine = 0, acrossPlane = 0;
     };
     Shape Spans() const;
+    std::vector<Curve> curves;                      ///< that vertices of the source slide along, frame units
     std::size_t LeftOut() const { return leftOut; } ///< vertices with a coordinate that is not finite
 
     /// Some places of it, about so many, that stand for the same area each; or some of its points, evenly among all.

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/error.h>
+#include <vcg_ext/fit/fit_curves.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// All curves together count as much as all landmarks together do: ten times as much as all matches.
+constexpr double curvesCount = 10;
+
+struct Foot {
+    Eigen::Vector3d place, along; // the direction of the curve, of length 1; 0 beyond an end
+};
+
+/// The place of a polyline that is nearest to a point.
+Foot NearestOn(const std::vector<Eigen::Vector3d> &line, const Eigen::Vector3d &x) {
+    Foot best{line[0], Eigen::Vector3d::Zero()};
+    double least = std::numeric_limits<double>::infinity();
+    const bool isClosed = line.front() == line.back();
+    for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+        const Eigen::Vector3d way = line[k + 1] - line[k];
+        const double square = way.squaredNorm(), at = square > 0 ? way.dot(x - line[k]) / square : 0,
+                     t = std::clamp(at, 0.0, 1.0);
+        const Eigen::Vector3d place = line[k] + t * way;
+        if (const double far = (x - place).squaredNorm(); far < least) {
+            least = far;
+            const bool isBeyond = !isClosed && ((k == 0 && at < 0) || (k + 2 == line.size() && at > 1));
+            best = {place, isBeyond || square == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(way.normalized())};
+        }
+    }
+    return best;
+}
+
+} // namespace
+
+FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> &nodeOf, const RegionDeformer &deformer,
+                     const RegionPose &pose, std::vector<char> &hasSample, FitSamples &samples)
+    : curves(curves), first(samples.Size()) {
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+        const std::string name = "Curve " + std::to_string(c + 1);
+        if (curves[c].target.size() < 2)
+            throw BadInput(name + " has fewer than two points. Give at least two on the target, in their order.");
+        for (const Eigen::Vector3d &corner : curves[c].target)
+            if (!corner.allFinite())
+                throw BadInput(name + " has a point that is not finite.");
+        for (const std::size_t vertex : curves[c].vertex) {
+            const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
+            if (node < 0 || deformer.held.tag[std::size_t(node)] != 1)
+                throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
+            if (std::exchange(hasSample[std::size_t(node)], char(1)))
+                continue;
+            samples.Add(deformer, pose, node);
+            curveOf.push_back(c);
+        }
+    }
+}
+
+void FitCurves::Find(const FitSamples &samples, const GraphPose &pose, std::vector<FitSystem::Pull> &pull) const {
+    for (std::size_t s = 0; s < curveOf.size(); ++s) {
+        const Eigen::Vector3d x = samples.At(first + s, pose);
+        const Foot foot = NearestOn(curves[curveOf[s]].target, x);
+        FitSystem::Pull &each = pull[first + s];
+        each.form =
+            curvesCount / double(curveOf.size()) * (Eigen::Matrix3d::Identity() - foot.along * foot.along.transpose());
+        each.gradient = each.form * (x - foot.place);
+    }
+}
+
+double FitCurves::Farthest(const FitSamples &samples, const GraphPose &pose) const {
+    double most = 0;
+    for (std::size_t s = 0; s < curveOf.size(); ++s) {
+        const Eigen::Vector3d x = samples.At(first + s, pose);
+        most = std::max(most, (x - NearestOn(curves[curveOf[s]].target, x).place).norm());
+    }
+    return most;
+}
+
+} // namespace vcg::fcd

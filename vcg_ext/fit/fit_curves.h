@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FIT_CURVES_H
+#define VCG_FCD_FIT_CURVES_H
+
+#include <vcg_ext/fit/fit_samples.h>
+#include <vcg_ext/fit/fit_system.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace vcg::fcd {
+
+/// A curve of the target, and the vertices of the source that lie on it, wherever along it.
+struct Curve {
+    std::vector<std::size_t> vertex;     ///< slots of free vertices, in any order
+    std::vector<Eigen::Vector3d> target; ///< two corners at least of a polyline; closed where the last is the first
+};
+
+/// Of curves, what draws samples of a surface to them.
+class FitCurves {
+  public:
+    /// Adds samples for the vertices of the curves, but for those at a node that has one.
+    /// \param curves with places in the frame \param nodeOf of each vertex slot, -1 where it has none
+    /// \param hasSample flags of the surface's nodes, to which these are added
+    /// \throw BadInput a vertex that is none or not free, less than two corners, or one that is not finite
+    FitCurves(const std::vector<Curve> &curves, const std::vector<Index> &nodeOf, const RegionDeformer &deformer,
+              const RegionPose &pose, std::vector<char> &hasSample, FitSamples &samples);
+
+    /// What draws the samples that were added, each across its curve to the nearest place there. Along the curve it is
+    /// free, but for the end of an open one, which none leaves. (Drawn along as matches are, they would hold each other
+    /// where they are.) \param pull out: of all samples
+    void Find(const FitSamples &samples, const GraphPose &pose, std::vector<FitSystem::Pull> &pull) const;
+
+    /// The largest distance of such a sample from its curve, frame units; 0 without any.
+    double Farthest(const FitSamples &samples, const GraphPose &pose) const;
+
+  private:
+    const std::vector<Curve> &curves;
+    std::size_t first;                ///< sample
+    std::vector<std::size_t> curveOf; ///< of each sample from there on
+};
+
+} // namespace vcg::fcd
+
+#endif
