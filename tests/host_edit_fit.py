@@ -243,6 +243,35 @@ def test_an_apply_does_not_wait_for_what_is_prepared(window, tmp_path):
     assert np.array_equal(load(w.save("undone.ply"))[0], points)
 
 
+def test_what_does_not_count_is_carried_along(window, tmp_path):
+    """One end of the target is something else: the template's end there counts no more, by its quality."""
+    target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 60), 24, 0.25)
+    bulge = target + np.outer(np.clip(target[:, 0] - 0.4, 0, None), [0, 0.8, 0]).astype(target.dtype)
+    counts = np.where(points[:, 0] > 0.3, 0, 1).astype(np.float32)
+    w = window(write_ply(tmp_path / "scan.ply", bulge, target_faces), write_ply(tmp_path / "template.ply", points, faces, counts))
+    w.start_tool("FCD: Fit")
+    pull(w)
+    end = points[:, 0] > 0.8
+    drawn = load(w.save("all.ply"))[0][end, 1].mean()
+    pulled = w.text().count("trace: pulled")
+    w.click(w.place("weights"))
+    w.key("Down", "Return") # by vertex quality
+    w.wait("trace: pulled", pulled + 1)
+    w.settle()
+    w.shot("weights")
+    carried = load(w.save("carried.ply"))[0][end, 1].mean()
+    assert drawn > 0.2 and abs(carried) < 0.1 # of 0.4 at the end
+    w.key("ctrl+z")
+    w.wait("trace: pulled", pulled + 2)
+    w.settle()
+    assert load(w.save("undone.ply"))[0][end, 1].mean() == drawn
+    w.key("ctrl+shift+z")
+    w.wait("trace: pulled", pulled + 3)
+    w.key("ctrl+shift+Return")
+    w.wait("weights=1, graph_layers=False")
+
+
 def test_a_file_is_replaced_only_when_asked(window, tmp_path):
     """Also one whose ending the tool has added to what was typed."""
     w, points, _ = open_two(window, tmp_path)

@@ -9,6 +9,7 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/pose_in_place.h>
 #include <layer_fcd/tag_sources.h>
+#include <layer_fcd/weight_sources.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
@@ -150,8 +151,18 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
         param.fit.stiffness = asTyped(now.options.stiffness);
         if (now.options.largestDistance > 0)
             param.fit.largestDistance = asTyped(now.options.largestDistance);
+        param.weights = now.options.weights;
+        param.targetWeights = now.options.targetWeights;
     }
     return param;
+}
+
+/// Those of the layer and then those of the target. They change with the quality or the selection.
+std::vector<float> FitSession::weightsFor(const MeshModel &target) const {
+    std::vector<float> all = readWeights(layer, now.options.weights, QString());
+    const std::vector<float> its = readWeights(target, now.options.targetWeights, QString());
+    all.insert(all.end(), its.begin(), its.end());
+    return all;
 }
 
 bool FitSession::isPrepared() const { return landmarks().empty() || (followFitter && followStart == start(true)); }
@@ -188,6 +199,8 @@ void FitSession::follow(bool full) {
 
 std::shared_ptr<LayerFit> FitSession::beginPull(const MeshModel &target) {
     expectWhole(now.pairs);
+    lastPull.reset();
+    pulledWeights = weightsFor(target);
     return std::make_shared<LayerFit>(document, layer, paramFor(target, false), Remark(), vcg::fcd::Progress(),
                                       rest.positions().data(), rest.normals().data());
 }
@@ -201,7 +214,7 @@ void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const Fitte
 const FittedSurface *FitSession::pulled(const MeshModel &target) const {
     const bool isThat =
         lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() && pulledFrom.options == now.options &&
-        pulledFrom.pairs.size() == now.pairs.size() &&
+        pulledFrom.pairs.size() == now.pairs.size() && pulledWeights == weightsFor(target) &&
         std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
                    [](const FitPair &a, const FitPair &b) { return a.slot == b.slot && a.place == b.place; });
     return isThat ? lastPull.get() : nullptr;

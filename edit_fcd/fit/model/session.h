@@ -21,9 +21,12 @@ struct FitOptions {
     double stiffness = 1;
     vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
     double largestDistance = 0;                             ///< world units; 0: no limit
+    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; no attributes.
+    FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
 
     bool operator==(const FitOptions &other) const {
-        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance;
+        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance &&
+               weights == other.weights && targetWeights == other.targetWeights;
     }
 };
 
@@ -122,6 +125,7 @@ class FitSession {
     std::vector<vcg::fcd::Landmark> landmarks() const;
     FitMeshParam paramFor(const MeshModel &target, bool landmarksOnly) const;
     std::shared_ptr<const FittedSurface> fittedNow(const MeshModel &target);
+    std::vector<float> weightsFor(const MeshModel &target) const;
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
     void know(bool full);
     void know();
@@ -144,7 +148,8 @@ class FitSession {
 
     std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< that the layer shows; null: it shows none
     FitState pulledFrom;
-    int pulledOnto = -1; ///< number of the layer
+    std::vector<float> pulledWeights; ///< as weightsFor
+    int pulledOnto = -1;              ///< number of the layer
 };
 
 #endif

@@ -41,6 +41,8 @@ std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) co
         .with("stiffness", stiffness, Scalarm(defaults.fit.stiffness));
     if (!param.landmarksOnly && now.options.largestDistance > 0)
         call.with("largest_distance", largest);
+    call.with("weights", int(param.weights), int(defaults.weights))
+        .with("target_weights", int(param.targetWeights), int(defaults.targetWeights));
     return call.with("graph_layers", graphLayers, true).end() +
            (now.pairs.empty() ? "" : ", once 'Save pairs' has written pairs.csv");
 }

@@ -39,7 +39,7 @@ FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     addCommands(*column);
     column->addStretch();
     setScrolled(*this, *head, *content);
-    for (QWidget *widget : std::initializer_list<QWidget *>{targets, start, stiffness, distance, graphs})
+    for (QWidget *widget : std::initializer_list<QWidget *>{targets, stiffness, distance, graphs})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     showProgress(-1);
     showLegend(0);
@@ -97,6 +97,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 void FitPanel::addPairs(QBoxLayout &column) {
     list = new FitPairList;
     list->setObjectName("pairs");
+    list->setFixedHeight(148); // five pairs; so all of the panel fits 768 pixels
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -108,6 +109,16 @@ void FitPanel::addPairs(QBoxLayout &column) {
                           "As a list (.csv) or picked points (.pp), as 'FCD: Fit to Layer' reads them", Save));
     row->addWidget(button("clear", "Clear", "Removes all pairs", Clear));
     column.addLayout(row);
+}
+
+QComboBox *FitPanel::choice(const char *name, const QStringList &texts, const QString &tip) {
+    auto *made = new QComboBox;
+    made->setObjectName(name);
+    made->addItems(texts);
+    made->setToolTip(tip);
+    made->setFocusPolicy(Qt::NoFocus); // keys stay with the view
+    connect(made, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
+    return made;
 }
 
 void FitPanel::addShape(QBoxLayout &column) {
@@ -143,15 +154,25 @@ void FitPanel::addShape(QBoxLayout &column) {
         stiffnessText->setText(QString::number(stiffnessAt(place), 'g', 3));
         emit optionsChanged();
     });
-    start = new QComboBox;
-    start->setObjectName("start");
-    start->addItems({"As the layers lie", "Moved by the pairs", "Moved and scaled by the pairs", "Axes tried out"});
+    start =
+        choice("start", {"As the layers lie", "Moved by the pairs", "Moved and scaled by the pairs", "Axes tried out"},
+               "What happens first to all of this layer. By pairs: where there are three of them, not on a line; "
+               "axes: when it is pulled");
     start->setCurrentIndex(int(FitOptions().start));
-    start->setToolTip(
-        "What happens first to all of this layer. By pairs: where there are three of them, not on a line; "
-        "axes: when it is pulled");
-    connect(start, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
     form->addRow("Start", start);
+    auto *counts = new QHBoxLayout; // in the order of Weights
+    weights =
+        choice("weights", {"This: all", "This: quality", "This: selected"},
+               "What of this layer is pulled: all of it; as much as its vertex quality says, from 0 to 1; or what "
+               "is selected. The rest is carried along, such as the gum of a dental scan");
+    targetWeights = choice("targetweights", {"Target: all", "Target: quality", "Target: selected"},
+                           "What of the target pulls. The rest is as if it were not there");
+    for (QComboBox *each : {weights, targetWeights}) {
+        each->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon); // no wider than the others
+        each->setMinimumContentsLength(6);
+        counts->addWidget(each);
+    }
+    form->addRow("Counts", counts);
     largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
@@ -204,6 +225,8 @@ FitOptions FitPanel::options() const {
     options.stiffness = stiffnessAt(stiffness->value());
     options.start = vcg::fcd::FitStart(start->currentIndex());
     options.largestDistance = largest->value();
+    options.weights = FitMeshParam::Weights(weights->currentIndex());
+    options.targetWeights = FitMeshParam::Weights(targetWeights->currentIndex());
     return options;
 }
 
@@ -212,6 +235,8 @@ void FitPanel::showOptions(const FitOptions &options) {
     stiffness->setValue(int(std::lround(100 * std::log10(options.stiffness))));
     start->setCurrentIndex(int(options.start));
     largest->setValue(options.largestDistance);
+    weights->setCurrentIndex(int(options.weights));
+    targetWeights->setCurrentIndex(int(options.targetWeights));
 }
 
 void FitPanel::showLegend(double most) {

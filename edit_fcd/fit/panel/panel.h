@@ -62,9 +62,10 @@ class FitPanel : public QDockWidget {
     void addPairs(QBoxLayout &column);
     void addShape(QBoxLayout &column);
     void addCommands(QBoxLayout &column);
+    QComboBox *choice(const char *name, const QStringList &texts, const QString &tip);
     QPushButton *button(const char *name, const QString &text, const QString &tip, Command which);
 
-    QComboBox *targets, *start;
+    QComboBox *targets, *start, *weights, *targetWeights;
     QButtonGroup *seenButtons, *shapes;
     QSlider *stiffness;
     PanelState *state;
