@@ -160,8 +160,10 @@ class BendSession {
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
     /// The rest shape again, to the bit.
     void restore();
-    /// Where the last full pose passes through itself and did not at rest; of layers with no more than
-    /// vcg::fcd::contactUnasked faces.
+    /// Looks where the pose passes through itself and did not at rest, in layers with no more than
+    /// vcg::fcd::contactUnasked faces: as long as several steps of a drag. \pre the last pose was a full one
+    void findContact();
+    /// What that has found; empty since the next pose.
     const vcg::fcd::SurfaceContact &contact() const { return contactOfPose; }
 
     /// The layer gets the present pose as FCD: Pose in Place gives it. It stays a pose of the rest shape, and the
@@ -197,7 +199,6 @@ class BendSession {
     void writePoses();
 
     void writePose(const vcg::fcd::Deformer::Pose &pose);
-    void findContact(const vcg::fcd::DeformationParam &param);
     HandleParam handleParam() const;
     void handOver();
     void writeAppliedTags();
