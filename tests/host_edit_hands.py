@@ -996,6 +996,14 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     milliseconds = sorted(float(each) for _, each in foreseen())
     assert milliseconds[len(milliseconds) // 2] < 60 # without a busy machine: a tenth
     print(f"\n{rings * columns} vertices: {milliseconds} ms")
+    w.key("shift+j") # of a limb the same
+    seen = len(foreseen())
+    for i in range(8):
+        hover((X + 60 + 15 * i, Y))
+    of_limbs = sorted(float(each) for _, each in foreseen()[seen:])
+    print(f"limbs: {of_limbs} ms")
+    assert of_limbs[len(of_limbs) // 2] < 60
+    w.key("m")
     w.do("mousemove", X, Y + 200)
     assert yellow(w).max() < 15
     w.do("mousemove", X + 75, Y)
@@ -1054,6 +1062,48 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
     w.do("mousemove", X - 180, Y)
     w.key("j")
     w.wait("A marked handle is no point of a limb: R turns it.")
+
+
+def test_a_limb_is_turned_by_a_drag(window, tmp_path):
+    """In the mode Turn limb, by its button or its key: as after J. What would turn is tinted before; Pull pulls the place alone."""
+    x = np.linspace(-1, 1, 200)
+    points, faces = tube_of(x, 32, 0.08)
+    body = points[:, 0] < 0
+    points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
+    w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
+    w.start_tool()
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    foreseen = lambda: [int(found) for found in re.findall(r"trace: foreseen: \d+ vertices, (\d+) move", w.text())]
+    w.click(w.place("mode1"))
+    for i in range(40): # until it is shown: the surface is read meanwhile
+        w.do("mousemove", X + 170 + i % 2, Y)
+        if foreseen():
+            break
+    w.do("mousemove", X + 180, Y)
+    assert said().startswith("Drag this: its limb turns so that it follows.")
+    w.shot("foreseen")
+    assert foreseen()[-1] > 0.8 * np.count_nonzero(points[:, 0] > 0.1) # all of the limb
+    place = X + 135, Y - 110
+    w.drag((X + 180, Y), place)
+    w.shot("turned")
+    turned = load(w.save("turned.ply"))[0]
+    hand = points[:, 0] > 0.45
+    assert np.abs(turned[body] - points[body]).max() < 0.03 and 25 < turned_by(points[hand], turned[hand]) < 60
+    assert most_stretched(points, turned, faces) < 2.2
+    w.drag((X - 180, Y), (X - 180, Y - 30))
+    w.wait("There is no limb here that could be turned")
+    w.key("m")
+    w.drag(place, (place[0] - 20, place[1] - 30))
+    assert said().startswith("Drag")
+    w.shot("pulled")
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], turned)
+    w.key("shift+j")
+    w.do("mousemove", *place)
+    assert said().startswith("Drag this: its limb turns")
+    w.drag(place, (X + 180, Y)) # back, by the same handle
+    assert w.text().count("Handle 3: turn the limb") == 0
+    assert np.abs((load(w.save("back.ply"))[0] - points)[hand].mean(0)[:2]).max() < 0.05
 
 
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):

@@ -61,6 +61,9 @@ class BendSession {
     /// surface is being read. \param usual as addPoint() has it
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
+    /// The same of the limb that limbAt() would turn, of a vertex or a handle. \return with its handle, 0: a new one
+    std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
+                                                                  double usual);
     /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
     /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
     void beginBeside();
@@ -186,6 +189,8 @@ class BendSession {
     void changeTagsOf(int tag);
     void keepPlace(int tag);
     std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
+    int turnedLimb(std::size_t slot) const;
+    std::optional<std::size_t> newLimb(std::size_t slot, double usual);
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const;
     void readSurface();
     void writeMarks();

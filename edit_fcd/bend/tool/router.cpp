@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <tuple>
 
 // The mouse: to what goes on, or else to what it begins, or to the camera.
 
@@ -48,7 +49,8 @@ void BendTool::press(QMouseEvent *event) {
 /// Begins what a press in this mode begins. \return false where that is nothing
 bool BendTool::begin() {
     switch (panel->mode()) {
-    case BendPanel::Bend: return grab();
+    case BendPanel::Pull:
+    case BendPanel::Limb: return grab();
     case BendPanel::Line:
         if (goOn<LineInteraction>().begin())
             return true;
@@ -68,7 +70,7 @@ bool BendTool::begin() {
 /// What is marked quickly is marked; else the view turns about the place under the mouse from then on, as the host has
 /// it, and the handle that the first click was about to make is none.
 void BendTool::doubleClick(QMouseEvent *event) {
-    if (panel->mode() != BendPanel::Bend && event->button() == Qt::LeftButton) {
+    if (!panel->isBending() && event->button() == Qt::LeftButton) {
         if (!going || !going->doubleClick())
             press(event);
         return;
@@ -104,7 +106,7 @@ void BendTool::move(QMouseEvent *event) {
         going->move(*event);
     else if (panel && panel->mode() == BendPanel::Brush)
         view->update();
-    else if (panel && panel->mode() == BendPanel::Bend && event->buttons() == Qt::NoButton)
+    else if (panel && panel->isBending() && event->buttons() == Qt::NoButton)
         hover();
 }
 
@@ -117,7 +119,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
     if (going && session && going->turnWheel(steps))
         return;
-    if (panel && panel->mode() == BendPanel::Bend && event->modifiers() == Qt::ControlModifier && isReady() &&
+    if (panel && panel->isBending() && event->modifiers() == Qt::ControlModifier && isReady() &&
         changeRim(std::pow(1.1, steps))) {
         view->update();
     } else if (panel && panel->mode() == BendPanel::Brush && event->modifiers() == Qt::NoModifier) {
@@ -183,17 +185,20 @@ void BendTool::hover() {
 /// What a press would move is shown by how much it would, and where it would turn.
 void BendTool::foresee() {
     isForeseeing = false;
-    if (!layer() || going || preparing || panel->mode() != BendPanel::Bend || isSuspended)
+    if (!layer() || going || preparing || !panel->isBending() || isSuspended)
         return;
-    const auto &[tag, slot] = foreseen;
+    auto [tag, slot] = foreseen;
     const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(session->model(), *slot);
     QElapsedTimer watch;
     watch.start();
     std::shared_ptr<const BendExtent> found;
-    if (session->model().influence.isLocal || !session->state().marks) // else all that is free moves
-        found = tag       ? session->glimpseOf(tag)
-                : isThere ? session->glimpse(*slot, panel->radius() * session->diagonal())
-                          : nullptr;
+    const double usual = panel->radius() * session->diagonal();
+    if (session->model().influence.isLocal || !session->state().marks) { // else all that is free moves
+        if (panel->mode() == BendPanel::Limb)
+            std::tie(tag, found) = session->glimpseLimb(tag, slot, usual);
+        else
+            found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, usual) : nullptr;
+    }
     foreseenPivot.reset();
     if (found) {
         const std::size_t at = found->vertices.front();
@@ -222,7 +227,10 @@ void BendTool::forgetForeseen() {
 
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
 bool BendTool::grab() {
-    if (const std::optional<GizmoPart> part = partAtMouse()) {
+    const bool isLimb = panel->mode() == BendPanel::Limb;
+    if (std::optional<GizmoPart> part = partAtMouse()) {
+        if (isLimb && part->axis < 0)
+            part->kind = BendDrag::Limb;
         beginDrag({selected(), 0, *part, false});
         return true;
     }
@@ -233,7 +241,7 @@ bool BendTool::grab() {
         hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
         return false;
     }
-    beginDrag({place.tag, place.slot.value_or(0), {}, false});
+    beginDrag({place.tag, place.slot.value_or(0), {isLimb ? BendDrag::Limb : BendDrag::Move, -1}, false});
     return true;
 }
 
