@@ -1383,6 +1383,14 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     w.wait("trace: frame: at", 2)
     w.do("mousemove", X, Y + 230, "click", 1)
     assert np.array_equal(load(w.save("after.ply"))[0], pulled)
+    w.toggle_tool()
+    w.start_tool()
+    w.unfold("poses_fold", "keep")
+    x, y, width, _ = w.box("timeline")
+    w.do("mousemove", x + width // 2, y + 8, "mousedown", 1, "mousemove", x + 8, y + 8, "mouseup", 1) # over before it is prepared
+    w.wait("trace: scrub: at 0.000 s")
+    w.do("mousemove", X, Y + 230)
+    assert np.array_equal(load(w.save("first.ply"))[0], points)
 
 
 def test_an_animation_is_played(window, tmp_path):
@@ -1400,6 +1408,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.click(w.place("frame"))
     x, y, width, _ = w.box("frames")
     row = lambda i: y + 35 + 22 * i
+    w.do("mousemove", x + 20, row(0), "click", "--repeat", 3, 4) # up: the new one, which is shown, is at the end
     w.click((x + 20, row(0)), count=2)
     w.do("type", "1") # which is that of the next one
     w.key("Return")
@@ -1422,6 +1431,49 @@ def test_an_animation_is_played(window, tmp_path):
     assert 0 <= min(frames()) and max(frames()) <= 1 # as rounded
     assert np.array_equal(load(w.save("after.ply"))[0], half) and len(frames()) == count
     assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
+
+
+def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
+    """The shape follows, once a painted frame; what it rests at is kept, as one step of undo; a click on a mark shows that key frame."""
+    w, points, *_ = tube_with_poses(window, tmp_path)
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    bent = load(w.save("bent.ply"))[0]
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    scrubbed = lambda: [float(time) for time in re.findall(r"trace: scrub: at ([\d.]+) s", w.text())]
+    x, y, width, _ = w.box("timeline")
+    at = lambda share: (x + 8 + round(share * (width - 16)), y + 8)
+    row = lambda i: w.picture().convert("RGB").getpixel((w.box("frames")[0] + 110, w.box("frames")[1] + 35 + 22 * i))
+    selected = lambda i: row(i)[2] > row(i)[0] + 60
+    assert selected(1) and not selected(0) # what is shown is that key frame
+    full = w.text().count("trace: full")
+    w.press_and_move(at(1), at(0.5))
+    w.shot("scrubbing")
+    assert said().startswith("Shows frame 12, 0.50 s. Esc: as before.")
+    assert scrubbed()[0] == 1 and scrubbed()[-1] == 0.5 and len(scrubbed()) > 4 and sorted(scrubbed(), reverse=True) == scrubbed()
+    assert w.text().count("trace: full") == full
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    assert w.text().count("trace: full") == full + 1
+    half = load(w.save("half.ply"))[0]
+    assert not selected(0) and not selected(1)
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], bent)
+    show_percent(w, 0, 50)
+    assert np.array_equal(load(w.save("typed.ply"))[0], half)
+
+    w.click(at(0))
+    w.do("mousemove", X, Y + 200)
+    w.shot("first")
+    assert np.array_equal(load(w.save("first.ply"))[0], points) and selected(0)
+    w.press_and_move(at(0), at(0.8))
+    w.key("Escape")
+    w.do("mouseup", 1)
+    assert np.array_equal(load(w.save("escaped.ply"))[0], points) and selected(0)
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 5)
+    w.shot("playing")
+    w.click(at(1)) # ends that
+    assert np.array_equal(load(w.save("last.ply"))[0], bent) and selected(1)
 
 
 def test_an_animation_is_exported(window, tmp_path):
