@@ -1090,6 +1090,14 @@ def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     hand = points[:, 0] > 0.45
     assert np.abs(turned[body] - points[body]).max() < 0.03 and 25 < turned_by(points[hand], turned[hand]) < 60
     assert most_stretched(points, turned, faces) < 2.2
+    w.drag((X + 78, Y - 55), (X + 98, Y - 39)) # a place that the handle holds follows
+    w.shot("turned_back")
+    back = load(w.save("turned_back.ply"))[0]
+    under = np.flatnonzero(np.linalg.norm(turned[:, :2] - np.array([78, 55]) / 285, axis=1) < 0.03)
+    at = under[turned[under, 2].argmax()]
+    assert np.abs(back[at, :2] - turned[at, :2] - np.array([20, -16]) / 285).max() < 0.02
+    assert turned_by(points[hand], back[hand]) < turned_by(points[hand], turned[hand]) - 10
+    w.key("ctrl+z")
     w.drag((X - 180, Y), (X - 180, Y - 30))
     w.wait("There is no limb here that could be turned")
     w.key("m")

@@ -269,8 +269,9 @@ int BendSession::turnedLimb(std::size_t slot) const {
     std::size_t least = 0;
     for (const auto &[tag, extent] : data.influence.extents) {
         const std::vector<std::size_t> &beyond = extent->beyond;
-        const bool isOn = data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot ||
-                                                               std::binary_search(beyond.begin(), beyond.end(), slot));
+        const bool isOn =
+            data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot || tags()[slot] == tag ||
+                                                 std::binary_search(beyond.begin(), beyond.end(), slot));
         if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || beyond.size() < least)) {
             found = tag;
             least = beyond.size();

@@ -59,7 +59,7 @@ bool BendTool::beginsByKey(const Place &place) const {
 /// the ball of the gizmo is its handle.
 BendTool::Place BendTool::placeOfKeys() const {
     const std::optional<GizmoPart> part = partAtMouse();
-    return part && part->axis < 0 ? Place{selected(), {}} : placeAtMouse();
+    return part && part->axis < 0 ? Place{selected(), {}, {}} : placeAtMouse();
 }
 
 /// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
@@ -70,7 +70,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
     const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
     if (!tag && !isBegin)
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    beginDrag({tag, place.slot.value_or(0), {kind, -1}, true});
+    beginDrag({tag, place.slot.value_or(place.held.value_or(0)), {kind, -1}, true, false, place.held.has_value()});
 }
 
 /// The selected handle turns where the mouse points at.

@@ -133,7 +133,9 @@ void BendTool::turnWheel(QWheelEvent *event) {
 /// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
 bool BendTool::changeRim(double times) {
     findMouse();
-    const auto [tag, found] = placeAtMouse();
+    const Place place = placeAtMouse();
+    const int tag = place.tag;
+    const std::optional<std::size_t> &found = place.slot;
     const auto &marks = session->state().marks;
     if (!tag && !(found && marks && (*marks)[*found] == 0))
         return false;
@@ -168,7 +170,7 @@ void BendTool::hover() {
     const Place place = placeOfKeys();
     const int tag = part ? 0 : place.tag;
     const bool isBegin = beginsByKey(place);
-    foreseen = part ? Place{selected(), {}} : place;
+    foreseen = part ? Place{selected(), {}, {}} : place;
     if (!isForeseeing)
         later([this] { foresee(); }); // where the mouse is then: it may move faster
     isForeseeing = true;
@@ -187,7 +189,8 @@ void BendTool::foresee() {
     isForeseeing = false;
     if (!layer() || going || preparing || !panel->isBending() || isSuspended)
         return;
-    auto [tag, slot] = foreseen;
+    int tag = foreseen.tag;
+    const std::optional<std::size_t> slot = foreseen.slot;
     const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(session->model(), *slot);
     QElapsedTimer watch;
     watch.start();
@@ -231,7 +234,7 @@ bool BendTool::grab() {
     if (std::optional<GizmoPart> part = partAtMouse()) {
         if (isLimb && part->axis < 0)
             part->kind = BendDrag::Limb;
-        beginDrag({selected(), 0, *part, false});
+        beginDrag({selected(), 0, *part, false, false, false});
         return true;
     }
     const Place place = placeAtMouse();
@@ -241,7 +244,8 @@ bool BendTool::grab() {
         hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
         return false;
     }
-    beginDrag({place.tag, place.slot.value_or(0), {isLimb ? BendDrag::Limb : BendDrag::Move, -1}, false});
+    const GizmoPart part{isLimb ? BendDrag::Limb : BendDrag::Move, -1};
+    beginDrag({place.tag, place.slot.value_or(place.held.value_or(0)), part, false, false, place.held.has_value()});
     return true;
 }
 

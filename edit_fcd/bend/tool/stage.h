@@ -70,6 +70,7 @@ class BendStage : public LayerTool {
     struct Place {
         int tag = 0; ///< 0: none
         std::optional<std::size_t> slot;
+        std::optional<std::size_t> held; ///< the vertex there that the handle holds
     };
     Place placeAtMouse() const;
     /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
