@@ -996,6 +996,14 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     milliseconds = sorted(float(each) for _, each in foreseen())
     assert milliseconds[len(milliseconds) // 2] < 60 # without a busy machine: a tenth
     print(f"\n{rings * columns} vertices: {milliseconds} ms")
+    w.key("shift+j") # of a limb the same
+    seen = len(foreseen())
+    for i in range(8):
+        hover((X + 60 + 15 * i, Y))
+    of_limbs = sorted(float(each) for _, each in foreseen()[seen:])
+    print(f"limbs: {of_limbs} ms")
+    assert of_limbs[len(of_limbs) // 2] < 60
+    w.key("m")
     w.do("mousemove", X, Y + 200)
     assert yellow(w).max() < 15
     w.do("mousemove", X + 75, Y)
@@ -1054,6 +1062,56 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
     w.do("mousemove", X - 180, Y)
     w.key("j")
     w.wait("A marked handle is no point of a limb: R turns it.")
+
+
+def test_a_limb_is_turned_by_a_drag(window, tmp_path):
+    """In the mode Turn limb, by its button or its key: as after J. What would turn is tinted before; Pull pulls the place alone."""
+    x = np.linspace(-1, 1, 200)
+    points, faces = tube_of(x, 32, 0.08)
+    body = points[:, 0] < 0
+    points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
+    w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
+    w.start_tool()
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    foreseen = lambda: [int(found) for found in re.findall(r"trace: foreseen: \d+ vertices, (\d+) move", w.text())]
+    w.click(w.place("mode1"))
+    for i in range(40): # until it is shown: the surface is read meanwhile
+        w.do("mousemove", X + 170 + i % 2, Y)
+        if foreseen():
+            break
+    w.do("mousemove", X + 180, Y)
+    assert said().startswith("Drag this: its limb turns so that it follows.")
+    w.shot("foreseen")
+    assert foreseen()[-1] > 0.8 * np.count_nonzero(points[:, 0] > 0.1) # all of the limb
+    place = X + 135, Y - 110
+    w.drag((X + 180, Y), place)
+    w.shot("turned")
+    turned = load(w.save("turned.ply"))[0]
+    hand = points[:, 0] > 0.45
+    assert np.abs(turned[body] - points[body]).max() < 0.03 and 25 < turned_by(points[hand], turned[hand]) < 60
+    assert most_stretched(points, turned, faces) < 2.2
+    w.drag((X + 78, Y - 55), (X + 98, Y - 39)) # a place that the handle holds follows
+    w.shot("turned_back")
+    back = load(w.save("turned_back.ply"))[0]
+    under = np.flatnonzero(np.linalg.norm(turned[:, :2] - np.array([78, 55]) / 285, axis=1) < 0.03)
+    at = under[turned[under, 2].argmax()]
+    assert np.abs(back[at, :2] - turned[at, :2] - np.array([20, -16]) / 285).max() < 0.02
+    assert turned_by(points[hand], back[hand]) < turned_by(points[hand], turned[hand]) - 10
+    w.key("ctrl+z")
+    w.drag((X - 180, Y), (X - 180, Y - 30))
+    w.wait("There is no limb here that could be turned")
+    w.key("m")
+    w.drag(place, (place[0] - 20, place[1] - 30))
+    assert said().startswith("Drag")
+    w.shot("pulled")
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], turned)
+    w.key("shift+j")
+    w.do("mousemove", *place)
+    assert said().startswith("Drag this: its limb turns")
+    w.drag(place, (X + 180, Y)) # back, by the same handle
+    assert w.text().count("Handle 3: turn the limb") == 0
+    assert np.abs((load(w.save("back.ply"))[0] - points)[hand].mean(0)[:2]).max() < 0.05
 
 
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
@@ -1333,6 +1391,14 @@ def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tm
     w.wait("trace: frame: at", 2)
     w.do("mousemove", X, Y + 230, "click", 1)
     assert np.array_equal(load(w.save("after.ply"))[0], pulled)
+    w.toggle_tool()
+    w.start_tool()
+    w.unfold("poses_fold", "keep")
+    x, y, width, _ = w.box("timeline")
+    w.do("mousemove", x + width // 2, y + 8, "mousedown", 1, "mousemove", x + 8, y + 8, "mouseup", 1) # over before it is prepared
+    w.wait("trace: scrub: at 0.000 s")
+    w.do("mousemove", X, Y + 230)
+    assert np.array_equal(load(w.save("first.ply"))[0], points)
 
 
 def test_an_animation_is_played(window, tmp_path):
@@ -1350,6 +1416,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.click(w.place("frame"))
     x, y, width, _ = w.box("frames")
     row = lambda i: y + 35 + 22 * i
+    w.do("mousemove", x + 20, row(0), "click", "--repeat", 3, 4) # up: the new one, which is shown, is at the end
     w.click((x + 20, row(0)), count=2)
     w.do("type", "1") # which is that of the next one
     w.key("Return")
@@ -1372,6 +1439,49 @@ def test_an_animation_is_played(window, tmp_path):
     assert 0 <= min(frames()) and max(frames()) <= 1 # as rounded
     assert np.array_equal(load(w.save("after.ply"))[0], half) and len(frames()) == count
     assert still < 0.03 and far() > 1.5 * still # the gizmo was there, and is again
+
+
+def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
+    """The shape follows, once a painted frame; what it rests at is kept, as one step of undo; a click on a mark shows that key frame."""
+    w, points, *_ = tube_with_poses(window, tmp_path)
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    bent = load(w.save("bent.ply"))[0]
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    scrubbed = lambda: [float(time) for time in re.findall(r"trace: scrub: at ([\d.]+) s", w.text())]
+    x, y, width, _ = w.box("timeline")
+    at = lambda share: (x + 8 + round(share * (width - 16)), y + 8)
+    row = lambda i: w.picture().convert("RGB").getpixel((w.box("frames")[0] + 110, w.box("frames")[1] + 35 + 22 * i))
+    selected = lambda i: row(i)[2] > row(i)[0] + 60
+    assert selected(1) and not selected(0) # what is shown is that key frame
+    full = w.text().count("trace: full")
+    w.press_and_move(at(1), at(0.5))
+    w.shot("scrubbing")
+    assert said().startswith("Shows frame 12, 0.50 s. Esc: as before.")
+    assert scrubbed()[0] == 1 and scrubbed()[-1] == 0.5 and len(scrubbed()) > 4 and sorted(scrubbed(), reverse=True) == scrubbed()
+    assert w.text().count("trace: full") == full
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    assert w.text().count("trace: full") == full + 1
+    half = load(w.save("half.ply"))[0]
+    assert not selected(0) and not selected(1)
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], bent)
+    show_percent(w, 0, 50)
+    assert np.array_equal(load(w.save("typed.ply"))[0], half)
+
+    w.click(at(0))
+    w.do("mousemove", X, Y + 200)
+    w.shot("first")
+    assert np.array_equal(load(w.save("first.ply"))[0], points) and selected(0)
+    w.press_and_move(at(0), at(0.8))
+    w.key("Escape")
+    w.do("mouseup", 1)
+    assert np.array_equal(load(w.save("escaped.ply"))[0], points) and selected(0)
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 5)
+    w.shot("playing")
+    w.click(at(1)) # ends that
+    assert np.array_equal(load(w.save("last.ply"))[0], bent) and selected(1)
 
 
 def test_an_animation_is_exported(window, tmp_path):
@@ -1475,19 +1585,33 @@ def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):
 
 
 def test_contact_is_told_and_shown(window, tmp_path):
-    """An end that is pushed into the other one, and taken back."""
+    """An end that is pushed into the other one, and taken back: once it rests, not at each step of a slider."""
     w, _, _ = open_tube(window, tmp_path)
     w.start_tool()
     mark_two_regions(w)
     w.do("mousemove", X, Y + 200)
     w.key("g", "x", "minus", "1", "period", "3", "Return", "g", "y", "0", "period", "1", "Return")
     said = lambda: w.text().rpartition("trace: says: ")[2]
-    assert re.search(r"\d+ triangles pass through others\.", said())
+    w.until("contact", lambda: re.search(r"\d+ triangles pass through others\.", said()))
     assert len(re.findall(r"FCD: Bend: \d+ triangles pass through others, which they did not at rest", w.text())) == 1 # in the log, once
     w.click(w.place("stretch"))
     w.shot("contact")
-    seen = w.seen()
-    assert np.count_nonzero((seen[..., 0] > seen[..., 1] + 60) & (seen[..., 2] > seen[..., 1] + 60)) > 100 # magenta
-    assert "triangles pass through others, shown in magenta." in said()
-    w.key("ctrl+z", "ctrl+z")
-    assert "triangles pass through" not in said()
+
+    def magenta():
+        seen = w.seen()
+        return np.count_nonzero((seen[..., 0] > seen[..., 1] + 60) & (seen[..., 2] > seen[..., 1] + 60)) > 100
+
+    assert magenta() and "triangles pass through others, shown in magenta." in said()
+    x, y, width, height = w.box("pose")
+    full, looked = w.text().count("trace: full"), w.text().count("trace: contact")
+    w.do("mousemove", x + width // 2, y + height // 2, "mousedown", 1)
+    for end in (-20, 0): # away, and back: all of it
+        w.do(*[word for i in range(9) for word in ("mousemove", x + width // 2 - 20 - end + (5 * i * (1 if end else -1)) // 2, y + height // 2, "sleep", 0.04)])
+    steps = w.text().count("trace: full") - full
+    w.until("a look", lambda: w.text().count("trace: contact") > looked)
+    assert steps >= 8 and w.text().count("trace: contact") <= looked + 1 + steps // 4 # a machine may pause
+    w.do("mouseup", 1, "mousemove", X, Y + 200)
+    w.until("contact", lambda: "triangles pass through others, shown in magenta." in said() and magenta())
+    assert w.text().count("triangles pass through others, which they did not at rest") == 1 # it was there all the time
+    w.key("ctrl+z", "ctrl+z", "ctrl+z")
+    assert "triangles pass through" not in said() and not magenta()

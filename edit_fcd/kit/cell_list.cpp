@@ -103,11 +103,13 @@ bool CellList::showRows(std::vector<Row> rows, const std::optional<int> &selecte
     if (rows == cells->rows && selected == selection)
         return true;
     cells->show(std::move(rows));
-    selection = selected;
+    const bool isOther = std::exchange(selection, selected) != selected;
     if (selected)
         clearSelection();
     if (selected && *selected >= 0)
         selectRow(*selected);
+    if (selected && *selected >= 0 && isOther)
+        scrollTo(cells->index(*selected, 0));
     return true;
 }
 

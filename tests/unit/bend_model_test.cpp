@@ -4,6 +4,7 @@
 #include <edit_fcd/bend/model/model.h>
 #include <edit_fcd/bend/model/named_poses.h>
 #include <edit_fcd/bend/model/steps.h>
+#include <edit_fcd/bend/panel/frame_scale.h>
 #include <edit_fcd/bend/tool/drag.h>
 #include <edit_fcd/kit/history.h>
 #include "test_support.h"
@@ -526,4 +527,39 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
     const Eigen::Vector3d now = placeOf(2, drag.held);
     EXPECT_NEAR(now[0], 0, 1e-4);
     EXPECT_NEAR(std::abs(now[2]), 0, 1e-3);
+}
+
+TEST(FrameScale, IsWhereFramesAndMarksAre) {
+    const FrameScale bar{{1, 1.5, 3}, 24, 10, 96}; // 2 pixels a frame
+    EXPECT_EQ(bar.last(), 48);
+    EXPECT_EQ(bar.xOf(1), 10);
+    EXPECT_EQ(bar.xOf(3), 106);
+    EXPECT_EQ(bar.xOf(1.5), 34);
+    EXPECT_EQ(bar.frameOf(1.5), 12);
+    EXPECT_EQ(bar.frameOf(0), 0) << "before the first key frame";
+    EXPECT_EQ(bar.frameOf(9), 48);
+    EXPECT_EQ(bar.timeOf(12), 1.5);
+    EXPECT_EQ(bar.keyAt(36, 4), 1U);
+    EXPECT_EQ(bar.keyAt(30, 4), 1U) << "as far as it reaches";
+    EXPECT_FALSE(bar.keyAt(39, 4));
+    EXPECT_EQ(bar.timeAt(36, 4), 1.5) << "a mark is meant";
+    EXPECT_EQ(bar.timeAt(36, 1), 1 + 13 / 24.);
+    EXPECT_EQ(bar.timeAt(60.9, 4), 1 + 25 / 24.) << "the nearest frame";
+    EXPECT_EQ(bar.timeAt(-50, 4), 1) << "beside the bar";
+    EXPECT_EQ(bar.timeAt(500, 4), 3);
+    const FrameScale crowded{{0, 0.01, 0.02}, 24, 0, 4};
+    EXPECT_EQ(crowded.keyAt(2.5, 4), 1U) << "the nearest of several";
+
+    const FrameScale odd{{0, 0.1}, 24, 0, 100}; // the last key frame lies between two frames
+    EXPECT_EQ(odd.last(), 3) << "as FrameTimes has it";
+    EXPECT_EQ(odd.timeOf(3), 0.1);
+    EXPECT_EQ(odd.timeAt(98, 0), odd.timeOf(2));
+    EXPECT_EQ(odd.timeAt(100, 0), 0.1);
+
+    const FrameScale one{{2}, 24, 10, 96}, none{{}, 24, 10, 96};
+    EXPECT_EQ(one.last(), 0);
+    EXPECT_EQ(one.xOf(2), 10);
+    EXPECT_EQ(one.timeAt(70, 4), 2);
+    EXPECT_EQ(none.last(), 0);
+    EXPECT_FALSE(none.keyAt(10, 4));
 }

@@ -263,26 +263,51 @@ void BendSession::makeGrip(int tag) {
         makeGrip(other);
 }
 
-int BendSession::limbAt(std::size_t slot, double usual) {
+/// The nearest handle that was turned, on the way from a vertex to what its limb hangs on; 0: none.
+int BendSession::turnedLimb(std::size_t slot) const {
     int found = 0;
     std::size_t least = 0;
     for (const auto &[tag, extent] : data.influence.extents) {
         const std::vector<std::size_t> &beyond = extent->beyond;
-        const bool isOn = data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot ||
-                                                               std::binary_search(beyond.begin(), beyond.end(), slot));
+        const bool isOn =
+            data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot || tags()[slot] == tag ||
+                                                 std::binary_search(beyond.begin(), beyond.end(), slot));
         if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || beyond.size() < least)) {
             found = tag;
             least = beyond.size();
         }
     }
-    if (found)
-        return found;
+    return found;
+}
+
+/// Where the handle of a limb would be that a vertex is on; none where it is on none.
+std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) {
     BendReach &glance = reach.glance();
     const double hair = usualGap(rest.diagonal());
     const std::size_t carrier = glance.carrierOf(slot, hair);
-    std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair);
+    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair);
     if (root && !canBecomePoint(data, *root))
-        root = canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
+        return canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
+    return root;
+}
+
+std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int tag, std::optional<std::size_t> slot,
+                                                                           double usual) {
+    if (const auto point = state().points.find(tag); point != state().points.end())
+        slot = point->second.slot;
+    reach.begin();
+    if (!slot || !reach.isRead())
+        return {0, nullptr};
+    if (const int found = turnedLimb(*slot))
+        return {found, glimpseOf(found)};
+    const std::optional<std::size_t> root = newLimb(*slot, usual);
+    return {0, root ? glimpse(*root, usual) : nullptr};
+}
+
+int BendSession::limbAt(std::size_t slot, double usual) {
+    if (const int found = turnedLimb(slot))
+        return found;
+    const std::optional<std::size_t> root = newLimb(slot, usual);
     if (!root)
         throw Error("There is no limb here that could be turned: G pulls this place, and R turns it.");
     const int tag = addPoint(*root, usual);

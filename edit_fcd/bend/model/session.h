@@ -61,6 +61,9 @@ class BendSession {
     /// surface is being read. \param usual as addPoint() has it
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
+    /// The same of the limb that limbAt() would turn, of a vertex or a handle. \return with its handle, 0: a new one
+    std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
+                                                                  double usual);
     /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
     /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
     void beginBeside();
@@ -160,8 +163,10 @@ class BendSession {
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
     /// The rest shape again, to the bit.
     void restore();
-    /// Where the last full pose passes through itself and did not at rest; of layers with no more than
-    /// vcg::fcd::contactUnasked faces.
+    /// Looks where the pose passes through itself and did not at rest, in layers with no more than
+    /// vcg::fcd::contactUnasked faces: as long as several steps of a drag. \pre the last pose was a full one
+    void findContact();
+    /// What that has found; empty since the next pose.
     const vcg::fcd::SurfaceContact &contact() const { return contactOfPose; }
 
     /// The layer gets the present pose as FCD: Pose in Place gives it. It stays a pose of the rest shape, and the
@@ -184,6 +189,8 @@ class BendSession {
     void changeTagsOf(int tag);
     void keepPlace(int tag);
     std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
+    int turnedLimb(std::size_t slot) const;
+    std::optional<std::size_t> newLimb(std::size_t slot, double usual);
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const;
     void readSurface();
     void writeMarks();
@@ -197,7 +204,6 @@ class BendSession {
     void writePoses();
 
     void writePose(const vcg::fcd::Deformer::Pose &pose);
-    void findContact(const vcg::fcd::DeformationParam &param);
     HandleParam handleParam() const;
     void handOver();
     void writeAppliedTags();

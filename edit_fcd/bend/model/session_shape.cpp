@@ -30,6 +30,7 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
 
 /// Vertices alone.
 void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
+    contactOfPose = {};
     if (isFresh)
         rest.restoreVertices();
     isFresh = false;
@@ -39,7 +40,6 @@ void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
 
 BendSession::Times BendSession::pose(bool full, bool faces) {
     Times times;
-    contactOfPose = {};
     if (!isMoved(data)) {
         restore();
         return times;
@@ -60,15 +60,15 @@ BendSession::Times BendSession::pose(bool full, bool faces) {
         computeFaceNormals(layer.cm, {});
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
         rest.know();
-        findContact(param);
     }
     times.write = 1000 * watch.Seconds();
     return times;
 }
 
-/// Of a pose that was solved to the end: a step of a drag has no time for it.
-void BendSession::findContact(const vcg::fcd::DeformationParam &param) {
-    if (layer.cm.fn == 0 || layer.cm.face.size() > vcg::fcd::contactUnasked)
+void BendSession::findContact() {
+    const vcg::fcd::DeformationParam param = deformationOf(data.options);
+    if (!isMoved(data) || layer.cm.fn == 0 || layer.cm.face.size() > vcg::fcd::contactUnasked ||
+        !solver.isPrepared(data.influence.tags, param))
         return;
     readSurface();
     contactOfPose = vcg::fcd::ContactOf(surface->View(), *solver.prepared()->deformer, positionsOf(layer), param);

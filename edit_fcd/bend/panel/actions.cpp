@@ -3,7 +3,8 @@
 
 const ActionTable &bendActions() {
     static const ActionTable all = {
-        {BendAction::Bend, "M", "bend: drag a handle, or a point of the surface"},
+        {BendAction::Pull, "M", "pull: drag a handle, or a point of the surface"},
+        {BendAction::TurnLimb, "Shift+J", "turn limbs: drag a point of one, which follows"},
         {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
         {BendAction::Rectangle, "V", "mark what is in a rectangle"},
         {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
@@ -31,7 +32,7 @@ const ActionTable &bendActions() {
         {BendAction::Reset, "Backspace", "take all motions back"},
         {BendAction::Cancel, "Esc",
          "cancel what is being moved or marked; else camera mode, until Esc is pressed again"},
-        {BendAction::End, "Return|Enter", "keep what is being moved; end a polyline"},
+        {BendAction::End, "Return|Enter", "keep what is being moved; end a polygon"},
         {BendAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter", "apply in place"},
         {BendAction::ApplyToNewLayer, "Ctrl+Shift+Return|Ctrl+Shift+Enter", "apply to a new layer"},
         {BendAction::Page, "?|Shift+?", "this page"},

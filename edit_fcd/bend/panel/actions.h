@@ -8,7 +8,7 @@
 struct BendAction {
     // clang-format off
     enum Id {
-        Bend, Brush, Rectangle, Polyline, Line, RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
+        Pull, TurnLimb, Brush, Rectangle, Polyline, Line, RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
         Move, Turn, Scale, Limb, Pivot, Undo, Redo, Reset, Cancel, End, ApplyInPlace, ApplyToNewLayer, Page
     };
     // clang-format on

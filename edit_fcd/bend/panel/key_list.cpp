@@ -32,7 +32,7 @@ BendKeyList::BendKeyList(QWidget *parent)
     });
 }
 
-void BendKeyList::show(const std::vector<BendKeyRow> &keys) {
+void BendKeyList::show(const std::vector<BendKeyRow> &keys, int selected) {
     std::vector<Row> rows;
     for (const BendKeyRow &each : keys) {
         Row row;
@@ -42,7 +42,7 @@ void BendKeyList::show(const std::vector<BendKeyRow> &keys) {
         row[Time].typed = row[Time].text;
         rows.push_back(std::move(row));
     }
-    if (showRows(std::move(rows)))
+    if (showRows(std::move(rows), selected))
         shown = keys;
 }
 

@@ -17,7 +17,8 @@ class BendKeyList : public CellList {
 
   public:
     explicit BendKeyList(QWidget *parent = nullptr);
-    void show(const std::vector<BendKeyRow> &keys);
+    /// \param selected the one that is shown in the view, -1: none
+    void show(const std::vector<BendKeyRow> &keys, int selected);
 
   signals:
     void chosen(int row);

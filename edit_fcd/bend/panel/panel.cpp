@@ -67,7 +67,7 @@ BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
 void BendPanel::addModes(QBoxLayout &column) {
     modes = new QButtonGroup(this);
     auto *row = new QHBoxLayout;
-    row->setSpacing(3);
+    row->setSpacing(1); // they are one choice, and as wide as the rest of the panel
     const auto add = [&](const char *text, const QString &tip) {
         auto *button = new QToolButton;
         button->setText(text);
@@ -76,9 +76,11 @@ void BendPanel::addModes(QBoxLayout &column) {
         row->addWidget(button);
         return button;
     };
-    const char *const names[] = {"Bend", "Brush", "Rectangle", "Polyline", "Straighten"};
+    const char *const names[] = {"Pull", "Turn limb", "Brush", "Box", "Lasso", "Straighten"};
     const QString tips[] = {
-        bendActions().withKeys("Drag a handle, or a point of the surface", BendAction::Bend),
+        bendActions().withKeys("Drag a handle, or a point of the surface: it is moved", BendAction::Pull),
+        bendActions().withKeys("Drag a point of a limb: the limb turns at its joint so that the point follows",
+                               BendAction::TurnLimb),
         bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
         bendActions().withKeys("Mark what is in a rectangle", BendAction::Rectangle),
         bendActions().withKeys("Mark what is in a polygon: click its corners, double-click the last",
@@ -86,13 +88,14 @@ void BendPanel::addModes(QBoxLayout &column) {
         bendActions().withKeys(
             "Straighten the layer along a line, or bend it along one: click points, or choose a layer",
             BendAction::Line)};
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i <= Line; ++i) {
         QToolButton *button = add(names[i], tips[i]);
         button->setCheckable(true);
+        button->setObjectName(QString("mode%1").arg(i));
         modes->addButton(button, i);
     }
     row->addStretch();
-    setMode(Bend);
+    setMode(Pull);
     column.addLayout(row);
 }
 

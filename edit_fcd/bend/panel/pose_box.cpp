@@ -11,7 +11,7 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
     grid->setSpacing(3);
     poses = new BendPoseList;
     poses->setObjectName("poses");
-    grid->addWidget(poses, 0, 0, 1, 3);
+    grid->addWidget(poses, 0, 0);
     const auto made = [&](const char *name, const QString &text, const QString &tip, Command which) {
         auto *button = new QPushButton(text);
         button->setObjectName(name);
@@ -20,28 +20,34 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         return button;
     };
-    grid->addWidget(
-        made("keep", "Keep pose", "The layer keeps what is shown as a pose that has a name: type it, then Enter", Keep),
-        1, 0);
-    grid->addWidget(
+    const auto row = [&](int at) {
+        auto *made = new QHBoxLayout;
+        made->setSpacing(3);
+        grid->addLayout(made, at, 0);
+        return made;
+    };
+    auto *files = row(1);
+    files->addWidget(made("keep", "Keep pose",
+                          "The layer keeps what is shown as a pose that has a name: type it, then Enter", Keep));
+    files->addWidget(made("frame", "Key frame",
+                          "What is shown of the poses becomes a key frame, a second after the last one", KeyFrame));
+    files->addWidget(
         made("loadposes", "Load ...",
-             "Poses of a table (.csv), as 'FCD: Pose Sequence' has it, take the place of those that there are", Load),
-        1, 1);
-    grid->addWidget(
-        made("saveposes", "Save ...", "Writes the poses as a table (.csv): no file of MeshLab has room for them", Save),
-        1, 2);
+             "Poses of a table (.csv), as 'FCD: Pose Sequence' has it, take the place of those that there are", Load));
+    files->addWidget(made("saveposes", "Save ...",
+                          "Writes the poses as a table (.csv): no file of MeshLab has room for them", Save));
     frames = new BendKeyList;
     frames->setObjectName("frames");
-    grid->addWidget(frames, 2, 0, 1, 3);
-    auto *last = new QHBoxLayout;
-    last->addWidget(made("frame", "Key frame",
-                         "What is shown of the poses becomes a key frame, a second after the last one", KeyFrame));
+    grid->addWidget(frames, 2, 0);
+    auto *last = row(3);
     play = made("play", "Play", "Plays the key frames in the view, until something else is done", Play);
+    play->setFixedWidth(play->fontMetrics().horizontalAdvance("Stop") + 24);
     last->addWidget(play);
-    last->addWidget(made("export", "Export animation ...",
-                         "Writes the key frames as glTF (.glb) for Blender and web pages, or as a point cache (.pc2)",
+    bar = new BendTimeline;
+    last->addWidget(bar, 1);
+    last->addWidget(made("export", "Export ...",
+                         "Writes the animation as glTF (.glb) for Blender and web pages, or as a point cache (.pc2)",
                          Export));
-    grid->addLayout(last, 3, 0, 1, 3);
 }
 
 #include "edit_fcd/bend/panel/moc_pose_box.cpp" // NOLINT(bugprone-suspicious-include)

@@ -4,6 +4,7 @@
 
 #include "edit_fcd/bend/panel/key_list.h"
 #include "edit_fcd/bend/panel/pose_list.h"
+#include "edit_fcd/bend/panel/timeline.h"
 
 #include <QPushButton>
 #include <QWidget>
@@ -18,6 +19,7 @@ class BendPoseBox : public QWidget {
     explicit BendPoseBox(QWidget *parent = nullptr);
     BendPoseList &list() { return *poses; }
     BendKeyList &keys() { return *frames; }
+    BendTimeline &timeline() { return *bar; }
     void showPlaying(bool isPlaying) { play->setText(isPlaying ? "Stop" : "Play"); }
 
   signals:
@@ -26,6 +28,7 @@ class BendPoseBox : public QWidget {
   private:
     BendPoseList *poses;
     BendKeyList *frames;
+    BendTimeline *bar;
     QPushButton *play;
 };
 

@@ -12,7 +12,7 @@
 
 /// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
 void BendTool::showStretch() {
-    const bool wanted = panel->showsStretch() && panel->mode() == BendPanel::Bend;
+    const bool wanted = panel->showsStretch() && panel->isBending();
     if (session->edit().options.stretch == wanted)
         return;
     session->edit().options.stretch = wanted;
@@ -46,8 +46,7 @@ void BendTool::draw() {
 
 void BendTool::drawOverlay() const {
     const BendDrag *drag = this->drag();
-    const bool isBending =
-        panel && panel->mode() == BendPanel::Bend && !isSuspended && !(going && going->isEndedByAll());
+    const bool isBending = panel && panel->isBending() && !isSuspended && !(going && going->isEndedByAll());
     drawPoints(*session, drag, isBending && !drag ? hovered : 0);
     if (!panel || isSuspended)
         return;
@@ -112,21 +111,25 @@ QString BendTool::stateText() const {
         return lineText();
     const BendDrag *drag = this->drag();
     QString text;
+    const bool isLimb = panel->mode() == BendPanel::Limb;
     const std::size_t inContact = session->contact().face.size();
-    if (panel->mode() != BendPanel::Bend)
+    if (!panel->isBending())
         text = markingText();
-    else if (session->model().influence.handles().empty())
+    else if (session->model().influence.handles().empty() && !isLimb)
         text = session->state().marks ? "Mark a handle (red), then drag it."
                                       : "Drag a point of the surface, or mark what is fixed and what is a handle.";
     else if (drag)
         text = going->text();
-    else if (lit)
+    else if (lit && !(isLimb && lit->axis < 0))
         text = QString::fromStdString(nameOf(session->state(), selected())) +
                (lit->axis < 0
                     ? QString(": drag moves it in the view")
                     : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
                           .arg("xyz"[lit->axis])) +
                (lit->axis < 0 ? QString() : ". G, R, S: " + textOfKeys() + ".");
+    else if (isLimb)
+        text = lit || hovered || keysBegin ? "Drag this: its limb turns so that it follows."
+                                           : "Drag a point of a limb: the limb turns so that it follows.";
     else if (hovered)
         text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)

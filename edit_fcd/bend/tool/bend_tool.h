@@ -76,6 +76,8 @@ class BendTool : public BendStage {
     void changeFrame(int row, const std::function<void()> &change);
     void renamePose(std::size_t number, const std::string &name);
     void showBlend(const std::vector<double> &weights);
+    void showFrame(double time);
+    std::optional<double> shownFrame() const;
     void onLineCommand(int which);
     void removeLinePoint();
     void lookForLine();
@@ -107,6 +109,7 @@ class BendTool : public BendStage {
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
     unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
     QElapsedTimer sinceRim;
+    double frameShown = 0; ///< of the animation, asked for last; seconds
 };
 
 #endif

@@ -20,10 +20,12 @@ void DragInteraction::begin(const Grip &what) {
     grip.isNew = !what.tag;
     asked = what.tag;
     const bool isLimb = what.part.kind == BendDrag::Limb;
-    if (const auto point = session.state().points.find(what.tag); point != session.state().points.end())
-        grip.slot = point->second.slot; // else a mark, which has none
-    else if (isLimb && what.tag)
+    if (const auto point = session.state().points.find(what.tag); point != session.state().points.end()) {
+        if (!isLimb || !what.isHeld)
+            grip.slot = point->second.slot;
+    } else if (isLimb && what.tag) {
         throw vcg::fcd::Error("A marked handle is no point of a limb: R turns it.");
+    }
     held = session.positionOf(grip.slot);
     gripped = stage.mouseInWindow();
     isReleased = false;

@@ -13,7 +13,8 @@ class DragInteraction : public BendInteraction {
         std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
         GizmoPart part;
         bool modal = false;
-        bool isNew = false; ///< what is at \p tag was made of \p slot
+        bool isNew = false;  ///< what is at \p tag was made of \p slot
+        bool isHeld = false; ///< a limb is to follow by \p slot, which \p tag holds
     };
     using BendInteraction::BendInteraction;
 

@@ -10,8 +10,8 @@
 class BendStage;
 
 /// What mouse and keys are for while something goes on in the view: a handle is dragged, vertices are marked, a point
-/// of the line is moved, key frames are played. At most one goes on; the stage owns it, and it tells the stage when it
-/// has ended, last.
+/// of the line is moved, key frames are played or scrubbed. At most one goes on; the stage owns it, and it tells the
+/// stage when it has ended, last.
 class BendInteraction {
   public:
     explicit BendInteraction(BendStage &stage) : stage(stage) {}

@@ -59,7 +59,7 @@ bool BendTool::beginsByKey(const Place &place) const {
 /// the ball of the gizmo is its handle.
 BendTool::Place BendTool::placeOfKeys() const {
     const std::optional<GizmoPart> part = partAtMouse();
-    return part && part->axis < 0 ? Place{selected(), {}} : placeAtMouse();
+    return part && part->axis < 0 ? Place{selected(), {}, {}} : placeAtMouse();
 }
 
 /// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
@@ -70,7 +70,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
     const int tag = place.tag ? place.tag : isBegin ? 0 : selected();
     if (!tag && !isBegin)
         throw Error("There is no handle yet: mark one, or drag a point of the surface.");
-    beginDrag({tag, place.slot.value_or(0), {kind, -1}, true});
+    beginDrag({tag, place.slot.value_or(place.held.value_or(0)), {kind, -1}, true, false, place.held.has_value()});
 }
 
 /// The selected handle turns where the mouse points at.
@@ -94,8 +94,8 @@ void BendTool::placePivot() {
 /// What is marked becomes something else: in a mode that marks nothing, that is said.
 void BendTool::setRole(BendPanel::Role which, int handle) {
     panel->setRole(which, handle);
-    if (panel->mode() == BendPanel::Bend || panel->mode() == BendPanel::Line)
-        hint = QString("What is marked from now on becomes %1. B, V or L mark, M bends.").arg(roleText());
+    if (panel->isBending() || panel->mode() == BendPanel::Line)
+        hint = QString("What is marked from now on becomes %1. B, V or L mark, M pulls.").arg(roleText());
 }
 
 void BendTool::act(BendAction::Id action) {
@@ -105,7 +105,8 @@ void BendTool::act(BendAction::Id action) {
     case BendAction::Scale: dragByKey(BendDrag::Scale); break;
     case BendAction::Limb: dragByKey(BendDrag::Limb); break;
     case BendAction::Pivot: placePivot(); break;
-    case BendAction::Bend: setMode(BendPanel::Bend); break;
+    case BendAction::Pull: setMode(BendPanel::Pull); break;
+    case BendAction::TurnLimb: setMode(BendPanel::Limb); break;
     case BendAction::Brush: setMode(BendPanel::Brush); break;
     case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
     case BendAction::Polyline: setMode(BendPanel::Polyline); break;

@@ -38,6 +38,7 @@ void PlayInteraction::show() {
     }
     const double time = std::fmod(double(since.nsecsElapsed()) / 1e9, length);
     stage.session->showAnimation(time);
+    stage.panel->poses().timeline().showTime(stage.session->state().poses->key.front().time + time);
     stage.showVertices(false);
     stage.view->update();
     if (std::getenv("FCD_TRACE"))

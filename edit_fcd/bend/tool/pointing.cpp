@@ -44,12 +44,12 @@ std::optional<std::size_t> BendStage::slotAtMouse() const {
 
 BendStage::Place BendStage::placeAtMouse() const {
     if (const int point = pointAt(mouseInWindow().head<2>()))
-        return {point, {}};
+        return {point, {}, {}};
     const std::optional<std::size_t> slot = slotAtMouse();
     if (!slot)
         return {};
     const int tag = session->tags()[*slot];
-    return tag >= 2 && !isAlong(session->model(), *slot) ? Place{tag, {}} : Place{0, slot};
+    return tag >= 2 && !isAlong(session->model(), *slot) ? Place{tag, {}, slot} : Place{0, slot, {}};
 }
 
 /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.

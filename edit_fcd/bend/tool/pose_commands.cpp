@@ -5,9 +5,12 @@
 
 #include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/bend/tool/play_interaction.h"
+#include "edit_fcd/bend/tool/scrub_interaction.h"
 
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/save_files.h>
+
+#include <algorithm>
 
 #include <QFileDialog>
 #include <QMessageBox>
@@ -50,11 +53,22 @@ void BendTool::connectPoses() {
         });
     });
     const BendKeyList *frames = &box->keys();
-    when(frames, &BendKeyList::chosen, [this](int row) {
-        changeFrame(row, [&] {
-            session->change();
-            showBlend(keyFrames(session->state())[std::size_t(row)].weight);
-        });
+    when(frames, &BendKeyList::chosen,
+         [this](int row) { changeFrame(row, [&] { showFrame(keyFrames(session->state())[std::size_t(row)].time); }); });
+    const auto scrub = [this] { return dynamic_cast<ScrubInteraction *>(going.get()); }; // null: it was cancelled
+    const BendTimeline *bar = &box->timeline();
+    when(bar, &BendTimeline::begins, [this](double time) {
+        hint.clear();
+        if (isForPanel() && session->state().poses)
+            goOn<ScrubInteraction>([this](double end) { changePoses([&] { showFrame(end); }); }).begin(time);
+    });
+    when(bar, &BendTimeline::goes, [scrub](double time) {
+        if (ScrubInteraction *going = scrub())
+            going->to(time);
+    });
+    when(bar, &BendTimeline::ends, [scrub] {
+        if (ScrubInteraction *going = scrub())
+            going->end();
     });
     when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
         changeFrame(row, [&] {
@@ -133,6 +147,13 @@ void BendTool::showBlend(const std::vector<double> &weights) {
     session->blend(weights);
     showOptions();
     solve(true);
+}
+
+/// What the animation has at that time.
+void BendTool::showFrame(double time) {
+    session->change();
+    showBlend(session->state().poses->WeightsAt(time));
+    frameShown = time;
 }
 
 void BendTool::onPoseCommand(int which) {
@@ -216,21 +237,47 @@ void BendTool::exportAnimation() {
         {}, true);
 }
 
+/// The time of the animation that has what is shown: where that was asked for, or that of a key frame.
+std::optional<double> BendTool::shownFrame() const {
+    const BendState &state = session->state();
+    const std::vector<vcg::fcd::KeyFrame> keys = keyFrames(state);
+    if (keys.empty() || (state.weights.empty() && isMoved(session->model())))
+        return {};
+    const std::vector<double> weights = weightsOfPoses(state);
+    if (state.poses->WeightsAt(frameShown) == weights)
+        return std::clamp(frameShown, keys.front().time, keys.back().time);
+    const auto found =
+        std::find_if(keys.rbegin(), keys.rend(), [&](const auto &each) { return each.weight == weights; });
+    return found == keys.rend() ? std::nullopt : std::optional(found->time);
+}
+
 void BendTool::showPoses() {
-    const auto poses = session->state().poses ? session->state().poses->pose : std::vector<vcg::fcd::NamedPose>();
-    const std::vector<double> weights = weightsOfPoses(session->state());
+    const BendState &state = session->state();
+    const auto poses = state.poses ? state.poses->pose : std::vector<vcg::fcd::NamedPose>();
+    const std::vector<double> weights = weightsOfPoses(state);
     std::vector<BendPoseRow> rows;
     rows.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i)
         rows.push_back({QString::fromStdString(poses[i].name), QString::fromStdString(poses[i].motions), weights[i]});
     panel->poses().list().show(rows);
     std::vector<BendKeyRow> frames;
-    for (const vcg::fcd::KeyFrame &each : keyFrames(session->state())) {
+    std::vector<double> times;
+    const bool isElsewhere = going && going->isEndedByAll(); // it is played, or scrubbed
+    const std::optional<double> time = isElsewhere ? std::nullopt : shownFrame();
+    int selected = -1;
+    for (const vcg::fcd::KeyFrame &each : keyFrames(state)) {
         QStringList shown;
         for (std::size_t i = 0; i < each.weight.size(); ++i)
             if (each.weight[i] != 0)
                 shown << rows[i].name + (each.weight[i] == 100 ? "" : QString(" %1 %").arg(each.weight[i], 0, 'g', 4));
+        if (each.time == time)
+            selected = int(frames.size());
+        times.push_back(each.time);
         frames.push_back({each.time, int(each.easing), shown.empty() ? "at rest" : shown.join(", ")});
     }
-    panel->poses().keys().show(frames);
+    panel->poses().keys().show(frames, selected);
+    BendTimeline &bar = panel->poses().timeline();
+    bar.show(times);
+    if (!isElsewhere)
+        bar.showTime(time);
 }

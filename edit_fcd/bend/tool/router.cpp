@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <tuple>
 
 // The mouse: to what goes on, or else to what it begins, or to the camera.
 
@@ -48,7 +49,8 @@ void BendTool::press(QMouseEvent *event) {
 /// Begins what a press in this mode begins. \return false where that is nothing
 bool BendTool::begin() {
     switch (panel->mode()) {
-    case BendPanel::Bend: return grab();
+    case BendPanel::Pull:
+    case BendPanel::Limb: return grab();
     case BendPanel::Line:
         if (goOn<LineInteraction>().begin())
             return true;
@@ -68,7 +70,7 @@ bool BendTool::begin() {
 /// What is marked quickly is marked; else the view turns about the place under the mouse from then on, as the host has
 /// it, and the handle that the first click was about to make is none.
 void BendTool::doubleClick(QMouseEvent *event) {
-    if (panel->mode() != BendPanel::Bend && event->button() == Qt::LeftButton) {
+    if (!panel->isBending() && event->button() == Qt::LeftButton) {
         if (!going || !going->doubleClick())
             press(event);
         return;
@@ -104,7 +106,7 @@ void BendTool::move(QMouseEvent *event) {
         going->move(*event);
     else if (panel && panel->mode() == BendPanel::Brush)
         view->update();
-    else if (panel && panel->mode() == BendPanel::Bend && event->buttons() == Qt::NoButton)
+    else if (panel && panel->isBending() && event->buttons() == Qt::NoButton)
         hover();
 }
 
@@ -117,7 +119,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
     const double steps = event->angleDelta().y() / 120.0;
     if (going && session && going->turnWheel(steps))
         return;
-    if (panel && panel->mode() == BendPanel::Bend && event->modifiers() == Qt::ControlModifier && isReady() &&
+    if (panel && panel->isBending() && event->modifiers() == Qt::ControlModifier && isReady() &&
         changeRim(std::pow(1.1, steps))) {
         view->update();
     } else if (panel && panel->mode() == BendPanel::Brush && event->modifiers() == Qt::NoModifier) {
@@ -131,7 +133,9 @@ void BendTool::turnWheel(QWheelEvent *event) {
 /// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
 bool BendTool::changeRim(double times) {
     findMouse();
-    const auto [tag, found] = placeAtMouse();
+    const Place place = placeAtMouse();
+    const int tag = place.tag;
+    const std::optional<std::size_t> &found = place.slot;
     const auto &marks = session->state().marks;
     if (!tag && !(found && marks && (*marks)[*found] == 0))
         return false;
@@ -166,7 +170,7 @@ void BendTool::hover() {
     const Place place = placeOfKeys();
     const int tag = part ? 0 : place.tag;
     const bool isBegin = beginsByKey(place);
-    foreseen = part ? Place{selected(), {}} : place;
+    foreseen = part ? Place{selected(), {}, {}} : place;
     if (!isForeseeing)
         later([this] { foresee(); }); // where the mouse is then: it may move faster
     isForeseeing = true;
@@ -183,17 +187,21 @@ void BendTool::hover() {
 /// What a press would move is shown by how much it would, and where it would turn.
 void BendTool::foresee() {
     isForeseeing = false;
-    if (!layer() || going || preparing || panel->mode() != BendPanel::Bend || isSuspended)
+    if (!layer() || going || preparing || !panel->isBending() || isSuspended)
         return;
-    const auto &[tag, slot] = foreseen;
+    int tag = foreseen.tag;
+    const std::optional<std::size_t> slot = foreseen.slot;
     const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(session->model(), *slot);
     QElapsedTimer watch;
     watch.start();
     std::shared_ptr<const BendExtent> found;
-    if (session->model().influence.isLocal || !session->state().marks) // else all that is free moves
-        found = tag       ? session->glimpseOf(tag)
-                : isThere ? session->glimpse(*slot, panel->radius() * session->diagonal())
-                          : nullptr;
+    const double usual = panel->radius() * session->diagonal();
+    if (session->model().influence.isLocal || !session->state().marks) { // else all that is free moves
+        if (panel->mode() == BendPanel::Limb)
+            std::tie(tag, found) = session->glimpseLimb(tag, slot, usual);
+        else
+            found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, usual) : nullptr;
+    }
     foreseenPivot.reset();
     if (found) {
         const std::size_t at = found->vertices.front();
@@ -222,8 +230,11 @@ void BendTool::forgetForeseen() {
 
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
 bool BendTool::grab() {
-    if (const std::optional<GizmoPart> part = partAtMouse()) {
-        beginDrag({selected(), 0, *part, false});
+    const bool isLimb = panel->mode() == BendPanel::Limb;
+    if (std::optional<GizmoPart> part = partAtMouse()) {
+        if (isLimb && part->axis < 0)
+            part->kind = BendDrag::Limb;
+        beginDrag({selected(), 0, *part, false, false, false});
         return true;
     }
     const Place place = placeAtMouse();
@@ -233,7 +244,8 @@ bool BendTool::grab() {
         hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
         return false;
     }
-    beginDrag({place.tag, place.slot.value_or(0), {}, false});
+    const GizmoPart part{isLimb ? BendDrag::Limb : BendDrag::Move, -1};
+    beginDrag({place.tag, place.slot.value_or(place.held.value_or(0)), part, false, false, place.held.has_value()});
     return true;
 }
 

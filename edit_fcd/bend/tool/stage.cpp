@@ -6,6 +6,13 @@
 
 // How a layer that is bent is solved and shown, and what is done beside the window for that.
 
+namespace {
+
+// Milliseconds: a slider that is drawn gives its next value sooner, and a person does not wait.
+const int restBeforeContact = 200;
+
+} // namespace
+
 MeshModel *BendStage::layer() const {
     if (!view || !view->md() || !session)
         return nullptr;
@@ -71,11 +78,28 @@ void BendStage::showChanged() {
     isShownChanged = true;
 }
 
-void BendStage::tellContact() {
+/// Of a shape that rests, once nothing goes on: the panel, the stretch and, the first time, the log tell of it.
+void BendStage::lookForContact() {
+    if (!layer() || isLive)
+        return;
+    if (going || preparing) {
+        restingTimer.start();
+        return;
+    }
+    const vcg::fcd::Stopwatch watch;
+    session->findContact();
     const std::string contact = session->contact().Text();
+    if (std::getenv("FCD_TRACE"))
+        std::fprintf(stderr, "FCD trace: contact: %d triangles, %.1f ms\n", int(session->contact().face.size()),
+                     1000 * watch.Seconds());
     if (!contact.empty() && !isContactTold)
-        say(contact, true);
+        say(contact); // which the panel says by itself, as long as it is so
     isContactTold = !contact.empty();
+    if (contact.empty())
+        return;
+    if (colors->isStretch(*session))
+        showOverlay();
+    refresh();
 }
 
 /// Shows the marks, or the stretch.
@@ -99,6 +123,7 @@ void BendStage::comeToRest() {
 }
 
 void BendStage::solve(bool full) {
+    restingTimer.stop();
     QElapsedTimer watch;
     watch.start();
     BendSession::Times times;
@@ -113,8 +138,11 @@ void BendStage::solve(bool full) {
     isLive = !full;
     if (full && isMoved(session->model()))
         showChanged();
-    if (full)
-        tellContact();
+    if (full) {
+        every(restingTimer, [this] { lookForContact(); });
+        restingTimer.setSingleShot(true);
+        restingTimer.start(restBeforeContact);
+    }
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
     const double took = double(watch.nsecsElapsed()) / 1e6;

@@ -70,6 +70,7 @@ class BendStage : public LayerTool {
     struct Place {
         int tag = 0; ///< 0: none
         std::optional<std::size_t> slot;
+        std::optional<std::size_t> held; ///< the vertex there that the handle holds
     };
     Place placeAtMouse() const;
     /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
@@ -84,7 +85,6 @@ class BendStage : public LayerTool {
     void comeToRest(); ///< what has moved step by step is solved to the end \pre there is a layer
     void showVertices(bool full) override;
     void showChanged();
-    void tellContact(); ///< in the log, where there is contact since the last full pose
     void showOverlay(); ///< the marks, or the stretch
 
     int tagToMark() const;      ///< what is marked next to a handle that was moved is another handle, at rest
@@ -127,12 +127,14 @@ class BendStage : public LayerTool {
   private:
     int pointAt(const Eigen::Vector2d &window, double least = 12) const;
     std::optional<std::size_t> slotAtMouse() const;
+    void lookForContact();
     void whenDone();
     void restFromPreparing();
 
     std::unique_ptr<BendInteraction> gone; ///< the last one, until the next has ended
     std::function<void()> whenPrepared, whenStopped;
     QTimer preparingTimer; ///< to say how far that is
+    QTimer restingTimer;   ///< since the last full pose
 };
 
 #endif

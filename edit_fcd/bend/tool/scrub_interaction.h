@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_SCRUB_INTERACTION_H
+#define FCD_BEND_SCRUB_INTERACTION_H
+
+#include "edit_fcd/bend/tool/stage.h"
+
+/// The layer shows the animation at the time that is dragged to in the panel.
+class ScrubInteraction : public BendInteraction {
+  public:
+    /// \param kept is told, once it has ended, where
+    ScrubInteraction(BendStage &stage, std::function<void(double)> kept)
+        : BendInteraction(stage), kept(std::move(kept)) {}
+    void begin(double time); ///< seconds, as the key frames have it
+    void to(double time);
+    void end();
+    void cancel() override; ///< the layer has the shape of before
+    void move(QMouseEvent &) override {}
+    bool takesAllKeys() const override { return isReady; }
+    bool isEndedByAll() const override { return isReady; }
+    void step() override;
+    QString text() const override;
+
+  private:
+    void stop();
+
+    std::function<void(double)> kept;
+    double asked = 0, first = 0; ///< seconds
+    bool isReady = false;        ///< the layer is prepared
+    bool isReleased = false;     ///< before that
+};
+
+#endif
