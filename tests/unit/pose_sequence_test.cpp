@@ -419,11 +419,13 @@ TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
     MeshD mesh(Points(Grid(100, 101)));
     const Arrays arrays = Read(mesh);
     const PackedSurface packed{SurfaceView(arrays)};
+    const SurfaceLook look;
     const Matrix3Xd position = SurfaceView(arrays).Copy();
     Bytes file;
     const auto message = [&](int frames) {
-        return MessageOf<BadInput>(
-            [&] { GltfFile(file.Write(), "many", packed, position, position, FramesOf(frames)); });
+        return MessageOf<BadInput>([&] {
+            GltfFile(file.Write(), {{"many", packed, look, position, position}}, FramesOf(frames));
+        });
     };
     EXPECT_NE(message(40000).find("A .glb file holds 4 GB, and this one would take "), std::string::npos);
     EXPECT_EQ(message(65537),
@@ -436,12 +438,13 @@ TEST(GltfFile, OfManyFramesHoldsOnlyTheWeightsThatAreNotZero) {
     MeshD mesh(Points(Quad()));
     const Arrays arrays = Read(mesh);
     const PackedSurface packed{SurfaceView(arrays)};
+    const SurfaceLook look;
     Matrix3Xd position = SurfaceView(arrays).Copy();
     for (const int frames : {1024, 1025, 3000}) {
         Bytes file;
-        GltfFile gltf(file.Write(), "many", packed, position, position, FramesOf(frames));
+        GltfFile gltf(file.Write(), {{"many", packed, look, position, position}}, FramesOf(frames));
         for (int i = 0; i < frames; ++i)
-            gltf.Add(position, position);
+            gltf.Add(0, position, position);
         gltf.Finish();
         EXPECT_EQ(file.At<std::uint32_t>(8), file.content.size());
         const std::size_t json = file.At<std::uint32_t>(12), buffer = 20 + json + 8, n = std::size_t(frames);

@@ -17,6 +17,8 @@ PackedSurface::PackedSurface(const SurfaceView &surface, unsigned threads) : thr
     for (std::size_t f = 0; f < surface.faces; ++f)
         for (std::size_t k = 0; surface.IsFace(f) && k < 3; ++k)
             corner.push_back(number[surface.corner[3 * f + k]]);
+    if (!corner.empty())
+        range.push_back({SurfaceLook::plain, 0, corner.size()});
 }
 
 namespace detail {

@@ -2,9 +2,9 @@
 #ifndef VCG_FCD_FRAME_FILES_H
 #define VCG_FCD_FRAME_FILES_H
 
+#include <vcg_ext/sequence/surface_look.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -14,15 +14,24 @@ namespace vcg::fcd {
 /// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
 using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
 
-/// Red, green, blue and opacity of each vertex slot, as sRGB has them; empty: there are none.
-using VertexColors = std::vector<std::array<std::uint8_t, 4>>;
-
 /// What files know of a surface: its vertices and triangles, without what is deleted.
 struct PackedSurface {
     explicit PackedSurface(const SurfaceView &surface, unsigned threads = 0);
+    /// The same, its triangles texture by texture, with further vertices behind its own where corners at one differ in
+    /// texture coordinates, or in the colours of their faces. \pre the arrays of \p look are as long as the surface's
+    PackedSurface(const SurfaceView &surface, const SurfaceLook &look, unsigned threads);
+
+    /// Triangles with one texture.
+    struct Range {
+        std::int32_t texture;     ///< number in the look, or SurfaceLook::plain
+        std::size_t first, count; ///< of corners
+    };
 
     std::vector<std::uint32_t> slot;   ///< of each vertex
     std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 a triangle
+    std::vector<Range> range;          ///< all corners; none without a triangle
+    std::vector<std::uint32_t> wedge;  ///< of each vertex, 3 faces + the corner that it looks as, or SurfaceView::none;
+                                       ///< empty: corners do not differ
     unsigned threads;                  ///< that write it, 0 = one a core
 };
 
