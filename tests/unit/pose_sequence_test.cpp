@@ -405,6 +405,54 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
               std::string::npos);
 }
 
+TEST(SequenceFrames, TakeOtherSurfacesAlong) {
+    SequenceRig rig;
+    rig.sequence.key = {{0, Easing::Linear, {0, 0}}, {1, Easing::Linear, {100, 0}}};
+    MeshD quad(Quad());
+    Arrays arrays = Read(quad);
+    SequenceOutput output;
+    output.rate = 4;
+    int calls = 0;
+    Companion eye;
+    eye.surface = arrays;
+    eye.world = Affine3d(Eigen::Translation3d(0, 0, 7));
+    eye.name = "eye";
+    eye.carry = [&](const Carrier &, Matrix3Xd &position) {
+        EXPECT_TRUE(SameBits(position, SurfaceView(arrays).Copy())); // at rest, each time
+        position.row(0).array() += ++calls;
+    };
+    output.companions.push_back(eye);
+    Bytes gltf, cache;
+    const auto run = [&] {
+        return WriteFrames(rig.arrays, rig.handles, *rig.deformer, rig.sequence, rig.motions, rig.param, output);
+    };
+    output.pointCache = cache.Write();
+    run();
+    EXPECT_EQ(calls, 0); // that has the surface alone
+    output.gltf = gltf.Write();
+    EXPECT_EQ(run().frames, 5u);
+    EXPECT_EQ(calls, 5);
+    EXPECT_NE(gltf.content.find("\"name\":\"eye\",\"translation\":[0.5,0.5,7]"), std::string::npos);
+    for (std::size_t i = 0; i < 5; ++i) { // behind all else: normals of the last frame, and before them its positions
+        const std::size_t n = quad.vert.size(), at = gltf.content.size() - (2 * (5 - i)) * 12 * n;
+        EXPECT_EQ(gltf.At<float>(at), float(i + 1));
+        EXPECT_EQ(gltf.At<float>(at + 4), 0.f);
+    }
+    output.shapes = SequenceOutput::EachPose;
+    calls = 0;
+    EXPECT_GT(run().difference, 0.9); // of the eye, too, which goes its own way
+    EXPECT_EQ(calls, 2 + 5);
+
+    quad.vert[2].P()[1] = std::numeric_limits<double>::quiet_NaN();
+    arrays = Read(quad);
+    output.companions[0].surface = arrays;
+    EXPECT_NE(
+        MessageOf<BadInput>(run).find("Vertex 2 of 'eye' has a coordinate that is not a finite number. Remove it"),
+        std::string::npos);
+    output.companions[0].surface.vertexSlots = 0;
+    EXPECT_EQ(MessageOf<BadInput>(run), "'eye' has no vertices. Leave it out.");
+}
+
 /// An animation of so many frames, of a shape each.
 static MorphAnimation FramesOf(int frames) {
     MorphAnimation animation;
