@@ -276,6 +276,8 @@ def test_texture_coordinates_of_vertices_split_none(tmp_path):
     primitive, = file.json["meshes"][0]["primitives"]
     assert file.texture_of(primitive) == 0 and (file.array(primitive["indices"]).reshape(-1, 3) == faces).all()
     assert np.abs(file.array(primitive["attributes"]["TEXCOORD_0"]) * [1, -1] + [0, 1] - vertices[:, :2]).max() < 1e-6
+    read, = assert_valid(tmp_path / "a.glb").values()
+    assert np.abs(read.visual.uv - vertices[:, :2]).max() < 1e-6  # as trimesh has them, upwards
     sequence().write(Deformer(vertices, faces, tags), gltf=tmp_path / "c.glb", rate=2, look=Look(uv=vertices[:, :2]))
     plain = Glb(tmp_path / "c.glb")
     primitive, = plain.json["meshes"][0]["primitives"]
