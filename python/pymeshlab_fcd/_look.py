@@ -94,7 +94,12 @@ def _places(values: object, vertices: int, faces: NDArray[np.uint32] | None) -> 
         array = array.astype(np.float32)
     if not np.isfinite(array).all():
         raise ValueError("uv must be finite numbers, of single precision")
-    return np.ascontiguousarray((array if array.ndim == 3 else array[faces]).reshape(-1, 6))
+    if array.ndim == 3:
+        return np.ascontiguousarray(array.reshape(-1, 6))
+    places = np.empty((len(faces), 6), np.float32)
+    for first in range(0, len(faces), 1 << 20):  # Ctrl-C is heard in between
+        places[first:first + (1 << 20)] = array[faces[first:first + (1 << 20)]].reshape(-1, 6)
+    return places
 
 
 def _numbers(values: object, faces: int, images: int) -> NDArray[np.int32]:

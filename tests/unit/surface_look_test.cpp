@@ -31,7 +31,7 @@ TEST(SurfaceLook, SplitsVerticesAlongSeamsAlone) {
     const Leaves leaves;
     SurfaceLook look;
     look.place.assign(24, 0);
-    const PackedSurface same(leaves.View(), look, 1);
+    const PackedSurface same(leaves.View(), look, {});
     EXPECT_EQ(same.slot, (Numbers{0, 2, 3, 4, 5}));
     EXPECT_EQ(same.corner, (Numbers{0, 1, 2, 1, 3, 2, 2, 1, 4}));
     EXPECT_EQ(same.wedge, (Numbers{0, 1, 2, 7, 11}));
@@ -39,7 +39,7 @@ TEST(SurfaceLook, SplitsVerticesAlongSeamsAlone) {
     for (std::size_t k = 0; k < 3; ++k)
         look.place[18 + 2 * k] = 0.25f; // the third one has another place
     look.place[12] = 1;                 // and, of the second one, slot 2
-    const PackedSurface split(leaves.View(), look, 1);
+    const PackedSurface split(leaves.View(), look, {});
     EXPECT_EQ(split.slot, (Numbers{0, 2, 3, 4, 5, 2, 3, 2})); // its own first
     EXPECT_EQ(split.corner, (Numbers{0, 1, 2, 5, 3, 2, 6, 7, 4}));
     EXPECT_EQ(split.wedge, (Numbers{0, 1, 2, 7, 11, 6, 9, 10}));
@@ -51,18 +51,18 @@ TEST(SurfaceLook, SplitsVerticesAlongSeamsAlone) {
     EXPECT_EQ(plain.corner, same.corner);
     EXPECT_TRUE(plain.wedge.empty());
     look.place[12] = look.place[14] = std::numeric_limits<float>::quiet_NaN(); // whatever is there
-    EXPECT_EQ(PackedSurface(leaves.View(), look, 1).slot, split.slot);
+    EXPECT_EQ(PackedSurface(leaves.View(), look, {}).slot, split.slot);
 }
 
 TEST(SurfaceLook, SplitsVerticesBetweenColorsOfFaces) {
     const Leaves leaves;
     SurfaceLook look;
     look.faceColor = {{1, 2, 3, 4}, {9, 9, 9, 9}, {1, 2, 3, 4}, {1, 2, 3, 5}};
-    const PackedSurface split(leaves.View(), look, 1);
+    const PackedSurface split(leaves.View(), look, {});
     EXPECT_EQ(split.slot, (Numbers{0, 2, 3, 4, 5, 3, 2}));
     EXPECT_EQ(split.corner, (Numbers{0, 1, 2, 1, 3, 2, 5, 6, 4}));
     look.color.resize(6); // goes before
-    EXPECT_EQ(PackedSurface(leaves.View(), look, 1).slot, (Numbers{0, 2, 3, 4, 5}));
+    EXPECT_EQ(PackedSurface(leaves.View(), look, {}).slot, (Numbers{0, 2, 3, 4, 5}));
     EXPECT_TRUE(look.HasColors());
 }
 
@@ -74,7 +74,7 @@ TEST(SurfaceLook, BringsTrianglesOfATextureTogether) {
     EXPECT_EQ(look.TextureOf(3), 0); // that of all, where no other is told
     look.texture = {1, 7, -3, 0};
     EXPECT_EQ(look.TextureOf(1), SurfaceLook::plain);
-    const PackedSurface packed(leaves.View(), look, 1);
+    const PackedSurface packed(leaves.View(), look, {});
     ASSERT_EQ(packed.range.size(), 3u);
     EXPECT_EQ(packed.corner, (Numbers{1, 3, 2, 2, 1, 4, 0, 1, 2}));
     for (std::size_t i = 0; i < 3; ++i) {
@@ -88,6 +88,22 @@ TEST(SurfaceLook, BringsTrianglesOfATextureTogether) {
     look.place.clear();
     EXPECT_EQ(look.TextureOf(0), SurfaceLook::plain); // it would lie nowhere
     EXPECT_FALSE(look.HasColors());
+}
+
+TEST(PackedSurface, CanBeCancelled) {
+    const Leaves leaves;
+    SurfaceLook look;
+    look.place.assign(24, 0);
+    static int left; // times that it may ask and goes on
+    const auto pack = [&](int times) {
+        left = times;
+        return PackedSurface(leaves.View(), look, Progress(+[](const int, const char *) { return left-- > 0; }));
+    };
+    EXPECT_EQ(pack(1000).slot.size(), 5u);
+    const int asked = 1000 - left;
+    EXPECT_GE(asked, 4);
+    for (int i = 0; i < asked; ++i)
+        EXPECT_THROW(pack(i), Cancelled) << i;
 }
 
 TEST(TextureImage, IsKnownByItsContent) {

@@ -5,6 +5,7 @@
 #include <vcg_ext/sequence/surface_look.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -16,10 +17,11 @@ using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size
 
 /// What files know of a surface: its vertices and triangles, without what is deleted.
 struct PackedSurface {
-    explicit PackedSurface(const SurfaceView &surface, unsigned threads = 0);
+    /// \throw Cancelled
+    explicit PackedSurface(const SurfaceView &surface, const Progress &progress = {});
     /// The same, its triangles texture by texture, with further vertices behind its own where corners at one differ in
     /// texture coordinates, or in the colours of their faces. \pre the arrays of \p look are as long as the surface's
-    PackedSurface(const SurfaceView &surface, const SurfaceLook &look, unsigned threads);
+    PackedSurface(const SurfaceView &surface, const SurfaceLook &look, const Progress &progress);
 
     /// Triangles with one texture.
     struct Range {
@@ -54,6 +56,17 @@ class PointCacheFile {
 };
 
 namespace detail {
+
+/// body(i) for i from 0 to \p count, one after the other. \throw Cancelled
+template <class Body>
+void ForItems(std::size_t count, const Progress &progress, const Body &body) {
+    const std::size_t block = 1 << 18; // takes some milliseconds
+    for (std::size_t first = 0; first < count; first += block) {
+        progress(0, readingStage);
+        for (std::size_t i = first; i < std::min(first + block, count); ++i)
+            body(i);
+    }
+}
 
 /// Writes 3 numbers a vertex in single precision, block by block. \param row gives those of a slot
 void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surface,

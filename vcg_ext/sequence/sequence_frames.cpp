@@ -139,8 +139,9 @@ class Morphs {
     struct Body {
         Body(const SurfaceView &surface, const Eigen::Affine3d &world, const SurfaceLook &look,
              const Companion *companion, const Progress &progress)
-            : surface(surface), look(look), companion(companion), packed(surface, look, progress.threads),
+            : surface(surface), look(look), companion(companion), packed(surface, look, progress),
               rest(surface, world, progress), now(surface, world, progress) {
+            progress(0, readingStage);
             rest.Set(surface.Positions());
         }
 
@@ -254,13 +255,13 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     std::unique_ptr<const PackedSurface> packed;
     std::unique_ptr<PointCacheFile> cache;
     if (output.pointCache) {
-        packed = std::make_unique<const PackedSurface>(surface, progress.threads);
+        packed = std::make_unique<const PackedSurface>(surface, progress.Slice(0, 0));
         cache = std::make_unique<PointCacheFile>(output.pointCache, *packed, time.size(),
                                                  std::round(time.front() * output.rate));
     }
     std::unique_ptr<Morphs> morphs;
     if (output.gltf)
-        morphs = std::make_unique<Morphs>(output, surface, handles, sequence, time, progress);
+        morphs = std::make_unique<Morphs>(output, surface, handles, sequence, time, progress.Slice(0, 0));
     for (std::size_t k = 0; posesFirst && k < motions.size(); ++k) {
         std::vector<double> weight(motions.size(), 0);
         weight[k] = 100;

@@ -21,17 +21,19 @@ std::int32_t SurfaceLook::TextureOf(std::size_t face) const {
     return number >= 0 && std::size_t(number) < image.size() ? number : plain;
 }
 
-PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look, unsigned threads)
-    : PackedSurface(surface, threads) {
+PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look, const Progress &progress)
+    : PackedSurface(surface, progress) {
     const bool hasPlaces = !look.place.empty(), hasFaceColors = look.color.empty() && !look.faceColor.empty();
     assert(!hasPlaces || look.place.size() == 6 * surface.faces);
     assert(!hasFaceColors || look.faceColor.size() == surface.faces);
     if (corner.empty() || (!hasPlaces && !hasFaceColors))
         return;
     std::vector<std::uint32_t> face; // that are written
-    for (std::size_t f = 0; f < surface.faces; ++f)
+    face.reserve(corner.size() / 3);
+    detail::ForItems(surface.faces, progress, [&](std::size_t f) {
         if (surface.IsFace(f))
             face.push_back(std::uint32_t(f));
+    });
     const auto isAlike = [&](std::uint32_t a, std::uint32_t b) {
         return (!hasPlaces || std::memcmp(&look.place[2 * std::size_t(a)], &look.place[2 * std::size_t(b)],
                                           2 * sizeof(float)) == 0) &&
@@ -39,7 +41,7 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
     };
     wedge.assign(slot.size(), SurfaceView::none);
     std::vector<std::uint32_t> next(slot.size(), SurfaceView::none); // vertex of the same slot
-    for (std::size_t c = 0; c < corner.size(); ++c) {
+    detail::ForItems(corner.size(), progress, [&](std::size_t c) {
         const auto own = std::uint32_t(3 * std::size_t(face[c / 3]) + c % 3);
         std::uint32_t at = corner[c];
         if (wedge[at] == SurfaceView::none)
@@ -54,12 +56,11 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
             at = next[at];
         }
         corner[c] = at;
-    }
+    });
 
     // The triangles of each texture together, those without one first, in their order.
     std::vector<std::size_t> count(look.image.size() + 1, 0);
-    for (std::uint32_t f : face)
-        ++count[std::size_t(look.TextureOf(f) + 1)];
+    detail::ForItems(face.size(), progress, [&](std::size_t i) { ++count[std::size_t(look.TextureOf(face[i]) + 1)]; });
     range.clear();
     std::vector<std::size_t> to(count.size(), 0);
     for (std::size_t i = 0, first = 0; i < count.size(); first += 3 * count[i], ++i) {
@@ -70,11 +71,11 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
     if (range.size() < 2)
         return;
     std::vector<std::uint32_t> sorted(corner.size());
-    for (std::size_t i = 0; i < face.size(); ++i) {
+    detail::ForItems(face.size(), progress, [&](std::size_t i) {
         std::size_t &at = to[std::size_t(look.TextureOf(face[i]) + 1)];
         for (std::size_t k = 0; k < 3; ++k)
             sorted[at++] = corner[3 * i + k];
-    }
+    });
     corner.swap(sorted);
 }
 
