@@ -125,7 +125,7 @@ class TriangleTree {
   private:
     static constexpr const char *stage = "Sorting the triangles";
     static constexpr std::size_t wide = 4;
-    static constexpr std::ptrdiff_t often = 1 << 20; ///< comparisons, which take some hundredths of a second
+    static constexpr std::uint32_t often = 1 << 20; ///< comparisons, which take some hundredths of a second
     static constexpr Index none = std::numeric_limits<Index>::max();
 
     /// Most triangles of a node with axes of its own: what holds more is hardly flat.
@@ -159,18 +159,11 @@ class TriangleTree {
             box.extend(middle[std::size_t(*t)]);
         int axis;
         box.sizes().maxCoeff(&axis);
-        const auto isBefore = [&](Index a, Index b) {
-            return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis];
-        };
-        if (last - first < often) {
-            std::nth_element(first, at, last, isBefore);
-            return;
-        }
-        std::ptrdiff_t compared = 0;
+        std::uint32_t compared = 0;
         std::nth_element(first, at, last, [&](Index a, Index b) {
             if (++compared % often == 0)
                 progress(0, stage);
-            return isBefore(a, b);
+            return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis];
         });
     }
 
