@@ -243,6 +243,8 @@ std::string describe(const SequenceLayers &made) {
     line << describe(made.tags) << "; " << made.poses << (made.poses == 1 ? " pose, " : " poses, ") << made.keyFrames
          << (made.keyFrames == 1 ? " key frame, " : " key frames, ") << report.frames << " frames; "
          << made.layers.size() << " new layers. ";
+    if (made.companions > 0)
+        line << made.companions << (made.companions == 1 ? " other layer goes" : " other layers go") << " along. ";
     if (report.difference > 0)
         line << "Shapes of poses, mixed in straight lines, are off from the frames by up to " << report.difference
              << ". ";

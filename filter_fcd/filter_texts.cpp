@@ -120,7 +120,8 @@ QString FilterFcd::filterInfo(int id) const {
                        "how the handles move. <b>Key frames</b> tell when there is how much of each. Poses are "
                        "blended: the turns, moves and scalings of a handle add up.<br>The poses come from a table in a "
                        "file, or are those that the layer keeps. The results are new layers, an animation (glTF with "
-                       "morph targets) or a point cache (PC2). The current layer is not changed. Animate, keyframes, "
+                       "morph targets, colours and textures) or a point cache (PC2). The current layer is not changed. "
+                       "Animate, keyframes, "
                        "blend shapes, shape keys, ARAP.") +
                reference;
     case PoseInPlace:

@@ -31,9 +31,9 @@ RichParameterList toRichParameters(const SequenceParam &param, const MeshDocumen
                            "takes some hundred MB.");
     addParameter<host::RichSaveFileParam>(
         list, Shown::Always, "gltf_file", param.gltfFile, "*.glb", "Write animation to (.glb)",
-        "glTF 2.0 with morph targets (shape keys) and their animation, for Blender and web pages. World coordinates; "
-        "single precision; neither colours nor textures. An existing file is replaced. <b>Empty</b> (the default): "
-        "none is written.");
+        "glTF 2.0 with morph targets (shape keys) and their animation, for Blender and web pages, with the layer's "
+        "colours and textures. World coordinates; single precision. An existing file is replaced. <b>Empty</b> (the "
+        "default): none is written.");
     addParameter<RichEnum>(list, Shown::Always, "gltf_shapes", int(param.shapes),
                            QStringList() << "Each frame"
                                          << "Each pose",
@@ -41,6 +41,11 @@ RichParameterList toRichParameters(const SequenceParam &param, const MeshDocumen
                            "<i>Each frame</i>: the animation is what it is here, in a large file. <i>Each pose</i>: "
                            "one for each pose, by its name, to mix by hand. Mixed poses move in straight lines, so "
                            "what turns shrinks. The log says by how much.");
+    if (host::scriptsMayLackParameters)
+        addParameter<RichBool>(list, Shown::Always, "all_visible", param.allVisible, "All visible layers",
+                               "The .glb file also has the other visible layers, but for those of edges alone, as "
+                               "graphs are. They go along with the "
+                               "current one, as 'FCD: Apply Deformation to Layer' takes them: eyes in a head, say.");
     addParameter<host::RichSaveFileParam>(
         list, Shown::Always, "pc2_file", param.cacheFile, "*.pc2", "Write point cache to (.pc2)",
         "Positions of all vertices in each frame, in the layer's own coordinates and in single precision, for the mesh "
@@ -72,6 +77,7 @@ SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &d
     param.layers = SequenceParam::Layers(enumValue(list, "frame_layers", 3));
     param.gltfFile = list.getSaveFileName("gltf_file");
     param.shapes = vcg::fcd::SequenceOutput::Shapes(enumValue(list, "gltf_shapes", 2));
+    param.allVisible = list.hasParameter("all_visible") && list.getBool("all_visible");
     param.cacheFile = list.getSaveFileName("pc2_file");
     param.saveFile = list.getSaveFileName("save_poses_file");
     param.deformation.graph.initialPatches = list.getInt("initial_patches");

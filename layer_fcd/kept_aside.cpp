@@ -147,14 +147,22 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     return {others, placed};
 }
 
+namespace {
+
+/// What is kept of \p layer, or of the one that it comes of; empty: nothing is. \param found has the latter
+const KeptScan *keptOf(const MeshDocument &document, const MeshModel &layer, std::optional<KeptScan> &found) {
+    if (const KeptScan *scan = scanOf(layer))
+        return scan;
+    found = inheritedScan(layer, LayerState::ofOthers(document, layer));
+    return found ? &*found : nullptr;
+}
+
+} // namespace
+
 void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer) {
     const CMeshO &from = layer.cm;
-    const KeptScan *scan = scanOf(layer);
     std::optional<KeptScan> found;
-    if (!scan) {
-        found = inheritedScan(layer, LayerState::ofOthers(document, layer));
-        scan = found ? &*found : nullptr;
-    }
+    const KeptScan *scan = keptOf(document, layer, found);
     if (!scan)
         return;
     const KeptVertices kept(layer, *scan);
@@ -171,4 +179,25 @@ void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel 
     });
     if (scan->color && !scan->hadColor && !otherColors)
         copy.clearDataMask(MeshModel::MM_VERTCOLOR);
+}
+
+std::vector<vcg::Color4b> ownColors(const MeshDocument &document, const MeshModel &layer) {
+    const CMeshO &mesh = layer.cm;
+    if (!layer.hasDataMask(MeshModel::MM_VERTCOLOR))
+        return {};
+    std::vector<vcg::Color4b> colors(mesh.vert.size());
+    forVertices(mesh, [&](std::size_t i) { colors[i] = mesh.vert[i].cC(); });
+    std::optional<KeptScan> found;
+    const KeptScan *scan = keptOf(document, layer, found);
+    if (!scan || !scan->color)
+        return colors;
+    const KeptVertices kept(layer, *scan);
+    std::atomic<bool> otherColors{false};
+    forVertices(mesh, [&](std::size_t i) {
+        if (const auto color = kept.color(i))
+            colors[i] = *color;
+        else
+            otherColors = true;
+    });
+    return scan->hadColor || otherColors ? colors : std::vector<vcg::Color4b>();
 }

@@ -34,4 +34,7 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer);
 /// no colours, the copy has none; where it had no quality, the copy has the tags.
 void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer);
 
+/// The colours of the vertex slots of \p layer that bringBackTo gives a copy; empty: it has none.
+std::vector<vcg::Color4b> ownColors(const MeshDocument &document, const MeshModel &layer);
+
 #endif

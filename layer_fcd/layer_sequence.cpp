@@ -2,8 +2,10 @@
 #include <vcg_ext/centroidal_deformation.h> // these before Qt
 #include <vcg_ext/handles/handle_file.h>
 
+#include "carrying_surface.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
+#include "layer_look.h"
 #include "layer_matrix.h"
 #include "layer_sequence.h"
 #include "motion_sources.h"
@@ -14,10 +16,12 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <utility>
 
 #include <QFile>
 
+using vcg::fcd::Companion;
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
 using vcg::fcd::Motion;
@@ -95,6 +99,63 @@ std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const
     return motions;
 }
 
+namespace {
+
+/// Layers that go along with \p layer. \param rest its positions at rest
+std::vector<Companion> companionsOf(const MeshDocument &document, const MeshModel &layer, Eigen::Matrix3Xd rest,
+                                    const Remark &remark, const Progress &progress) {
+    std::vector<const MeshModel *> targets;
+    for (const MeshModel *each : host::layers(document)) {
+        const bool isOfEdges = each->cm.fn == 0 && each->cm.en > 0; // a graph, say
+        if (each != &layer && each->isVisible() && each->cm.vn > 0 && !isOfEdges)
+            targets.push_back(each);
+    }
+    if (targets.empty())
+        throw Error("No other layer is visible. Show those that are to go along, or leave all_visible unticked.");
+    const auto surface = std::make_shared<const CarryingSurface>(layer, std::move(rest));
+    const Eigen::AlignedBox3d box = boxOf(surface->position, surface->matrix, &layer.cm);
+    std::vector<Companion> companions;
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+        const MeshModel &target = *targets[t];
+        const auto arrays = std::make_shared<const vcg::fcd::SurfaceArrays>(vcg::tri::ReadSurface(target.cm));
+        Eigen::Matrix3Xd position = positionsOf(target);
+        if (const std::string text =
+                describeSpace(target, boxOf(position, invertibleMatrixOf(target), &target.cm), box, false);
+            !text.empty() && remark)
+            remark(text);
+        const auto places = std::make_shared<std::vector<CarriedPlace>>(target.cm.vert.size());
+        const int sides = surface->sidesTold(target, position);
+        std::vector<Eigen::Matrix3f> linear;
+        carry(
+            target, surface->matrix,
+            [&](const Carried &vertex, Eigen::Matrix3f &) { // goes nowhere yet
+                (*places)[vertex.slot] = (*surface)(vertex, sides);
+                return Eigen::Vector3d(Eigen::Vector3d::Zero());
+            },
+            progress.Slice(double(t) / double(targets.size()), double(t + 1) / double(targets.size())), position,
+            linear);
+        Companion companion;
+        companion.surface = arrays->View();
+        companion.world = invertibleMatrixOf(target);
+        companion.name = target.label().toStdString();
+        companion.look = lookOf(document, target, remark);
+        companion.carry = [arrays, places, &target, matrix = surface->matrix](const vcg::fcd::Carrier &carrier,
+                                                                              Eigen::Matrix3Xd &posed) {
+            std::vector<Eigen::Matrix3f> turns;
+            carry(
+                target, matrix,
+                [&](const Carried &vertex, Eigen::Matrix3f &map) {
+                    return (*places)[vertex.slot].displacement(carrier, vertex.position, map);
+                },
+                {}, posed, turns);
+        };
+        companions.push_back(std::move(companion));
+    }
+    return companions;
+}
+
+} // namespace
+
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const Progress &progress) {
     const vcg::fcd::Stopwatch watch;
@@ -130,8 +191,13 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     output.rate = param.rate;
     output.name = layer.label().toStdString();
     output.shapes = param.shapes;
-    if (!param.gltfFile.isEmpty())
+    if (!param.gltfFile.isEmpty()) {
         output.gltf = files.add(param.gltfFile);
+        output.look = lookOf(document, layer, remark);
+        if (param.allVisible)
+            output.companions = companionsOf(document, layer, view.Positions(), remark, progress.Slice(0.3, 0.4));
+        made.companions = int(output.companions.size());
+    }
     if (!param.cacheFile.isEmpty())
         output.pointCache = files.add(param.cacheFile);
     NewLayers layers(document, layer, remark);
@@ -152,7 +218,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
         output.frame = addLayer("frame %1");
     if (output.gltf || output.pointCache || output.frame || output.keyFrame)
         made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
-                                            progress.Slice(0.3, 1));
+                                            progress.Slice(output.companions.empty() ? 0.3 : 0.4, 1));
     atRest.reset();
     layers.keep(made.layers.empty() ? layer : *made.layers.back(), progress, [&] {
         files.save();

@@ -15,6 +15,7 @@
 struct SequenceLayers {
     vcg::fcd::SequenceReport report;
     int poses = 0, keyFrames = 0, nodes = 0;
+    int companions = 0; ///< layers that go along in the .glb file
     vcg::fcd::TagCount tags;
     std::vector<MeshModel *> layers; ///< that are new
     double seconds = 0;

@@ -26,6 +26,7 @@
 #include <QApplication>
 #include <QDir>
 #include <QFileInfo>
+#include <QImage>
 #include <QProgressBar>
 #include <QWidget>
 
@@ -260,6 +261,17 @@ inline void copyTextures(MeshModel &to, const MeshModel &from) {
 #else
     for (const auto &texture : from.getTextures())
         to.addTexture(texture.first, texture.second);
+#endif
+}
+
+/// The image that \p layer holds of a texture; null: none, as in 2020.09, or what MeshLab puts in the place of a file
+/// that is not there, under this name. \param isFile whether there is a file of this name
+inline QImage textureImage(const MeshModel &layer, const std::string &name, bool isFile) {
+#ifdef FCD_MESHLAB_2020
+    (void)layer, (void)name, (void)isFile;
+    return {};
+#else
+    return name == "dummy.png" && !isFile ? QImage() : layer.getTexture(name);
 #endif
 }
 

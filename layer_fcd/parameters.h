@@ -163,6 +163,7 @@ struct SequenceParam {
     double rate = 24;          ///< frames a second
     Layers layers = KeyFrames; ///< that are made
     QString gltfFile;          ///< .glb, may be empty
+    bool allVisible = false;   ///< it has all visible layers, which go along
     vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame;
     QString cacheFile; ///< .pc2, may be empty
     QString saveFile;  ///< .csv, may be empty

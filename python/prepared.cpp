@@ -273,6 +273,7 @@ const vcg::fcd::NearestPlace &Prepared::places(const Progress &progress) const {
         rest = view.Copy(threads);
         if (!rest.allFinite())
             throw vcg::fcd::BadInput("A coordinate of the vertices is no longer finite.");
+        progress(0, vcg::fcd::readingStage);
         std::vector<std::array<Index, 3>> triangle(view.faces);
         for (std::size_t f = 0; f < view.faces; ++f)
             for (std::size_t k = 0; k < 3; ++k)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sequenced.h"
+#include "space_order.h"
 
 #include <vcg_ext/handles/motion_text.h>
 
@@ -22,6 +23,59 @@ vcg::fcd::WriteAt writerOf(const nb::object &take) {
         const nb::gil_scoped_acquire acquire;
         take(at, nb::bytes(data, size));
     };
+}
+
+template <class Rows_>
+vcg::fcd::ElementColors colorsOf(const std::optional<Rows_> &rows, std::size_t count) {
+    vcg::fcd::ElementColors colors(rows ? count : 0);
+    if (rows && rows->shape(0) != count)
+        throw nb::value_error("colours have another number of rows than there are vertices, or faces");
+    if (count > 0 && rows)
+        std::copy_n(rows->data(), 4 * count, colors.front().data());
+    return colors;
+}
+
+vcg::fcd::SurfaceLook lookOf(const Sequence::Look &given, const vcg::fcd::SurfaceView &surface) {
+    const auto &[name, colors, faceColors, places, textures, images] = given;
+    vcg::fcd::SurfaceLook look;
+    look.color = colorsOf(colors, surface.vertexSlots);
+    look.faceColor = colorsOf(faceColors, surface.faces);
+    if ((places && places->shape(0) != surface.faces) || (textures && textures->shape(0) != surface.faces))
+        throw nb::value_error("an array has another number of rows than the surface has faces");
+    if (places)
+        look.place.assign(places->data(), places->data() + 6 * surface.faces);
+    if (textures)
+        look.texture.assign(textures->data(), textures->data() + surface.faces);
+    for (const auto &[title, content] : images)
+        look.image.push_back({title, std::string(content.c_str(), content.size())});
+    return look;
+}
+
+/// Where the vertices of another mesh are on the surface, as Posed::map finds them.
+std::vector<vcg::fcd::SurfacePlace> placesOf(const Rows &rows, const Prepared &prepared, const Progress &progress) {
+    std::vector<vcg::fcd::SurfacePlace> found(rows.shape(0));
+    const vcg::fcd::NearestPlace &places = prepared.places(progress.Slice(0, 0.5));
+    forInSpaceOrder(rows.data(), found.size(), prepared.box, progress.Slice(0.5, 1), "Mapping points",
+                    [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
+                        found[i] = places(Eigen::Vector3d(rowOf(rows.data(), i)), hint);
+                    });
+    return found;
+}
+
+vcg::fcd::Companion companionOf(const Sequence::Other &given, const Prepared &prepared) {
+    const auto &[rows, corners, look] = given;
+    vcg::fcd::Companion companion;
+    companion.surface.position = rows.data();
+    companion.surface.vertexSlots = rows.shape(0);
+    companion.surface.isCloud = !corners;
+    if (corners) {
+        companion.surface.corner = corners->data();
+        companion.surface.faces = corners->shape(0);
+    }
+    companion.world = prepared.handles.world;
+    companion.name = std::get<0>(look);
+    companion.look = lookOf(look, companion.surface);
+    return companion;
 }
 
 } // namespace
@@ -77,24 +131,38 @@ std::vector<std::map<int, Motion>> Sequence::motionsOf(const Prepared &prepared)
 }
 
 nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                         const nb::object &pointCache, const std::optional<Colors> &colors,
+                         const nb::object &pointCache, const Look &look, const std::vector<Other> &others,
                          const nb::object &report) const {
     const std::vector<std::map<int, Motion>> motions = motionsOf(*prepared);
     vcg::fcd::SequenceOutput output;
     output.rate = rate;
-    output.name = "surface";
+    output.name = std::get<0>(look);
+    output.look = lookOf(look, prepared->view);
     output.shapes = vcg::fcd::SequenceOutput::Shapes(shapes);
     output.gltf = writerOf(gltf);
     output.pointCache = writerOf(pointCache);
-    if (colors) {
-        expectRows(*colors, prepared->view.vertexSlots);
-        output.color.resize(prepared->view.vertexSlots);
-        std::copy_n(colors->data(), 4 * output.color.size(), output.color.front().data());
-    }
+    for (const Other &each : others)
+        output.companions.push_back(companionOf(each, *prepared));
     vcg::fcd::SequenceReport made;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
+        const double begin = others.empty() ? 0 : 0.2; // a guess: frames take longer than looking for places once
+        for (std::size_t i = 0; i < others.size(); ++i) {
+            const auto share = [&](std::size_t n) { return begin * double(n) / double(others.size()); };
+            const Rows &rows = std::get<0>(others[i]);
+            output.companions[i].carry = [places = placesOf(rows, *prepared, progress.Slice(share(i), share(i + 1))),
+                                          threads = prepared->threads](const vcg::fcd::Carrier &carrier,
+                                                                       Eigen::Matrix3Xd &position) {
+                vcg::fcd::ParallelFor(threads, places.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+                    Eigen::Matrix3f linear;
+                    for (std::size_t n = first; n < last; ++n) {
+                        const Eigen::Vector3d p = position.col(Eigen::Index(n));
+                        position.col(Eigen::Index(n)) = p + carrier.Displacement(places[n], p, linear);
+                    }
+                });
+            };
+        }
         made = vcg::fcd::WriteFrames(prepared->view, prepared->handles, *prepared->deformer, sequence, motions,
-                                     prepared->param, output, progress);
+                                     prepared->param, output, progress.Slice(begin, 1));
     });
     nb::dict all;
     all["frames"] = made.frames;

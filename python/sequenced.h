@@ -32,11 +32,19 @@ class Sequence {
     /// The motions of each pose, of handles that \p prepared has. \throw BadInput others, or another surface
     std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const Prepared &prepared) const;
 
-    using Colors = Given<std::uint8_t, nb::shape<-1, 4>>; ///< of each vertex
+    using Colors = Given<std::uint8_t, nb::shape<-1, 4>>;
+    /// What a mesh is called, colours of its vertices and of its faces, texture coordinates of the corners of faces,
+    /// the texture of each face, and textures: name and content.
+    using Look =
+        std::tuple<std::string, std::optional<Colors>, std::optional<Colors>,
+                   std::optional<Given<float, nb::shape<-1, 6>>>, std::optional<Given<std::int32_t, nb::ndim<1>>>,
+                   std::vector<std::pair<std::string, nb::bytes>>>;
+    using Other = std::tuple<Rows, std::optional<Corners>, Look>; ///< a mesh that goes along
 
     /// Writes frames. \param gltf, pointCache called with what they get, at which place; or None
     nb::dict write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                   const nb::object &pointCache, const std::optional<Colors> &colors, const nb::object &report) const;
+                   const nb::object &pointCache, const Look &look, const std::vector<Other> &others,
+                   const nb::object &report) const;
 
   private:
     vcg::fcd::PoseSequence sequence;

@@ -837,10 +837,10 @@ def keep_pose(w, name):
     w.key("Return")
 
 
-def tube_with_poses(window, tmp_path):
+def tube_with_poses(window, tmp_path, colors=None):
     """A window with the tool, the list of poses and two marked regions; and what they are on."""
     points, faces, tags = tube_with_ends()
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w = window(write_ply(tmp_path / "tube.ply", points, faces, colors=colors))
     w.start_tool()
     w.unfold("poses_fold", "keep")
     mark_two_regions(w, 310)
@@ -1485,8 +1485,9 @@ def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
 
 
 def test_an_animation_is_exported(window, tmp_path):
-    """As the filter writes it, to the bit; a part of it, too. The log has the call."""
-    w, points, faces, tags = tube_with_poses(window, tmp_path)
+    """As the filter writes it, to the bit, with the layer's colours; a part of it, too. The log has the call."""
+    colors = np.random.default_rng(1).integers(0, 256, (len(tube_with_ends()[0]), 3))
+    w, points, faces, tags = tube_with_poses(window, tmp_path, colors)
     w.click(w.place("export"))
     w.wait("An animation needs two key frames: 'Keep pose' and 'Key frame' make them.")
     w.drag((X + 225, Y), (X + 165, Y - 150))
@@ -1522,12 +1523,13 @@ def test_an_animation_is_exported(window, tmp_path):
     assert frames == "5" and line.endswith(
         f"ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=0, frames_per_second=4, "
         f"pc2_file='{tmp_path}/all.pc2')")
-    rest = write_ply(tmp_path / "tube.ply", points, faces, tags)
+    rest = write_ply(tmp_path / "tube.ply", points, faces, tags, colors)
     for folder in ("filter", "server"):
         (tmp_path / folder).mkdir(exist_ok=True)
     run = Run(tmp_path / "server", rest, sequence_filter(tmp_path / "poses.csv", tmp_path / "filter", frame_layers=0))
     assert run.code == 0, run.log
     assert (tmp_path / "all.glb").read_bytes() == (tmp_path / "filter" / "bone.glb").read_bytes()
+    assert b'"COLOR_0"' in (tmp_path / "all.glb").read_bytes()
     assert (tmp_path / "all.pc2").read_bytes() == (tmp_path / "filter" / "bone.pc2").read_bytes()
 
     frames, line = write("part.pc2", rate="4", **{"from": "0,5"})

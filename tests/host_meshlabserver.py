@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import xml.etree.ElementTree
 from pathlib import Path
 
@@ -13,6 +14,9 @@ import pymeshlab
 import pytest
 
 from conftest import LARGE_SCANS, MESHES, SAMPLES, about, check_faults, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
+
+sys.path.append(str(Path(__file__).parent / "python"))
+from glb import JPEG, Glb  # noqa: E402
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"
@@ -409,6 +413,39 @@ def test_textures_and_colors_survive(tmp_path):
     assert deformed.texture_number() == rest.texture_number() == 1
     assert (deformed.vertex_color_matrix() == rest.vertex_color_matrix()).all()
     assert (deformed.vertex_scalar_array() == rest.vertex_scalar_array()).all()
+
+
+@pytest.mark.parametrize("texture", ["skin.jpg", "gone.png"])
+def test_an_animation_has_textures_and_colors(tmp_path, texture):
+    """The image of the file, to the byte; where that is not there, the log says so, and the colours are seen."""
+    content, source = JPEG if texture == "skin.jpg" else b"", tmp_path / "source"
+    source.mkdir()
+    if content:
+        (tmp_path / texture).write_bytes(content)
+    x, y = [grid.ravel() for grid in np.meshgrid(np.arange(41) / 4, np.arange(5) / 4, indexing="ij")]
+    first = (5 * np.arange(40)[:, None] + np.arange(4)).ravel()
+    points, faces = np.stack([x, y, 0 * x], 1), np.concatenate([np.stack([first, first + 5, first + 1], 1), np.stack([first + 1, first + 5, first + 6], 1)])
+    ms = pymeshlab.MeshSet()
+    colors = np.column_stack([np.random.default_rng(1).integers(0, 2, (len(points), 3)), np.ones(len(points))])
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_color_matrix=colors, w_tex_coords_matrix=points[faces].reshape(-1, 3)[:, :2] * 0.05))
+    ms.save_current_mesh(str(source / "sheet.ply"), save_vertex_color=True, save_wedge_texcoord=True)
+    saved = (source / "sheet.ply").read_bytes()
+    (source / "sheet.ply").write_bytes(saved.replace(b"element vertex", b"comment TextureFile " + texture.encode() + b"\nelement vertex", 1))
+    (tmp_path / "poses.csv").write_text("time,easing,up\nmotions,,2: translate 0 0 0.5\n0,,100\n")
+    run = Run(tmp_path, source / "sheet.ply", quality_filter("(x &lt; 0.5) ? 0 : ((x &gt; 9.5) ? 2 : 1)"), sequence_filter(tmp_path / "poses.csv", tmp_path, frame_layers=0))
+    assert run.code == 0, run.log
+    file = Glb(tmp_path / "bone.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    indices = file.array(primitive["indices"])
+    places = file.array(primitive["attributes"]["TEXCOORD_0"])[indices] * [1, -1] + [0, 1]
+    assert np.abs(places - points[faces].reshape(-1, 3)[:, :2] * 0.05).max() < 1e-6
+    number = file.texture_of(primitive)
+    assert (number is None) != bool(content) and ("COLOR_0" in primitive["attributes"]) != bool(content)
+    if content:
+        assert file.image(number) == (JPEG, "image/jpeg")
+    else:
+        assert "('gone.png') cannot be read, so the .glb file is without it" in run.log
+        assert (file.array(primitive["attributes"]["COLOR_0"])[indices] == 65535 * colors[faces.ravel()]).all()
 
 
 @pytest.mark.parametrize("quality, parameters, word", [

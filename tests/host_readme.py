@@ -41,13 +41,13 @@ IN_HOST = [(page, number, code) for page in PAGES for number, code in enumerate(
 
 @pytest.mark.parametrize("page, number, code", [pytest.param(*block, id=f"{block[0]}-{block[1]}") for block in IN_HOST])
 def test_python_of_a_page_by_itself(folder, page, number, code):
-    saved = re.findall(r"save_current_mesh\('(\S+\.ply)'", code)
+    saved = re.findall(r"(?:save_current_mesh\(|gltf_file=)'(\S+\.(?:ply|glb))'", code)
     printed = run(folder, sys.executable, "-c", code)
     assert ("'nodes': " in printed and "'converged': True" in printed) == ("print(" in code)
     assert saved, "the block leaves nothing to look at"
     for made in saved:
         assert (folder / made).stat().st_size > 10000
-        assert (folder / made).read_bytes().startswith(b"ply\n")
+        assert (folder / made).read_bytes().startswith(b"ply\n" if made.endswith(".ply") else b"glTF")
 
 
 DOORS = ROOT / "examples" / "one_bend"

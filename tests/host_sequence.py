@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pose sequences of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import io
+import sys
+from pathlib import Path
+
 import numpy as np
 import pymeshlab
 import pytest
 
-from host_pymeshlab import DEFORM, POSE, assert_unchanged, check_returned, new_set, same_points, sheet, snapshot
+from host_pymeshlab import COPY, DEFORM, POSE, assert_unchanged, check_returned, new_set, same_points, sheet, snapshot
 from host_straighten import DIAGONAL, LENGTH, tube
+
+sys.path.append(str(Path(__file__).parent / "python"))
+from glb import Glb, png  # noqa: E402
 
 SEQUENCE = "generate_fcd_pose_sequence"
 DEFAULTS = {
-    "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "pc2_file": "", "save_poses_file": "",
+    "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "all_visible": False, "pc2_file": "", "save_poses_file": "",
     "initial_patches": 0, "smoothness": 0.0058, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
 RETURNS = {
     "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "poses": int, "key_frames": int,
@@ -184,6 +191,152 @@ def test_shapes_of_poses_are_mixed(tmp_path):
     assert np.abs(file.at(0.75)[0] - rest - (bent - rest) / 2 - (twisted - rest) / 4).max() < 1e-6 * DIAGONAL
     off = max(np.linalg.norm(file.at(i / 8)[0] - ms.mesh(i + 1).vertex_matrix(), axis=1).max() for i in range(9))
     assert result["largest_difference"] == pytest.approx(off, rel=1e-3) and off > 0.01
+
+
+def textured(folder, textures=("skin.png", "sub/other.png"), colors=None):
+    """The tube as a .obj file with seams, each half with a texture; the set with it, tagged, and the texture coordinates of its corners."""
+    points, faces = tube()
+    places = points[faces][:, :, :2] * [0.09, 0.7]
+    half = points[faces].mean(1)[:, 2] > 0
+    places[half] += [0, 0.25]
+    color = np.full((len(points), 3), "", object) if colors is None else colors
+    lines = ["mtllib a.mtl"] + ["v " + " ".join(map(str, [*p, *c])) for p, c in zip(points, color)] + [f"vt {u} {v}" for u, v in places.reshape(-1, 2)]
+    for number, rows in enumerate((np.flatnonzero(~half), np.flatnonzero(half))):
+        lines += [f"usemtl m{number}"] + ["f " + " ".join(f"{1 + faces[f, k]}/{3 * f + k + 1}" for k in range(3)) for f in rows]
+    (folder / "sub").mkdir(exist_ok=True)
+    (folder / "a.obj").write_text("\n".join(lines) + "\n")
+    (folder / "a.mtl").write_text("".join(f"newmtl m{i}\nKd 1 1 1\nmap_Kd {name}\n" for i, name in enumerate(textures)))
+    ms = new_set()
+    ms.load_new_mesh(str(folder / "a.obj"))
+    ms.compute_scalar_by_function_per_vertex(q=f"x < 0.5 ? 0 : (x > {LENGTH - 0.5} ? 2 : 1)")
+    order = np.concatenate([np.flatnonzero(~half), np.flatnonzero(half)])
+    return ms, faces[order], places[order], half[order].astype(int)
+
+
+def test_a_textured_layer(tmp_path):
+    """Two textures, as they are in their files, with seams: each corner has its place in each frame."""
+    (tmp_path / "skin.png").write_bytes(png(200, 100, 50))
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "other.png").write_bytes(png(1, 2, 3))
+    ms, faces, places, half = textured(tmp_path)
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=2, frames_per_second=4, gltf_file=str(tmp_path / "a.glb"))
+    assert (ms.mesh(0).face_matrix() == faces).all() and np.abs(ms.mesh(0).wedge_tex_coord_matrix().reshape(-1, 3, 2) - places).max() < 1e-6
+    file = Glb(tmp_path / "a.glb")
+    assert [file.image(i) for i in range(2)] == [(png(200, 100, 50), "image/png"), (png(1, 2, 3), "image/png")]
+    assert [each["name"] for each in file.json["images"]] == ["skin.png", "other.png"]
+    primitives, move = file.json["meshes"][0]["primitives"], file.json["nodes"][0]["translation"]
+    assert [file.texture_of(each) for each in primitives] == [0, 1] and result["frames"] == 5
+    for number, primitive in enumerate(primitives):
+        assert list(primitive["attributes"]) == ["POSITION", "NORMAL", "TEXCOORD_0"]
+        indices = file.array(primitive["indices"])
+        at = file.array(primitive["attributes"]["TEXCOORD_0"])[indices].reshape(-1, 3, 2)
+        assert np.abs(at * [1, -1] + [0, 1] - places[half == number]).max() < 1e-6
+        for i, target in enumerate(primitive["targets"]):
+            points = file.array(primitive["attributes"]["POSITION"]).astype(float) + file.array(target["POSITION"]) + move
+            assert np.abs(points[indices] - ms.mesh(i + 1).vertex_matrix()[faces[half == number].ravel()]).max() < 1e-5
+    vtk, posed, _ = Gltf(tmp_path / "a.glb").at(0.5)  # reads the first primitive
+    assert np.abs(vtk[posed].reshape(-1, 3) - ms.mesh(3).vertex_matrix()[faces[half == 0]].reshape(-1, 3)).max() < 1e-5
+
+
+def test_textures_that_are_no_png_and_those_that_are_not_there(tmp_path, capfd):
+    """What MeshLab reads becomes a PNG with the same pixels; of what is not there the log tells, and its faces have the colours."""
+    image = pytest.importorskip("PIL.Image", reason="there is no Pillow beside this pymeshlab")
+    pixels = np.random.default_rng(1).integers(0, 256, (5, 7, 3)).astype(np.uint8)
+    image.fromarray(pixels).save(tmp_path / "skin.bmp")
+    colors = np.random.default_rng(2).integers(0, 256, (len(tube()[0]), 3)) / 255
+    ms, faces, _, half = textured(tmp_path, ("skin.bmp", "gone.png"), colors)
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=0, frames_per_second=2, gltf_file=str(tmp_path / "a.glb"))
+    assert "cannot be read, so the .glb file is without it. Put it beside the layer's file, as PNG" in capfd.readouterr().err
+    file = Glb(tmp_path / "a.glb")
+    first, second = file.json["meshes"][0]["primitives"]
+    content, kind = file.image(file.texture_of(first))
+    assert kind == "image/png" and (np.array(image.open(io.BytesIO(content)).convert("RGB")) == pixels).all()
+    assert file.texture_of(second) is None and len(file.json["images"]) == 1
+    assert "COLOR_0" not in first["attributes"] and "COLOR_0" in second["attributes"]
+    light = file.array(second["attributes"]["COLOR_0"])[file.array(second["indices"])][:, :3] / 65535
+    c = np.rint(colors[faces[half == 1].ravel()] * 255) / 255
+    assert np.abs(light - np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)).max() < 0.01  # as MeshLab reads them, one of 255 off
+
+
+def test_a_texture_that_a_filter_has_painted(tmp_path):
+    """What the layer holds is what is seen, whatever its file has."""
+    image = pytest.importorskip("PIL.Image", reason="there is no Pillow beside this pymeshlab")
+    for name, color in (("skin.png", (1, 2, 3)), ("sub/other.png", (9, 9, 9))):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(png(*color))
+    ms, *_ = textured(tmp_path)
+    (tmp_path / "skin.png").write_bytes(png(7, 7, 7))  # of later
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=0, frames_per_second=2, gltf_file=str(tmp_path / "a.glb"))
+    contents = [Glb(tmp_path / "a.glb").image(i)[0] for i in range(2)]
+    assert [image.open(io.BytesIO(each)).convert("RGB").getpixel((0, 0)) for each in contents] == [(1, 2, 3), (9, 9, 9)]
+    assert contents[1] == png(9, 9, 9)  # untouched: a copy
+
+
+@pytest.mark.parametrize("what", ["vertices", "faces", "tagged", "none"])
+def test_colours_of_a_layer(tmp_path, what):
+    """Its own ones, not those of tags."""
+    points, faces = tube()
+    tags = np.where(points[:, 0] < 0.5, 0.0, np.where(points[:, 0] > LENGTH - 0.5, 2.0, 1.0))
+    ms = new_set()
+    random = np.random.default_rng(3)
+    colors = np.column_stack([random.integers(0, 2, (len(faces if what == "faces" else points), 3)), np.ones(len(faces if what == "faces" else points))])
+    given = {} if what == "none" else {"f_color_matrix": colors} if what == "faces" else {"v_color_matrix": colors}
+    ms.add_mesh(pymeshlab.Mesh(points, faces, v_scalar_array=tags, **given), "tube")
+    if what == "tagged":
+        for end, role in (("x < 0.5", 0), (f"x > {LENGTH - 0.5}", 2)):
+            ms.compute_selection_by_condition_per_vertex(condselect=end)
+            ms.apply_filter("compute_fcd_tags_from_selection", role=role)
+        assert np.abs(ms.current_mesh().vertex_color_matrix() - colors).max() > 0.01
+    ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=0, frames_per_second=2, gltf_file=str(tmp_path / "a.glb"))
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    if what == "none":
+        assert "COLOR_0" not in primitive["attributes"]
+        return
+    light = file.array(primitive["attributes"]["COLOR_0"])[file.array(primitive["indices"])].reshape(-1, 3, 4)
+    assert (light == 65535 * (colors[:, None] if what == "faces" else colors[faces])).all()
+
+
+def test_visible_layers_go_along(tmp_path):
+    """An eye with a matrix of its own, a cloud, and a copy: each where 'FCD: Apply Deformation to Layer' takes it."""
+    placed = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])
+    ms = layers(placed)
+    points, faces = ms.mesh(0).vertex_matrix(), ms.mesh(0).face_matrix()
+    ms.apply_filter(DEFORM, graph_layers=True, transforms=BENT)  # its graphs and result are there, too
+    source, rest, deformed_graph = 0, *[mesh.id() for mesh in ms if "graph" in mesh.label()]
+    ms.create_sphere(radius=0.4, subdiv=2)
+    ms.apply_filter("set_matrix", transformmatrix=placed @ np.array([[1, 0, 0, 9], [0, 1, 0, 0.5], [0, 0, 1, 1], [0, 0, 0, 1.0]]), freeze=False)
+    eye = ms.current_mesh_id()
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=(points * 1.1) @ placed[:3, :3].T + placed[:3, 3]), "cloud")
+    cloud = ms.current_mesh_id()
+    ms.add_mesh(pymeshlab.Mesh(points[::-1].copy(), len(points) - 1 - faces), "copy")
+    ms.apply_filter("set_matrix", transformmatrix=placed, freeze=False)
+    copy = ms.current_mesh_id()
+    for mesh in list(ms):
+        ms.set_current_mesh(mesh.id())
+        ms.set_current_mesh_visibility("deformed" not in mesh.label() or "graph" in mesh.label())
+    ms.set_current_mesh(0)
+    before = [snapshot(ms.mesh(i)) for i in (eye, cloud, copy)]
+    result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), frame_layers=1, frames_per_second=2, gltf_file=str(tmp_path / "a.glb"), all_visible=True)
+    check_returned(result, RETURNS)
+    file = Glb(tmp_path / "a.glb")
+    assert [node["name"] for node in file.json["nodes"]] == ["tube"] + [ms.mesh(i).label() for i in (eye, cloud, copy)]
+    for number, (layer, was) in enumerate(zip((eye, cloud, copy), before), 1):
+        assert_unchanged(was, ms.mesh(layer))
+        ms.set_current_mesh(layer)
+        ms.apply_filter(COPY, source_layer=source, rest_graph=rest, deformed_graph=deformed_graph)
+        matrix = ms.current_mesh().transform_matrix()
+        expected = ms.current_mesh().vertex_matrix() @ matrix[:3, :3].T + matrix[:3, 3]
+        primitive, = file.json["meshes"][number]["primitives"]
+        points = (file.array(primitive["attributes"]["POSITION"]).astype(float) + file.array(primitive["targets"][1]["POSITION"])
+                  + file.json["nodes"][number]["translation"])
+        assert np.abs(points - expected).max() < 1e-5 * DIAGONAL and ("mode" in primitive) == (layer == cloud), number
+        assert np.abs(points - file.array(primitive["attributes"]["POSITION"]) - file.json["nodes"][number]["translation"]).max() > 1
+    with pytest.raises(pymeshlab.PyMeshLabException, match="No other layer is visible. Show those that are to go along"):
+        layers().apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), gltf_file=str(tmp_path / "b.glb"), all_visible=True)
+    assert not (tmp_path / "b.glb").exists()
 
 
 def test_a_cloud(tmp_path):

@@ -39,7 +39,7 @@ PLUGIN_FLOORS = {
         " results session_file",  # the state of a layer, which the document keeps
         "line_sources line_surface motion_sources point_sources tag_sources weight_sources",
         "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
-        " layer_deformer layer_sequence",
+        " layer_deformer layer_sequence carrying_surface layer_look",
     ],
     "filter_fcd": [
         "filter_reports filter_parameters common_parameters",

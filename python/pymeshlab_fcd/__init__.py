@@ -12,6 +12,7 @@ from ._deformer import Deformer, Graph, SurfaceInfo, Transforms, Weights
 from ._grid import DisplacementGrid
 from ._fit import FitInfo, FitStart, Fitted, Fitter, fit
 from ._meshes import MeshLike
+from ._look import Companion, Look
 from ._meshlab import VERSIONS, deform_layer, enable_pymeshlab
 from ._motion import Motion
 from ._pose import Pose, PoseInfo
@@ -23,9 +24,9 @@ from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, De
                         NodeWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning,
                         SymmetryWarning)
 
-__all__ = ["AccuracyWarning", "AnimationInfo", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Deformation",
+__all__ = ["AccuracyWarning", "AnimationInfo", "Companion", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Deformation",
            "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
-           "FoldWarning", "FrameContact", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "MatchWarning", "MeshLike", "Motion",
+           "FoldWarning", "FrameContact", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "Look", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "Weights",
            "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]

@@ -9,6 +9,9 @@ from ._progress import Report
 
 __version__: str
 _Rows = NDArray[np.float64]
+_Colors = NDArray[np.uint8]
+Look = tuple[str, _Colors | None, _Colors | None, NDArray[np.float32] | None, NDArray[np.int32] | None, list[tuple[str, bytes]]]
+Other = tuple[_Rows, NDArray[np.uint32] | None, Look]
 
 class Field:
     @staticmethod
@@ -81,7 +84,7 @@ class Sequence:
     def weights_at(self, time: float) -> list[float]: ...
     def times(self, rate: float) -> list[float]: ...
     def write(self, prepared: Prepared, rate: float, gltf: Callable[[int, bytes], None] | None, shapes: int,
-              point_cache: Callable[[int, bytes], None] | None, colors: NDArray[np.uint8] | None, report: Report | None) -> dict[str, Any]: ...
+              point_cache: Callable[[int, bytes], None] | None, look: Look, others: list[Other], report: Report | None) -> dict[str, Any]: ...
 
 class Sequencer:
     def __init__(self, prepared: Prepared, sequence: Sequence) -> None: ...

@@ -193,15 +193,15 @@ def points(values: object, vertices: int, name: str = "points") -> NDArray[np.in
     return numbers
 
 
-def colors(values: object, vertices: int) -> NDArray[np.uint8]:
+def colors(values: object, count: int, name: str = "colors", what: str = "vertex") -> NDArray[np.uint8]:
     """n x 4 numbers from 0 to 255."""
-    array = plain("colors", values)
-    if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[0] != vertices or array.shape[1] not in (3, 4):
-        raise ValueError(f"colors must be {vertices} x 3, or x 4 with the opacity, one row for each vertex; it is {told_shape(array)} of {array.dtype}")
+    array = plain(name, values)
+    if array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[0] != count or array.shape[1] not in (3, 4):
+        raise ValueError(f"{name} must be {count} x 3, or x 4 with the opacity, one row for each {what}; it is {told_shape(array)} of {array.dtype}")
     most = 1 if array.dtype.kind == "f" else 255
     if not ((array >= 0) & (array <= most)).all():
-        raise ValueError(f"colors must be from 0 to {most}; they are from {array.min()} to {array.max()}")
-    all_of_it = np.full((vertices, 4), 255, np.uint8)
+        raise ValueError(f"{name} must be from 0 to {most}; they are from {array.min()} to {array.max()}")
+    all_of_it = np.full((count, 4), 255, np.uint8)
     all_of_it[:, :array.shape[1]] = np.round(array * (255 / most))
     return all_of_it
 

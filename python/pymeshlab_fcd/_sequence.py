@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _core, _files, _inputs
 from ._deformer import Deformer, Transforms
+from ._look import Companion, Look, look_of, other_of
 from ._numbers import shown
 from ._numbers import text as expected_text
 from ._pose import Pose
@@ -264,7 +265,7 @@ class PoseSequence:
 
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
               rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", colors: ArrayLike | None = None,
-              progress: Progress = None) -> AnimationInfo:
+              look: Look | None = None, name: str = "surface", others: Sequence[Companion] = (), progress: Progress = None) -> AnimationInfo:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
         that are there are replaced together, when all is written; otherwise each is as it was.
 
@@ -282,7 +283,13 @@ class PoseSequence:
             What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
         colors : array_like, optional
             n x 3 or n x 4: red, green, blue (and opacity) of each vertex, as they are seen (sRGB): whole numbers from 0 to 255, or others
-            from 0 to 1. The `.glb` file has them.
+            from 0 to 1. The `.glb` file has them. Short for `look=Look(colors=...)`.
+        look : Look, optional
+            Colours and textures of the mesh in the `.glb` file.
+        name : str, default 'surface'
+            What that file calls it.
+        others : Sequence[Companion], optional
+            Meshes and clouds that go along in the `.glb` file, in the same animation. Each vertex of theirs takes 104 bytes of memory.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -290,9 +297,10 @@ class PoseSequence:
         ------
         ValueError
             Neither file is given, both are one file (also by a link, or by names that differ in case alone), a pose moves a handle that
-            the Deformer does not have, they are of another surface, or a file would be larger than its format holds.
+            the Deformer does not have, they are of another surface, a file would be larger than its format holds, or an array of a look or
+            a companion has another shape or is out of range.
         OSError
-            A file cannot be written; those that were there are still there.
+            A texture cannot be read, or a file cannot be written; those that were there are still there.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is written then.
 
@@ -302,13 +310,16 @@ class PoseSequence:
             Flipped triangles, or a frame did not converge.
         """
         kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
+        if colors is not None and look is not None:
+            raise ValueError("colors and look are both given; give look=Look(colors=...)")
+        told = look_of(Look(colors=colors) if look is None else look, name, len(_expected(deformer).vertices), deformer.faces)
+        companions = [other_of(each) for each in others]
         if gltf is not None and pc2 is not None and _files.same_file(gltf, pc2):
             raise ValueError("gltf and pc2 are the same file; give different files, whose names differ by more than case")
         with _files.written([path for path in (gltf, pc2) if path is not None]) as files:
             writers = [_writer(file) for file in files]
-            made = self._core.write(_expected(deformer)._prepared, _inputs.number("rate", rate), None if gltf is None else writers[0], kind,
-                                    None if pc2 is None else writers[-1],
-                                    None if colors is None else _inputs.colors(colors, len(deformer.vertices)), report(progress))
+            made = self._core.write(deformer._prepared, _inputs.number("rate", rate), None if gltf is None else writers[0], kind,
+                                    None if pc2 is None else writers[-1], told, companions, report(progress))
             contact = made.pop("contact_text")
             info = AnimationInfo(**{**made, "contacts": tuple(FrameContact(*each) for each in made["contacts"])})
         warn(_words(info.folded, info.converged, "A frame") + ([(ContactWarning, contact)] if contact else []), 2)

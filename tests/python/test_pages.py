@@ -23,6 +23,7 @@ CHECKS = {
     "fitted = pymeshlab_fcd.fit(template, faces, scan, faces)": "assert fitted.info.matched > 0.9",
     "bent = pymeshlab_fcd.straighten(vertices, faces, [[0, 1, 0], [5, 1, 0], [10, 1, 0]]": "assert bent.vertices[:, 2].max() - bent.vertices[:, 2].min() > 1.5",
     "poses.write(deformer, gltf='bar.glb', pc2='bar.pc2')": "from pathlib import Path; assert Path('bar.glb').stat().st_size > 10000",
+    "poses.write(deformer, gltf='checks.glb', others=[eye],": "from pathlib import Path; assert Path('checks.png').read_bytes() in Path('checks.glb').read_bytes()",
     "made = pymeshlab_fcd.compensate(nominal, faces, scan, faces)": "assert made.info.left < 0.1 * made.info.before and support.shape == (1, 3)",
     "restored = pymeshlab_fcd.symmetrize(sheared, faces)": "assert restored.symmetry.after < 0.1 * restored.symmetry.before and others.shape == (98, 3)",
     "np.save('bent_numpy.npy', positions)": "assert abs(positions[tags == 0] - vertices[tags == 0]).max() == 0 and abs(positions[tags == 2][:, 0] - 4).max() < 0.6",

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Poses with names, and animations of them."""
 import errno
-import json
 import os
 import shutil
 import warnings
@@ -11,7 +10,8 @@ import numpy as np
 import pytest
 
 import pymeshlab_fcd
-from pymeshlab_fcd import AnimationInfo, Deformer, DeformationWarning, KeyFrame, Motion, PoseSequence
+from pymeshlab_fcd import AnimationInfo, Companion, Deformer, DeformationWarning, KeyFrame, Look, Motion, PoseSequence
+from glb import JPEG, Glb, assert_valid, png
 from shapes import bar, same, with_filters
 
 TURN = Motion.rotate([0, 1, 0], -60).then(Motion.translate([-2, 0, 3]))
@@ -29,27 +29,6 @@ def prepared(**more):
 def sequence():
     return PoseSequence({"bent": {2: TURN}, "twisted": {2: TWIST}},
                         [KeyFrame(0), KeyFrame(0.5, {"bent": 100}, "smooth"), KeyFrame(1, {"twisted": 50})])
-
-
-class Glb:
-    """What is in a binary glTF file."""
-
-    def __init__(self, path):
-        content = path.read_bytes()
-        magic, version, size, bytes_, kind = np.frombuffer(content, "<u4", 5)
-        assert (magic, version, size, kind) == (0x46546C67, 2, len(content), 0x4E4F534A)
-        self.json, self._buffer = json.loads(content[20:20 + bytes_]), content[28 + bytes_:]
-        assert self.json["buffers"] == [{"byteLength": len(self._buffer)}]
-
-    def array(self, accessor):
-        told = self.json["accessors"][accessor]
-        view = self.json["bufferViews"][told["bufferView"]]
-        array = np.frombuffer(self._buffer, {5126: "<f4", 5125: "<u4", 5123: "<u2"}[told["componentType"]],
-                              told["count"] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[told["type"]], view["byteOffset"])
-        array = array.reshape(told["count"], -1) if told["type"] != "SCALAR" else array
-        if "min" in told:
-            assert (array.min(0) == np.float32(told["min"])).all() and (array.max(0) == np.float32(told["max"])).all()
-        return array
 
 
 def test_a_table_and_back(tmp_path):
@@ -235,6 +214,173 @@ def test_colours_are_in_the_file(tmp_path, faces, rate):
                            (colors * 1.0, "from 0 to 1"), (colors > 3, "one row for each")):
         with pytest.raises(ValueError, match=message):
             made.write(deformer, gltf=tmp_path / "c.glb", colors=wrong)
+
+
+def textured(tmp_path):
+    """Vertices, faces and tags of a bar with a vertex and some faces more than a manifold has, texture coordinates of the corners, with seams,
+    and the texture of each face: -1, 0 or 1."""
+    vertices, faces, tags = SURFACE
+    vertices = np.concatenate([vertices, [[1.0, 2, 3]]])  # without a face
+    faces = np.concatenate([faces, faces[:5], faces[9:12, ::-1]])
+    corners = vertices[faces]
+    uv = corners[:, :, :2] * [0.3, 0.7]
+    uv[corners.mean(1)[:, 2] > vertices[:-1, 2].mean()] += 0.5  # another part of the image
+    return vertices, faces, np.append(tags, 1), uv, np.arange(len(faces)) // 40 % 3 - 1
+
+
+@pytest.mark.parametrize("shapes", ["frames", "poses"])
+def test_textures_are_in_the_file(tmp_path, shapes):
+    """Each corner has its place on its image, at rest and in each frame; where corners at a vertex differ, it is there once for each."""
+    vertices, faces, tags, uv, numbers = textured(tmp_path)
+    (tmp_path / "skin.png").write_bytes(png(200, 100, 50))
+    colors = np.random.default_rng(1).integers(0, 256, (len(vertices), 3))
+    deformer, made = Deformer(vertices, faces, tags), sequence()
+    made.write(deformer, gltf=tmp_path / "a.glb", rate=2, shapes=shapes, name="bar",
+               look=Look(colors=colors, uv=uv, textures=[tmp_path / "skin.png", JPEG], face_textures=numbers))
+    file = Glb(tmp_path / "a.glb")
+    node, = file.json["nodes"]
+    mesh, = file.json["meshes"]
+    assert (node["name"], mesh["name"]) == ("bar", "bar")
+    assert [file.image(i) for i in range(2)] == [(png(200, 100, 50), "image/png"), (JPEG, "image/jpeg")]
+    assert [each["name"] for each in file.json["images"]] == ["skin.png", "texture 1"]
+    assert [file.texture_of(each) for each in mesh["primitives"]] == [None, 0, 1]
+    poses = [pose.vertices for _, pose in made.frames(deformer, rate=2)] if shapes == "frames" else [
+        made.blend(deformer, {name: 100}).vertices for name in ("bent", "twisted")]
+    first = mesh["primitives"][0]["attributes"]
+    rest, places, light = (file.array(first[name]).astype(float) for name in ("POSITION", "TEXCOORD_0", "COLOR_0"))
+    pairs = np.unique(np.column_stack([faces.ravel(), uv.reshape(-1, 2).astype(np.float32)]), axis=0)
+    assert len(rest) == len(pairs) + 1 > len(vertices) and np.abs(rest[:len(vertices)] + node["translation"] - vertices).max() < 1e-6
+    for primitive, number in zip(mesh["primitives"], (-1, 0, 1)):
+        indices, expected = file.array(primitive["indices"]), faces[numbers == number].ravel()
+        assert ("COLOR_0" in primitive["attributes"]) == (number < 0)
+        assert np.abs(rest[indices] + node["translation"] - vertices[expected]).max() < 1e-6
+        assert np.abs(places[indices] * [1, -1] + [0, 1] - uv[numbers == number].reshape(-1, 2)).max() < 1e-6
+        assert len(primitive["targets"]) == len(poses)
+        for target, pose in zip(primitive["targets"], poses):
+            assert np.abs(rest[indices] + file.array(target["POSITION"])[indices] + node["translation"] - pose[expected]).max() < 1e-5
+    c = colors[faces[numbers == -1].ravel()] / 255
+    assert np.abs(light[file.array(mesh["primitives"][0]["indices"])][:, :3] / 65535
+                  - np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)).max() < 1e-5
+    read = assert_valid(tmp_path / "a.glb")
+    assert sum(len(each.faces) for each in read.values()) == len(faces)
+    seen = [each.visual.material.baseColorTexture for each in read.values() if getattr(each.visual, "uv", None) is not None]
+    assert [each.getpixel((0, 0)) for each in seen if each is not None and each.mode == "RGB"] == [(200, 100, 50)]
+
+
+def test_texture_coordinates_of_vertices_split_none(tmp_path):
+    vertices, faces, tags = SURFACE
+    for name, uv in (("a", vertices[:, :2]), ("b", vertices[faces][:, :, :2])):
+        sequence().write(Deformer(vertices, faces, tags), gltf=tmp_path / f"{name}.glb", rate=2, look=Look(uv=uv, textures=[png(1, 2, 3)]))
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    assert file.texture_of(primitive) == 0 and (file.array(primitive["indices"]).reshape(-1, 3) == faces).all()
+    assert np.abs(file.array(primitive["attributes"]["TEXCOORD_0"]) * [1, -1] + [0, 1] - vertices[:, :2]).max() < 1e-6
+    read, = assert_valid(tmp_path / "a.glb").values()
+    assert np.abs(read.visual.uv - vertices[:, :2]).max() < 1e-6  # as trimesh has them, upwards
+    sequence().write(Deformer(vertices, faces, tags), gltf=tmp_path / "c.glb", rate=2, look=Look(uv=vertices[:, :2]))
+    plain = Glb(tmp_path / "c.glb")
+    primitive, = plain.json["meshes"][0]["primitives"]
+    assert "TEXCOORD_0" in primitive["attributes"] and plain.texture_of(primitive) is None and "images" not in plain.json
+
+
+def test_many_frames_and_a_texture(tmp_path):
+    """Weights that are not 0 alone, and behind them the image."""
+    vertices, faces, tags = np.eye(4, 3) * 3, [[0, 1, 3], [1, 2, 3]], np.array([0, 1, 2, 1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pymeshlab_fcd.DeformationWarning)
+        sequence().write(Deformer(vertices, faces, tags), gltf=tmp_path / "a.glb", rate=2000, look=Look(uv=vertices[:, :2], textures=[JPEG]))
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    weights = file.json["accessors"][file.json["animations"][0]["samplers"][0]["output"]]
+    assert weights["sparse"]["count"] == 2001 == len(primitive["targets"]) and file.image(file.texture_of(primitive)) == (JPEG, "image/jpeg")
+    views = file.json["bufferViews"]
+    assert all(a["byteOffset"] + a["byteLength"] <= b["byteOffset"] for a, b in zip(views, views[1:]))
+    assert_valid(tmp_path / "a.glb")
+
+
+def test_colours_of_faces_are_in_the_file(tmp_path):
+    vertices, faces, tags = SURFACE
+    colors = np.random.default_rng(2).integers(0, 2, (len(faces), 3)) * 255
+    sequence().write(Deformer(vertices, faces, tags), gltf=tmp_path / "a.glb", rate=2, look=Look(face_colors=colors))
+    file = Glb(tmp_path / "a.glb")
+    primitive, = file.json["meshes"][0]["primitives"]
+    light, indices, rest = (file.array(each) for each in (primitive["attributes"]["COLOR_0"], primitive["indices"], primitive["attributes"]["POSITION"]))
+    assert (light[indices].reshape(-1, 3, 4)[:, :, :3] == 257 * colors[:, None]).all() and len(light) == len(rest)
+    assert len(rest) == len(np.unique(np.column_stack([faces.ravel(), np.repeat(colors, 3, axis=0)]), axis=0))
+    assert np.abs(rest[indices] + file.json["nodes"][0]["translation"] - vertices[faces.ravel()]).max() < 1e-6
+    assert_valid(tmp_path / "a.glb")
+
+
+@pytest.mark.parametrize("shapes", ["frames", "poses"])
+def test_other_meshes_go_along(tmp_path, shapes):
+    """A mesh and a cloud beside the bar, each where Pose.map takes it; one image that two have is there once."""
+    deformer, made = prepared(), sequence()
+    middle = deformer.vertices[deformer.vertices[:, 0] > 0.7 * deformer.vertices[:, 0].max()].mean(0)
+    ball = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]) * 0.3 + middle
+    sides = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    cloud = np.random.default_rng(3).normal(size=(50, 3)) + middle
+    skin, places = png(9, 8, 7), ball[:, :2]
+    info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=4, shapes=shapes,
+                      look=Look(uv=deformer.vertices[:, :2], textures=[skin]),
+                      others=[Companion(ball, sides, "eye", Look(uv=places, textures=[skin])),
+                              Companion(cloud, name="dust", look=Look(colors=np.ones((50, 3)) * 0.5))])
+    alone = made.write(deformer, gltf=tmp_path / "b.glb", pc2=tmp_path / "b.pc2", rate=4, shapes=shapes)
+    assert (tmp_path / "a.pc2").read_bytes() == (tmp_path / "b.pc2").read_bytes() and info.frames == alone.frames
+    assert info.largest_difference >= alone.largest_difference
+    file = Glb(tmp_path / "a.glb")
+    assert [(node["name"], node["mesh"]) for node in file.json["nodes"]] == [("surface", 0), ("eye", 1), ("dust", 2)]
+    assert file.json["scenes"][0]["nodes"] == [0, 1, 2] and len(file.json["images"]) == 1
+    animation, = file.json["animations"]
+    assert [each["target"] for each in animation["channels"]] == [{"node": i, "path": "weights"} for i in range(3)]
+    poses = [pose for _, pose in made.frames(deformer, rate=4)] if shapes == "frames" else [
+        made.blend(deformer, {name: 100}) for name in ("bent", "twisted")]
+    for number, points in ((1, ball), (2, cloud)):
+        primitive, = file.json["meshes"][number]["primitives"]
+        rest = file.array(primitive["attributes"]["POSITION"]).astype(float)
+        assert len(primitive["targets"]) == len(poses) == len(file.json["meshes"][number]["weights"])
+        for target, pose in zip(primitive["targets"], poses):
+            found = rest + file.array(target["POSITION"]) + file.json["nodes"][number]["translation"]
+            assert np.abs(found - pose.map(points)).max() < 1e-5
+    assert max(np.abs(pose.map(ball) - ball).max() for pose in poses) > 1
+    eye, dust = (file.json["meshes"][i]["primitives"][0] for i in (1, 2))
+    assert file.texture_of(eye) == 0 and (file.array(eye["indices"]).reshape(-1, 3) == sides).all() and list(eye["targets"][0]) == ["POSITION", "NORMAL"]
+    assert dust["mode"] == 0 and list(dust["targets"][0]) == ["POSITION"] and (file.array(dust["attributes"]["COLOR_0"])[:, :3] == 14146).all()
+    assert sorted(assert_valid(tmp_path / "a.glb")) == ["dust", "eye", "surface"]
+    made.write(prepared(threads=1), gltf=tmp_path / "c.glb", rate=4, shapes=shapes, look=Look(uv=deformer.vertices[:, :2], textures=[skin]),
+               others=[Companion(ball, sides, "eye", Look(uv=places, textures=[skin])), Companion(cloud, name="dust", look=Look(colors=np.ones((50, 3)) * 0.5))])
+    assert (tmp_path / "c.glb").read_bytes() == (tmp_path / "a.glb").read_bytes()
+
+
+def test_wrong_looks_are_told(tmp_path):
+    vertices, faces, _ = SURFACE
+    n, m, image = len(vertices), len(faces), png(1, 2, 3)
+    uv = np.zeros((n, 2))
+    (tmp_path / "a.tga").write_bytes(b"\0\0\2")
+    for wrong, error, message in [
+            ({"look": 5}, TypeError, "look must be a Look"),
+            ({"look": Look(), "colors": np.ones((n, 3))}, ValueError, "colors and look are both given"),
+            ({"look": Look(colors=np.ones((n, 3)), face_colors=np.ones((m, 3)))}, ValueError, "colors and face_colors are both given"),
+            ({"look": Look(face_colors=np.ones((n, 3)))}, ValueError, f"face_colors must be {m} x 3, .* one row for each face"),
+            ({"look": Look(uv=np.zeros((n, 3)))}, ValueError, f"uv must be {n} x 2, .* or {m} x 3 x 2"),
+            ({"look": Look(uv=uv + np.inf)}, ValueError, "uv must be finite"),
+            ({"look": Look(uv=uv + 1e39)}, ValueError, "uv must be finite numbers, of single precision"),
+            ({"look": Look(textures=[image])}, ValueError, "give uv, too"),
+            ({"look": Look(uv=uv, textures="a.png")}, TypeError, "textures must be several"),
+            ({"look": Look(uv=uv, textures=[7])}, TypeError, "textures must be files, .* there is a int"),
+            ({"look": Look(uv=uv, textures=[tmp_path / "none.png"])}, FileNotFoundError, "none.png"),
+            ({"look": Look(uv=uv, textures=[str(tmp_path / "a.tga")])}, ValueError, "'a.tga' is neither PNG nor JPEG"),
+            ({"look": Look(uv=uv, textures=[image], face_textures=np.zeros(n, int))}, ValueError, f"face_textures must be {m} whole numbers"),
+            ({"look": Look(uv=uv, textures=[image], face_textures=np.ones(m, int))}, ValueError, "numbers of the 1 textures, .* it holds 1 to 1"),
+            ({"name": 3}, TypeError, "name must be a text"),
+            ({"others": [vertices]}, TypeError, "others must be Companions"),
+            ({"others": [Companion(vertices[:, :2])]}, ValueError, "the companion's vertices must be n x 3"),
+            ({"others": [Companion(vertices, look=Look(uv=uv))]}, ValueError, "a cloud has no textures"),
+            ({"others": [Companion(vertices[:0], name="eye")]}, ValueError, "'eye' has no vertices"),
+            ({"others": [Companion(vertices * np.nan, name="eye")]}, ValueError, "Vertex 0 of 'eye' has a coordinate that is not a finite number")]:
+        with pytest.raises(error, match=message):
+            sequence().write(prepared(), gltf=tmp_path / "a.glb", **wrong)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.tga"]
 
 
 def test_a_cloud_and_far_from_the_origin(tmp_path):

@@ -30,7 +30,7 @@ import warnings
 
 import numpy as np
 from numpy.typing import NDArray
-from pymeshlab_fcd import (AnimationInfo, Deformation, Deformer, Fitted, Fitter, FoldWarning, KeyFrame, Motion, PoseSequence, Straightened,
+from pymeshlab_fcd import (AnimationInfo, Companion, Deformation, Deformer, Fitted, Fitter, FoldWarning, KeyFrame, Look, Motion, PoseSequence, Straightened,
                            __version__, deform, deformation, fit, straighten)
 
 v: NDArray[np.float64] = np.zeros((3, 3))
@@ -43,6 +43,7 @@ folded: int = pose.info.folded
 poses = PoseSequence({"up": {2: Motion.scale(2)}, "down": "2: scale 0.5"}, [KeyFrame(0, {"up": 100}, "smooth")])
 blended = poses.blend(deformer, {"up": 50}).map(v)
 written: AnimationInfo = poses.write(deformer, gltf="a.glb", shapes="poses")
+poses.write(deformer, gltf="b.glb", look=Look(colors=v), others=[Companion(v, [[0, 1, 2]], "eye", Look(uv=v[:, :2], textures=["a.png", b""]))])
 times: list[float] = [time for time, each in poses.frames(deformer, rate=12)]
 d: Deformation = deformation(v, tags=[0, 1, 2], transforms={2: np.eye(4)})
 e: float | None = d.largest_difference

@@ -405,6 +405,54 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
               std::string::npos);
 }
 
+TEST(SequenceFrames, TakeOtherSurfacesAlong) {
+    SequenceRig rig;
+    rig.sequence.key = {{0, Easing::Linear, {0, 0}}, {1, Easing::Linear, {100, 0}}};
+    MeshD quad(Quad());
+    Arrays arrays = Read(quad);
+    SequenceOutput output;
+    output.rate = 4;
+    int calls = 0;
+    Companion eye;
+    eye.surface = arrays;
+    eye.world = Affine3d(Eigen::Translation3d(0, 0, 7));
+    eye.name = "eye";
+    eye.carry = [&](const Carrier &, Matrix3Xd &position) {
+        EXPECT_TRUE(SameBits(position, SurfaceView(arrays).Copy())); // at rest, each time
+        position.row(0).array() += ++calls;
+    };
+    output.companions.push_back(eye);
+    Bytes gltf, cache;
+    const auto run = [&] {
+        return WriteFrames(rig.arrays, rig.handles, *rig.deformer, rig.sequence, rig.motions, rig.param, output);
+    };
+    output.pointCache = cache.Write();
+    run();
+    EXPECT_EQ(calls, 0); // that has the surface alone
+    output.gltf = gltf.Write();
+    EXPECT_EQ(run().frames, 5u);
+    EXPECT_EQ(calls, 5);
+    EXPECT_NE(gltf.content.find("\"name\":\"eye\",\"translation\":[0.5,0.5,7]"), std::string::npos);
+    for (std::size_t i = 0; i < 5; ++i) { // behind all else: normals of the last frame, and before them its positions
+        const std::size_t n = quad.vert.size(), at = gltf.content.size() - (2 * (5 - i)) * 12 * n;
+        EXPECT_EQ(gltf.At<float>(at), float(i + 1));
+        EXPECT_EQ(gltf.At<float>(at + 4), 0.f);
+    }
+    output.shapes = SequenceOutput::EachPose;
+    calls = 0;
+    EXPECT_GT(run().difference, 0.9); // of the eye, too, which goes its own way
+    EXPECT_EQ(calls, 2 + 5);
+
+    quad.vert[2].P()[1] = std::numeric_limits<double>::quiet_NaN();
+    arrays = Read(quad);
+    output.companions[0].surface = arrays;
+    EXPECT_NE(
+        MessageOf<BadInput>(run).find("Vertex 2 of 'eye' has a coordinate that is not a finite number. Remove it"),
+        std::string::npos);
+    output.companions[0].surface.vertexSlots = 0;
+    EXPECT_EQ(MessageOf<BadInput>(run), "'eye' has no vertices. Leave it out.");
+}
+
 /// An animation of so many frames, of a shape each.
 static MorphAnimation FramesOf(int frames) {
     MorphAnimation animation;
@@ -419,11 +467,13 @@ TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
     MeshD mesh(Points(Grid(100, 101)));
     const Arrays arrays = Read(mesh);
     const PackedSurface packed{SurfaceView(arrays)};
+    const SurfaceLook look;
     const Matrix3Xd position = SurfaceView(arrays).Copy();
     Bytes file;
     const auto message = [&](int frames) {
-        return MessageOf<BadInput>(
-            [&] { GltfFile(file.Write(), "many", packed, position, position, FramesOf(frames)); });
+        return MessageOf<BadInput>([&] {
+            GltfFile(file.Write(), {{"many", packed, look, position, position}}, FramesOf(frames));
+        });
     };
     EXPECT_NE(message(40000).find("A .glb file holds 4 GB, and this one would take "), std::string::npos);
     EXPECT_EQ(message(65537),
@@ -436,12 +486,13 @@ TEST(GltfFile, OfManyFramesHoldsOnlyTheWeightsThatAreNotZero) {
     MeshD mesh(Points(Quad()));
     const Arrays arrays = Read(mesh);
     const PackedSurface packed{SurfaceView(arrays)};
+    const SurfaceLook look;
     Matrix3Xd position = SurfaceView(arrays).Copy();
     for (const int frames : {1024, 1025, 3000}) {
         Bytes file;
-        GltfFile gltf(file.Write(), "many", packed, position, position, FramesOf(frames));
+        GltfFile gltf(file.Write(), {{"many", packed, look, position, position}}, FramesOf(frames));
         for (int i = 0; i < frames; ++i)
-            gltf.Add(position, position);
+            gltf.Add(0, position, position);
         gltf.Finish();
         EXPECT_EQ(file.At<std::uint32_t>(8), file.content.size());
         const std::size_t json = file.At<std::uint32_t>(12), buffer = 20 + json + 8, n = std::size_t(frames);

@@ -7,16 +7,21 @@
 
 namespace vcg::fcd {
 
-PackedSurface::PackedSurface(const SurfaceView &surface, unsigned threads) : threads(threads) {
+PackedSurface::PackedSurface(const SurfaceView &surface, const Progress &progress) : threads(progress.threads) {
     std::vector<std::uint32_t> number(surface.vertexSlots, SurfaceView::none);
-    for (std::size_t i = 0; i < surface.vertexSlots; ++i)
+    detail::ForItems(surface.vertexSlots, progress, [&](std::size_t i) {
         if (!surface.IsDeleted(i)) {
             number[i] = std::uint32_t(slot.size());
             slot.push_back(std::uint32_t(i));
         }
-    for (std::size_t f = 0; f < surface.faces; ++f)
+    });
+    corner.reserve(3 * surface.faces);
+    detail::ForItems(surface.faces, progress, [&](std::size_t f) {
         for (std::size_t k = 0; surface.IsFace(f) && k < 3; ++k)
             corner.push_back(number[surface.corner[3 * f + k]]);
+    });
+    if (!corner.empty())
+        range.push_back({SurfaceLook::plain, 0, corner.size()});
 }
 
 namespace detail {

@@ -2,9 +2,10 @@
 #ifndef VCG_FCD_FRAME_FILES_H
 #define VCG_FCD_FRAME_FILES_H
 
+#include <vcg_ext/sequence/surface_look.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -14,15 +15,25 @@ namespace vcg::fcd {
 /// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
 using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
 
-/// Red, green, blue and opacity of each vertex slot, as sRGB has them; empty: there are none.
-using VertexColors = std::vector<std::array<std::uint8_t, 4>>;
-
 /// What files know of a surface: its vertices and triangles, without what is deleted.
 struct PackedSurface {
-    explicit PackedSurface(const SurfaceView &surface, unsigned threads = 0);
+    /// \throw Cancelled
+    explicit PackedSurface(const SurfaceView &surface, const Progress &progress = {});
+    /// The same, its triangles texture by texture, with further vertices behind its own where corners at one differ in
+    /// texture coordinates, or in the colours of their faces. \pre the arrays of \p look are as long as the surface's
+    PackedSurface(const SurfaceView &surface, const SurfaceLook &look, const Progress &progress);
+
+    /// Triangles with one texture.
+    struct Range {
+        std::int32_t texture;     ///< number in the look, or SurfaceLook::plain
+        std::size_t first, count; ///< of corners
+    };
 
     std::vector<std::uint32_t> slot;   ///< of each vertex
     std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 a triangle
+    std::vector<Range> range;          ///< all corners; none without a triangle
+    std::vector<std::uint32_t> wedge;  ///< of each vertex, 3 faces + the corner that it looks as, or SurfaceView::none;
+                                       ///< empty: corners do not differ
     unsigned threads;                  ///< that write it, 0 = one a core
 };
 
@@ -45,6 +56,17 @@ class PointCacheFile {
 };
 
 namespace detail {
+
+/// body(i) for i from 0 to \p count, one after the other. \throw Cancelled
+template <class Body>
+void ForItems(std::size_t count, const Progress &progress, const Body &body) {
+    const std::size_t block = 1 << 18; // takes some milliseconds
+    for (std::size_t first = 0; first < count; first += block) {
+        progress(0, readingStage);
+        for (std::size_t i = first; i < std::min(first + block, count); ++i)
+            body(i);
+    }
+}
 
 /// Writes 3 numbers a vertex in single precision, block by block. \param row gives those of a slot
 void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surface,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
-#include <vcg_ext/base/words.h>
 #include <vcg_ext/sequence/gltf_file.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -19,106 +19,39 @@ constexpr std::size_t headBytes = 20; // of the file and of the chunk with the J
 constexpr std::size_t mostDense = 1024;
 // Of more, only those that are not 0 (sparse accessors), at numbers of 32 bits.
 constexpr std::size_t mostFrames = 65536;
-
-std::string Quoted(const std::string &text) {
-    std::string quoted = "\"";
-    for (char c : text) {
-        if (static_cast<unsigned char>(c) < ' ') {
-            quoted += "\\u00";
-            quoted += "0123456789abcdef"[c >> 4];
-            quoted += "0123456789abcdef"[c & 15];
-        } else {
-            quoted += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
-        }
-    }
-    return quoted + "\"";
-}
-
-/// "[a,b,...]"
-template <class Item>
-std::string List(std::size_t count, const Item &item) {
-    std::string list = "[";
-    for (std::size_t i = 0; i < count; ++i)
-        list += (i > 0 ? "," : "") + item(i);
-    return list + "]";
-}
+constexpr int vertices = 34962, indices = 34963, unsignedShort = 5123, unsignedInt = 5125, real = 5126;
 
 } // namespace
 
-GltfFile::GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
-                   const Eigen::Matrix3Xd &normal, MorphAnimation animation, const VertexColors &color)
-    : write(std::move(write)), name(std::move(name)), surface(surface), rest(position), restNormal(normal),
-      animation(std::move(animation)), isCloud(surface.corner.empty()), hasColors(!color.empty()),
+GltfFile::GltfFile(WriteAt write, std::vector<GltfMesh> given, MorphAnimation animation)
+    : write(std::move(write)), animation(std::move(animation)),
       isSparse(this->animation.weight.empty() && this->animation.time.size() > mostDense) {
-    Eigen::AlignedBox3d box;
-    for (std::uint32_t slot : surface.slot)
-        box.extend(position.col(slot));
-    origin = box.center();
-    const std::size_t n = surface.slot.size(), targets = this->animation.target.size(),
-                      times = this->animation.time.size(), numbers = times * targets;
-    const int vertices = 34962, indices = 34963, unsignedShort = 5123, unsignedInt = 5125, real = 5126;
+    const std::size_t times = this->animation.time.size(), numbers = times * this->animation.target.size();
     AddPart(times, real, "SCALAR", 4 * times, 0, 1);
     if (isSparse && times > mostFrames)
         throw BadInput("A .glb file holds " + std::to_string(mostFrames) + " frames with a shape each, and this one " +
                        "would have " + std::to_string(times) +
                        ". Write fewer frames, a shape for each pose instead of each frame, or a .pc2 file.");
     AddPart(numbers, real, "SCALAR", 4 * (isSparse ? times : numbers), 0, 0);
-    if (!isCloud)
-        AddPart(surface.corner.size(), unsignedInt, "SCALAR", 4 * surface.corner.size(), indices, 0);
-    for (std::size_t target = 0; target <= targets; ++target) { // the first is the shape at rest
-        AddPart(n, real, "VEC3", 12 * n, vertices, 3);
-        if (!isCloud)
-            AddPart(n, real, "VEC3", 12 * n, vertices, 0);
-    }
-    if (hasColors)
-        AddPart(n, unsignedShort, "VEC4", 8 * n, vertices, 0);
+    for (const GltfMesh &mesh : given)
+        AddMesh(mesh);
+    accessors = parts.size();
     if (isSparse)
         AddPart(times, unsignedInt, "SCALAR", 4 * times, 0, 0); // where the weights are that are not 0
+    for (const TextureImage *image : images)
+        AddPart(0, 0, "", image->content.size(), 0, 0);
     jsonBytes = (Json(true).size() + 3) / 4 * 4;
     if (headBytes + jsonBytes + 8 + bufferBytes > std::numeric_limits<std::uint32_t>::max())
         throw BadInput("A .glb file holds 4 GB, and this one would take " + std::to_string(bufferBytes / 1000000 + 1) +
                        " MB. Write fewer frames, a shape for each pose instead of each frame, or a .pc2 file.");
-
-    std::vector<float> weights;
-    for (const std::vector<double> &each : this->animation.weight)
-        for (double weight : each)
-            weights.push_back(float(weight));
-    if (isSparse) {
-        weights.assign(times, 1);
-    } else if (weights.empty()) {
-        weights.assign(numbers, 0);
-        for (std::size_t i = 0; i < times; ++i)
-            weights[i * targets + i] = 1;
+    WriteTimes();
+    for (Placed &each : meshes)
+        WriteRest(each);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        std::string padded = images[i]->content;
+        padded.resize((padded.size() + 3) / 4 * 4, '\0'); // the last one ends the file
+        this->write(headBytes + jsonBytes + 8 + parts[accessors + isSparse + i].at, padded.data(), padded.size());
     }
-    std::vector<float> seconds(times);
-    std::transform(this->animation.time.begin(), this->animation.time.end(), seconds.begin(),
-                   [](double time) { return float(time); });
-    parts[0].low[0] = seconds.front();
-    parts[0].high[0] = seconds.back();
-    const auto writePart = [&](const Part &part, const auto &values) {
-        assert(part.bytes == 4 * values.size());
-        this->write(headBytes + jsonBytes + 8 + part.at, reinterpret_cast<const char *>(values.data()), part.bytes);
-    };
-    const auto writeNext = [&](const auto &values) { writePart(parts[next++], values); };
-    if (isSparse) {
-        std::vector<std::uint32_t> at(times);
-        for (std::size_t i = 0; i < times; ++i)
-            at[i] = std::uint32_t(i * targets + i);
-        writePart(parts.back(), at);
-    }
-    if (hasColors)
-        WriteColors(color);
-    writeNext(seconds);
-    writeNext(weights);
-    if (!isCloud)
-        writeNext(surface.corner);
-    const auto at = [](std::size_t slot) { return Eigen::Index(slot); };
-    WriteVectors([&](std::size_t slot) { return Eigen::Vector3f((position.col(at(slot)) - origin).cast<float>()); });
-    if (!isCloud)
-        WriteVectors([&](std::size_t slot) { // of length 1, also without a face
-            const Eigen::Vector3f unit = normal.col(at(slot)).cast<float>();
-            return unit.isZero(0) ? Eigen::Vector3f::UnitZ().eval() : unit;
-        });
 }
 
 void GltfFile::AddPart(std::size_t count, int component, const char *type, std::size_t bytes, int target, int numbers) {
@@ -133,29 +66,145 @@ void GltfFile::AddPart(std::size_t count, int component, const char *type, std::
     part.low.setConstant(std::numeric_limits<float>::max());
     part.high = -part.low;
     parts.push_back(part);
-    bufferBytes += bytes;
+    bufferBytes += (bytes + 3) / 4 * 4;
 }
 
-void GltfFile::WriteColors(const VertexColors &color) {
+std::size_t GltfFile::MaterialOf(const TextureImage *image) {
+    const auto isSame = [&](const TextureImage *other) {
+        return image && other ? image->name == other->name && image->content == other->content : image == other;
+    };
+    const auto found = std::find_if(materials.begin(), materials.end(), isSame);
+    if (found != materials.end())
+        return std::size_t(found - materials.begin());
+    materials.push_back(image);
+    if (image && image->Kind())
+        images.push_back(image);
+    return materials.size() - 1;
+}
+
+void GltfFile::AddMesh(const GltfMesh &mesh) {
+    Placed placed(mesh);
+    Eigen::AlignedBox3d box;
+    for (std::uint32_t slot : mesh.surface.slot)
+        box.extend(mesh.position.col(slot));
+    placed.origin = box.center();
+    const std::size_t n = mesh.surface.slot.size();
+    bool isColored = placed.isCloud;
+    placed.corners = parts.size();
+    for (const PackedSurface::Range &range : mesh.surface.range) {
+        AddPart(range.count, unsignedInt, "SCALAR", 4 * range.count, indices, 0);
+        const bool isShown = mesh.look.IsShown(range.texture);
+        isColored = isColored || !isShown;
+        placed.material.push_back(
+            MaterialOf(range.texture < 0 ? nullptr : &mesh.look.image[std::size_t(range.texture)]));
+    }
+    placed.rest = placed.next = parts.size();
+    for (std::size_t target = 0; target <= animation.target.size(); ++target) { // the first is the shape at rest
+        AddPart(n, real, "VEC3", 12 * n, vertices, 3);
+        if (!placed.isCloud)
+            AddPart(n, real, "VEC3", 12 * n, vertices, 0);
+    }
+    if (!placed.isCloud && !mesh.look.place.empty()) {
+        placed.places = parts.size();
+        AddPart(n, real, "VEC2", 8 * n, vertices, 0);
+    }
+    if (isColored && (placed.isCloud ? !mesh.look.color.empty() : mesh.look.HasColors())) {
+        placed.colors = parts.size();
+        AddPart(n, unsignedShort, "VEC4", 8 * n, vertices, 0);
+    }
+    meshes.push_back(std::move(placed));
+}
+
+void GltfFile::WritePart(std::size_t part, const void *data) {
+    write(headBytes + jsonBytes + 8 + parts[part].at, static_cast<const char *>(data), std::size_t(parts[part].bytes));
+}
+
+void GltfFile::WriteTimes() {
+    const std::size_t targets = animation.target.size(), times = animation.time.size();
+    std::vector<float> weights;
+    for (const std::vector<double> &each : animation.weight)
+        for (double weight : each)
+            weights.push_back(float(weight));
+    if (isSparse) {
+        weights.assign(times, 1);
+        std::vector<std::uint32_t> at(times);
+        for (std::size_t i = 0; i < times; ++i)
+            at[i] = std::uint32_t(i * targets + i);
+        WritePart(accessors, at.data());
+    } else if (weights.empty()) {
+        weights.assign(times * targets, 0);
+        for (std::size_t i = 0; i < times; ++i)
+            weights[i * targets + i] = 1;
+    }
+    std::vector<float> seconds(times);
+    std::transform(animation.time.begin(), animation.time.end(), seconds.begin(),
+                   [](double time) { return float(time); });
+    parts[0].low[0] = seconds.front();
+    parts[0].high[0] = seconds.back();
+    assert(parts[0].bytes == 4 * seconds.size() && parts[1].bytes == 4 * weights.size());
+    WritePart(0, seconds.data());
+    WritePart(1, weights.data());
+}
+
+void GltfFile::WriteRest(Placed &placed) {
+    const GltfMesh &mesh = placed.mesh;
+    for (std::size_t i = 0; i < mesh.surface.range.size(); ++i)
+        WritePart(placed.corners + i, &mesh.surface.corner[mesh.surface.range[i].first]);
+    WriteVectors(placed, [&](std::size_t slot) {
+        return Eigen::Vector3f((mesh.position.col(Eigen::Index(slot)) - placed.origin).cast<float>());
+    });
+    if (!placed.isCloud)
+        WriteVectors(placed, [&](std::size_t slot) { // of length 1, also without a face
+            const Eigen::Vector3f unit = mesh.normal.col(Eigen::Index(slot)).cast<float>();
+            return unit.isZero(0) ? Eigen::Vector3f::UnitZ().eval() : unit;
+        });
+    if (placed.places != none)
+        WritePlaces(placed);
+    if (placed.colors != none)
+        WriteColors(placed);
+}
+
+void GltfFile::WritePlaces(const Placed &placed) {
+    const GltfMesh &mesh = placed.mesh;
+    std::vector<float> all(2 * mesh.surface.slot.size(), 0); // of vertices without a face, too
+    for (std::size_t i = 0; i < mesh.surface.slot.size(); ++i) {
+        if (mesh.surface.wedge[i] == SurfaceView::none)
+            continue;
+        const float *place = &mesh.look.place[2 * std::size_t(mesh.surface.wedge[i])];
+        if (std::isfinite(place[0]) && std::isfinite(place[1])) { // others are nowhere
+            all[2 * i] = place[0];
+            all[2 * i + 1] = float(1 - double(place[1])); // down from the upper left corner of the image
+        }
+    }
+    WritePart(placed.places, all.data());
+}
+
+void GltfFile::WriteColors(const Placed &placed) {
     std::array<std::uint16_t, 256> linear;
     for (std::size_t i = 0; i < linear.size(); ++i) { // IEC 61966-2-1
         const double c = double(i) / 255;
         linear[i] =
             std::uint16_t(std::lround(65535 * (c <= 0.04045 ? c / 12.92 : detail::Power((c + 0.055) / 1.055, 2.4))));
     }
+    const PackedSurface &surface = placed.mesh.surface;
+    const SurfaceLook &look = placed.mesh.look;
     std::vector<std::uint16_t> all;
     all.reserve(4 * surface.slot.size());
-    for (std::uint32_t slot : surface.slot) {
+    for (std::size_t i = 0; i < surface.slot.size(); ++i) {
+        std::array<std::uint8_t, 4> color{255, 255, 255, 255}; // of a vertex without a face, of faces that have colours
+        if (!look.color.empty())
+            color = look.color[surface.slot[i]];
+        else if (surface.wedge[i] != SurfaceView::none)
+            color = look.faceColor[surface.wedge[i] / 3];
         for (std::size_t k = 0; k < 3; ++k)
-            all.push_back(linear[color[slot][k]]);
-        all.push_back(std::uint16_t(257 * color[slot][3])); // opacity is linear
+            all.push_back(linear[color[k]]);
+        all.push_back(std::uint16_t(257 * color[3])); // opacity is linear
     }
-    write(headBytes + jsonBytes + 8 + parts[parts.size() - 1 - isSparse].at, reinterpret_cast<const char *>(all.data()),
-          2 * all.size());
+    WritePart(placed.colors, all.data());
 }
 
-void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot)> &row) {
-    Part &part = parts[next++];
+void GltfFile::WriteVectors(Placed &placed, const std::function<Eigen::Vector3f(std::size_t slot)> &row) {
+    Part &part = parts[placed.next++];
     detail::WriteRows(
         [&](std::uint64_t at, const char *data, std::size_t size) {
             for (std::size_t i = 0; part.numbers > 0 && i < size; i += 12) {
@@ -166,73 +215,28 @@ void GltfFile::WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot
             }
             write(at, data, size);
         },
-        headBytes + jsonBytes + 8 + part.at, surface, row);
+        headBytes + jsonBytes + 8 + part.at, placed.mesh.surface, row);
 }
 
-void GltfFile::Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal) {
-    assert(next + hasColors + isSparse < parts.size());
+void GltfFile::Add(std::size_t mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal) {
+    Placed &placed = meshes[mesh];
+    assert(placed.next < placed.rest + placed.PartsOfShape() * (1 + animation.target.size()));
     const auto change = [](const Eigen::Matrix3Xd &after, const Eigen::Matrix3Xd &before, std::size_t slot) {
         return Eigen::Vector3f((after.col(Eigen::Index(slot)) - before.col(Eigen::Index(slot))).cast<float>());
     };
-    WriteVectors([&](std::size_t slot) { return change(position, rest, slot); });
-    if (!isCloud)
-        WriteVectors([&](std::size_t slot) { // 0 without a face, which stays what it is in the file
+    WriteVectors(placed, [&](std::size_t slot) { return change(position, placed.mesh.position, slot); });
+    if (!placed.isCloud)
+        WriteVectors(placed, [&](std::size_t slot) { // 0 without a face, which stays what it is in the file
             const auto at = Eigen::Index(slot);
-            const bool isNone = normal.col(at).isZero(0) || restNormal.col(at).isZero(0);
-            return isNone ? Eigen::Vector3f::Zero().eval() : change(normal, restNormal, slot);
+            const bool isNone = normal.col(at).isZero(0) || placed.mesh.normal.col(at).isZero(0);
+            return isNone ? Eigen::Vector3f::Zero().eval() : change(normal, placed.mesh.normal, slot);
         });
-}
-
-std::string GltfFile::Json(bool longest) const {
-    const auto number = [](std::size_t i) { return std::to_string(i); };
-    const std::size_t each = isCloud ? 1 : 2, first = isCloud ? 2 : 3; // parts of a shape, and that of the one at rest
-    const auto shape = [&](std::size_t part) {
-        return "{\"POSITION\":" + number(part) + (isCloud ? "" : ",\"NORMAL\":" + number(part + 1)) + "}";
-    };
-    const std::size_t targets = animation.target.size(), accessors = parts.size() - isSparse;
-    std::string atRest = shape(first);
-    if (hasColors)
-        atRest.insert(atRest.size() - 1, ",\"COLOR_0\":" + number(accessors - 1));
-    std::string json =
-        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"FCD\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-        "\"nodes\":[{\"mesh\":0,\"name\":" +
-        Quoted(name) + ",\"translation\":" + List(3, [&](std::size_t i) { return detail::ToText(origin[i]); }) +
-        "}],\"meshes\":[{\"name\":" + Quoted(name) + ",\"primitives\":[{\"attributes\":" + atRest +
-        (isCloud ? ",\"mode\":0" : ",\"indices\":2") +
-        ",\"targets\":" + List(targets, [&](std::size_t i) { return shape(first + each * (i + 1)); }) +
-        "}],\"weights\":" + List(targets, [](std::size_t) { return std::string("0"); }) +
-        ",\"extras\":{\"targetNames\":" + List(targets, [&](std::size_t i) { return Quoted(animation.target[i]); }) +
-        "}}],\"animations\":[{\"name\":" + Quoted(name) +
-        ",\"samplers\":[{\"input\":0,\"output\":1,\"interpolation\":\"LINEAR\"}],"
-        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}],\"accessors\":";
-    const auto extreme = [&](const Part &part, const Eigen::Array3f &values) {
-        return List(std::size_t(part.numbers), [&](std::size_t i) {
-            return longest ? std::string("-1.2345678901e-38") : detail::ToText(values[Eigen::Index(i)]);
-        });
-    };
-    json += List(accessors, [&](std::size_t i) {
-        const Part &part = parts[i];
-        const std::string sparse = "{\"sparse\":{\"count\":" + number(animation.time.size()) +
-                                   ",\"indices\":{\"bufferView\":" + number(accessors) +
-                                   ",\"componentType\":5125},\"values\":{\"bufferView\":1}}";
-        return (isSparse && i == 1 ? sparse : "{\"bufferView\":" + number(i)) +
-               ",\"componentType\":" + std::to_string(part.component) + ",\"count\":" + number(part.count) +
-               ",\"type\":\"" + part.type + "\"" + (part.component == 5123 ? ",\"normalized\":true" : "") +
-               (part.numbers > 0 ? ",\"min\":" + extreme(part, part.low) + ",\"max\":" + extreme(part, part.high)
-                                 : "") +
-               "}";
-    });
-    json += ",\"bufferViews\":" + List(parts.size(), [&](std::size_t i) {
-                const Part &part = parts[i];
-                return "{\"buffer\":0,\"byteOffset\":" + std::to_string(part.at) +
-                       ",\"byteLength\":" + std::to_string(part.bytes) +
-                       (part.target > 0 ? ",\"target\":" + std::to_string(part.target) : "") + "}";
-            });
-    return json + ",\"buffers\":[{\"byteLength\":" + std::to_string(bufferBytes) + "}]}";
 }
 
 void GltfFile::Finish() {
-    assert(next + hasColors + isSparse == parts.size());
+    assert(std::all_of(meshes.begin(), meshes.end(), [&](const Placed &each) {
+        return each.next == each.rest + each.PartsOfShape() * (1 + animation.target.size());
+    }));
     std::string json = Json(false);
     json.resize(jsonBytes, ' ');
     std::uint32_t head[] = {0x46546C67u, // "glTF"

@@ -9,7 +9,7 @@
 
 namespace vcg::fcd {
 
-/// How the shapes of a mesh (morph targets, shape keys) are mixed in the course of time.
+/// How the shapes of meshes (morph targets, shape keys) are mixed in the course of time.
 struct MorphAnimation {
     std::vector<std::string> target; ///< names, UTF-8
     std::vector<double> time;        ///< ascending, seconds from 0
@@ -17,26 +17,37 @@ struct MorphAnimation {
     std::vector<std::vector<double>> weight;
 };
 
-/// A surface or a cloud with morph targets and their animation, as binary glTF 2.0 (`.glb`): positions and, of a
-/// surface, normals in single precision, from the middle of the box at rest, which the node is moved to. Between its
-/// times the weights are interpolated linearly. Vertices go straight to the file.
+/// A surface or a cloud of a file, which refers to all of this.
+struct GltfMesh {
+    std::string name;             ///< UTF-8
+    const PackedSurface &surface; ///< made with \p look
+    const SurfaceLook &look;
+    const Eigen::Matrix3Xd &position, &normal; ///< 3 x vertex slots, at rest; the normals are not read for a cloud
+};
+
+/// Surfaces and clouds with morph targets and one animation of all, as binary glTF 2.0 (`.glb`): each a node with a
+/// mesh, positions and, of a surface, normals in single precision, from the middle of the box at rest, which the node
+/// is moved to. Between its times the weights are interpolated linearly. Vertices go straight to the file.
+///
+/// Colours are linear in the format, in 16 bits, so that dark ones stay apart. A texture is a material, matt and seen
+/// from both sides, with the image as it is; the format would multiply it by the colours of vertices, which are
+/// therefore those of triangles without an image alone.
 class GltfFile {
   public:
-    /// \param position, normal 3 x vertex slots, at rest; the normals are not read for a cloud
-    /// \param color which the format holds linear, in 16 bits, so that dark ones stay apart
     /// \throw BadInput a file of 4 GB or more, or of more than 65536 frames with a shape each, which the format
     /// cannot hold
-    GltfFile(WriteAt write, std::string name, const PackedSurface &surface, const Eigen::Matrix3Xd &position,
-             const Eigen::Matrix3Xd &normal, MorphAnimation animation, const VertexColors &color = {});
+    GltfFile(WriteAt write, std::vector<GltfMesh> meshes, MorphAnimation animation);
 
-    /// The next target. \param position, normal as those at rest
-    void Add(const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal);
+    /// The next target of a mesh. \param position, normal as those at rest
+    void Add(std::size_t mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal);
 
-    /// To be called when all targets were added: before, there is no file yet.
+    /// To be called when all targets of all meshes were added: before, there is no file yet.
     void Finish();
 
   private:
-    /// Numbers of the buffer, in the order of the buffer's parts.
+    static constexpr std::size_t none = std::size_t(-1);
+
+    /// A part of the buffer, with numbers or an image.
     struct Part {
         std::uint64_t at = 0, bytes = 0; ///< in the buffer
         std::size_t count = 0;
@@ -47,22 +58,40 @@ class GltfFile {
         int numbers = 0; ///< of low and high; 0: not told
     };
 
+    /// A mesh, and the numbers of its parts; none: there is no such.
+    struct Placed {
+        explicit Placed(const GltfMesh &mesh) : mesh(mesh), isCloud(mesh.surface.corner.empty()) {}
+
+        GltfMesh mesh;
+        bool isCloud;
+        Eigen::Vector3d origin;
+        std::size_t corners = none, rest = none, places = none, colors = none;
+        std::size_t next = none;           ///< part of shapes to write
+        std::vector<std::size_t> material; ///< of each range of triangles
+        std::size_t PartsOfShape() const { return isCloud ? 1 : 2; }
+    };
+
     void AddPart(std::size_t count, int component, const char *type, std::size_t bytes, int target, int numbers);
+    void AddMesh(const GltfMesh &mesh);
+    std::size_t MaterialOf(const TextureImage *image);
     std::string Json(bool longest) const;
-    void WriteColors(const VertexColors &color);
-    void WriteVectors(const std::function<Eigen::Vector3f(std::size_t slot)> &row);
+    std::string MeshJson(const Placed &placed) const;
+    std::string MaterialsJson() const;
+    void WritePart(std::size_t part, const void *data);
+    void WriteTimes();
+    void WriteRest(Placed &placed);
+    void WriteColors(const Placed &placed);
+    void WritePlaces(const Placed &placed);
+    void WriteVectors(Placed &placed, const std::function<Eigen::Vector3f(std::size_t slot)> &row);
 
     const WriteAt write;
-    const std::string name;
-    const PackedSurface &surface;
-    const Eigen::Matrix3Xd &rest, &restNormal;
     const MorphAnimation animation;
-    const bool isCloud;
-    const bool hasColors; ///< behind the shapes
-    const bool isSparse;  ///< only weights that are not 0 are written, and the last part tells where they are
-    Eigen::Vector3d origin;
-    std::vector<Part> parts;
-    std::size_t next = 0;      ///< part to write
+    const bool isSparse; ///< only weights that are not 0 are written, and a part tells where they are
+    std::vector<Placed> meshes;
+    std::vector<const TextureImage *> materials; ///< null: without a texture
+    std::vector<const TextureImage *> images;
+    std::vector<Part> parts;   ///< numbers, each an accessor; where weights are that are not 0; images
+    std::size_t accessors = 0; ///< how many of them are
     std::size_t jsonBytes = 0; ///< there is room for
     std::uint64_t bufferBytes = 0;
 };

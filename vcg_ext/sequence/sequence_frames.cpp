@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -39,6 +40,22 @@ std::vector<Stop> StopsOf(const PoseSequence &sequence, double rate, bool frames
     return stops;
 }
 
+/// \throw BadInput what no file can hold, and no pose can carry
+void ExpectPlaces(const Companion &companion) {
+    const SurfaceView &surface = companion.surface;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < surface.vertexSlots; ++i) {
+        if (surface.IsDeleted(i))
+            continue;
+        ++count;
+        if (!surface.At(i).allFinite())
+            throw BadInput("Vertex " + std::to_string(i) + " of '" + companion.name +
+                           "' has a coordinate that is not a finite number. Remove it, or leave this mesh out.");
+    }
+    if (count == 0)
+        throw BadInput("'" + companion.name + "' has no vertices. Leave it out.");
+}
+
 /// The surface in the world, as glTF has it.
 class WorldShape {
   public:
@@ -68,12 +85,12 @@ class WorldShape {
 /// The glTF file of a sequence, and by how much it is off.
 class Morphs {
   public:
-    Morphs(const SequenceOutput &output, const PackedSurface &packed, const SurfaceView &surface,
-           const Handles &handles, const PoseSequence &sequence, const std::vector<double> &time,
-           const Progress &progress)
-        : packed(packed), eachPose(output.shapes == SequenceOutput::EachPose), rest(surface, handles.world, progress),
-          now(surface, handles.world, progress), threads(progress.threads) {
-        rest.Set(surface.Positions());
+    Morphs(const SequenceOutput &output, const SurfaceView &surface, const Handles &handles,
+           const PoseSequence &sequence, const std::vector<double> &time, const Progress &progress)
+        : eachPose(output.shapes == SequenceOutput::EachPose), threads(progress.threads) {
+        bodies.push_back(std::make_unique<Body>(surface, handles.world, output.look, nullptr, progress));
+        for (const Companion &each : output.companions)
+            bodies.push_back(std::make_unique<Body>(each.surface, each.world, each.look, &each, progress));
         MorphAnimation animation;
         animation.time = time;
         for (std::size_t i = 0; !eachPose && i < time.size(); ++i)
@@ -86,35 +103,31 @@ class Morphs {
                 each /= 100;
         }
         weight = animation.weight;
-        file = std::make_unique<GltfFile>(output.gltf, output.name, packed, rest.position, rest.normal,
-                                          std::move(animation), output.color);
+        std::vector<GltfMesh> meshes;
+        for (const auto &each : bodies)
+            meshes.push_back({each->companion ? each->companion->name : output.name, each->packed, each->look,
+                              each->rest.position, each->rest.normal});
+        file = std::make_unique<GltfFile>(output.gltf, std::move(meshes), std::move(animation));
     }
 
-    void AddPose(const Eigen::Matrix3Xd &position) {
-        now.Set(position);
-        file->Add(now.position, now.normal);
-        shape.emplace_back((now.position - rest.position).cast<float>());
-    }
-
-    void AddFrame(std::size_t number, const Eigen::Matrix3Xd &position) {
-        now.Set(position);
-        if (!eachPose) {
-            file->Add(now.position, now.normal);
-            return;
+    /// \param position of the surface that is posed
+    void AddPose(const Carrier &carrier, const Eigen::Matrix3Xd &position) {
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            Body &body = *bodies[i];
+            body.Go(carrier, position);
+            file->Add(i, body.now.position, body.now.normal);
+            body.shape.emplace_back((body.now.position - body.rest.position).cast<float>());
         }
-        std::mutex lock;
-        ParallelFor(threads, packed.slot.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-            double most = 0;
-            for (std::size_t i = first; i < last; ++i) {
-                const auto slot = Eigen::Index(packed.slot[i]);
-                Eigen::Vector3d mixed = rest.position.col(slot);
-                for (std::size_t k = 0; k < shape.size(); ++k)
-                    mixed += weight[number][k] * shape[k].col(slot).cast<double>();
-                most = std::max(most, (mixed - now.position.col(slot)).norm());
-            }
-            const std::lock_guard<std::mutex> guard(lock);
-            difference = std::max(difference, most);
-        });
+    }
+
+    void AddFrame(std::size_t number, const Carrier &carrier, const Eigen::Matrix3Xd &position) {
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            bodies[i]->Go(carrier, position);
+            if (eachPose)
+                Compare(*bodies[i], number);
+            else
+                file->Add(i, bodies[i]->now.position, bodies[i]->now.normal);
+        }
     }
 
     void Finish() { file->Finish(); }
@@ -122,13 +135,55 @@ class Morphs {
     double difference = 0;
 
   private:
-    const PackedSurface &packed;
+    /// A surface of the file.
+    struct Body {
+        Body(const SurfaceView &surface, const Eigen::Affine3d &world, const SurfaceLook &look,
+             const Companion *companion, const Progress &progress)
+            : surface(surface), look(look), companion(companion), packed(surface, look, progress),
+              rest(surface, world, progress), now(surface, world, progress) {
+            progress(0, readingStage);
+            rest.Set(surface.Positions());
+        }
+
+        void Go(const Carrier &carrier, const Eigen::Matrix3Xd &posed) {
+            if (companion) {
+                Eigen::Matrix3Xd position = surface.Positions();
+                companion->carry(carrier, position);
+                now.Set(position);
+            } else {
+                now.Set(posed);
+            }
+        }
+
+        const SurfaceView surface;
+        const SurfaceLook &look;
+        const Companion *companion; ///< null: it is the one that is posed
+        const PackedSurface packed;
+        WorldShape rest, now;
+        std::vector<Eigen::Matrix3Xf> shape; ///< of each pose, what it adds to that at rest
+    };
+
+    void Compare(const Body &body, std::size_t number) {
+        std::mutex lock;
+        ParallelFor(threads, body.packed.slot.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            double most = 0;
+            for (std::size_t i = first; i < last; ++i) {
+                const auto slot = Eigen::Index(body.packed.slot[i]);
+                Eigen::Vector3d mixed = body.rest.position.col(slot);
+                for (std::size_t k = 0; k < body.shape.size(); ++k)
+                    mixed += weight[number][k] * body.shape[k].col(slot).cast<double>();
+                most = std::max(most, (mixed - body.now.position.col(slot)).norm());
+            }
+            const std::lock_guard<std::mutex> guard(lock);
+            difference = std::max(difference, most);
+        });
+    }
+
     const bool eachPose;
-    WorldShape rest, now;
     const unsigned threads;
+    std::vector<std::unique_ptr<Body>> bodies;
     std::vector<std::vector<double>> weight;
     std::unique_ptr<GltfFile> file;
-    std::vector<Eigen::Matrix3Xf> shape; ///< of each pose, what it adds to that at rest
 };
 
 } // namespace
@@ -164,6 +219,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
                            const PoseSequence &sequence, const std::vector<std::map<int, Motion>> &motions,
                            const DeformationParam &param, const SequenceOutput &output, const Progress &progress) {
     sequence.Validate();
+    for (const Companion &each : output.companions)
+        ExpectPlaces(each);
     const bool frames = output.gltf || output.pointCache || output.frame;
     const std::vector<double> time = FrameTimes(sequence, output.rate);
     const std::vector<Stop> stops = StopsOf(sequence, output.rate, frames, bool(output.keyFrame));
@@ -173,7 +230,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;
-    Deformer::Pose farthest; // of all, that with most of Eq. 2
+    std::optional<Carrier> carrier; // of the pose of these
+    Deformer::Pose farthest;        // of all, that with most of Eq. 2
     std::size_t done = 0;
     const bool posesFirst = bool(output.gltf) && output.shapes == SequenceOutput::EachPose;
     const std::size_t all = stops.size() + (posesFirst ? motions.size() : 0);
@@ -182,7 +240,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         ++done;
         const Deformer::Pose &pose = from.Go(weight, part.Slice(0, 0.5));
         position = surface.Positions();
-        Carrier(deformer, pose, part.threads).Apply(position, nullptr, part.Slice(0.5, 0.8));
+        carrier.emplace(deformer, pose, part.threads);
+        carrier->Apply(position, nullptr, part.Slice(0.5, 0.8));
         report.converged = report.converged && pose.converged;
         report.jumps = report.jumps || pose.way.jumps;
         report.unstable = report.unstable || pose.way.unstable;
@@ -193,20 +252,22 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         return pose;
     };
 
-    const PackedSurface packed(surface, progress.threads);
+    std::unique_ptr<const PackedSurface> packed;
     std::unique_ptr<PointCacheFile> cache;
-    if (output.pointCache)
-        cache = std::make_unique<PointCacheFile>(output.pointCache, packed, time.size(),
+    if (output.pointCache) {
+        packed = std::make_unique<const PackedSurface>(surface, progress.Slice(0, 0));
+        cache = std::make_unique<PointCacheFile>(output.pointCache, *packed, time.size(),
                                                  std::round(time.front() * output.rate));
+    }
     std::unique_ptr<Morphs> morphs;
     if (output.gltf)
-        morphs = std::make_unique<Morphs>(output, packed, surface, handles, sequence, time, progress);
+        morphs = std::make_unique<Morphs>(output, surface, handles, sequence, time, progress.Slice(0, 0));
     for (std::size_t k = 0; posesFirst && k < motions.size(); ++k) {
         std::vector<double> weight(motions.size(), 0);
         weight[k] = 100;
         solver.Rest();
         go(solver, weight);
-        morphs->AddPose(position);
+        morphs->AddPose(*carrier, position);
     }
     solver.Rest();
     for (const Stop &stop : stops) {
@@ -220,7 +281,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
             if (cache)
                 cache->Add(position);
             if (morphs)
-                morphs->AddFrame(stop.frame, position);
+                morphs->AddFrame(stop.frame, *carrier, position);
             if (output.frame)
                 output.frame(stop.frame, pose, position);
         }

@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_SEQUENCE_FRAMES_H
 #define VCG_FCD_SEQUENCE_FRAMES_H
 
+#include <vcg_ext/map/carrier.h>
 #include <vcg_ext/sequence/frame_files.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 #include <vcg_ext/sequence/sequence_solver.h>
@@ -13,6 +14,16 @@
 
 namespace vcg::fcd {
 
+/// Another surface or cloud of an animation, which goes along with the one that is posed.
+struct Companion {
+    SurfaceView surface;   ///< at rest
+    Eigen::Affine3d world; ///< from its mesh units
+    std::string name;
+    SurfaceLook look;
+    /// Where a pose takes it: gets its positions at rest, 3 x vertex slots, its mesh units, and changes them.
+    std::function<void(const Carrier &carrier, Eigen::Matrix3Xd &position)> carry;
+};
+
 /// What a pose sequence is written as, and to whom.
 struct SequenceOutput {
     enum Shapes {
@@ -20,10 +31,11 @@ struct SequenceOutput {
         EachPose   ///< each pose has one, mixed in straight lines
     };
 
-    double rate = 24;   ///< frames a second
-    std::string name;   ///< of the mesh, in glTF
-    VertexColors color; ///< in glTF
-    WriteAt gltf;       ///< gets a .glb file in the world, or is empty
+    double rate = 24;                  ///< frames a second
+    std::string name;                  ///< of the mesh, in glTF
+    SurfaceLook look;                  ///< in glTF
+    std::vector<Companion> companions; ///< in glTF
+    WriteAt gltf;                      ///< gets a .glb file in the world, or is empty
     Shapes shapes = EachFrame;
     WriteAt pointCache; ///< gets a .pc2 file in mesh units, or is empty
 

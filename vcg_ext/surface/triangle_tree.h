@@ -16,6 +16,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -73,10 +74,8 @@ class TriangleTree {
         });
         std::vector<Index> order(triangle.size());
         std::iota(order.begin(), order.end(), 0);
-        const std::size_t count = std::max<std::size_t>(1, NodesAround(order.size()));
-        nodes.reserve(count);
-        PreferLargePages(nodes.data(), count * sizeof(Node));
-        nodes.resize(count);
+        nodeCount = std::max<std::size_t>(1, NodesAround(order.size()));
+        nodes = LargeArray<Node>(nodeCount);
         Progress building = progress.Slice(0.1, 1);
         building.threads = ThreadsFor(progress.threads);
         Build(order.data(), order.data() + order.size(), 0, building);
@@ -126,6 +125,7 @@ class TriangleTree {
   private:
     static constexpr const char *stage = "Sorting the triangles";
     static constexpr std::size_t wide = 4;
+    static constexpr std::uint32_t often = 1 << 20; ///< comparisons, which take some hundredths of a second
     static constexpr Index none = std::numeric_limits<Index>::max();
 
     /// Most triangles of a node with axes of its own: what holds more is hardly flat.
@@ -150,8 +150,8 @@ class TriangleTree {
         return box;
     }
 
-    /// Divides triangles along the longest side of the box of their middles.
-    void Divide(Index *first, Index *at, Index *last) const {
+    /// Divides triangles along the longest side of the box of their middles. \throw Cancelled
+    void Divide(Index *first, Index *at, Index *last, const Progress &progress) const {
         if (at >= last)
             return;
         Eigen::AlignedBox3d box;
@@ -159,8 +159,12 @@ class TriangleTree {
             box.extend(middle[std::size_t(*t)]);
         int axis;
         box.sizes().maxCoeff(&axis);
-        std::nth_element(first, at, last,
-                         [&](Index a, Index b) { return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis]; });
+        std::uint32_t compared = 0;
+        std::nth_element(first, at, last, [&](Index a, Index b) {
+            if (++compared % often == 0)
+                progress(0, stage);
+            return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis];
+        });
     }
 
     /// How many nodes are above so many triangles; a single triangle has none.
@@ -187,9 +191,9 @@ class TriangleTree {
         if (count < 1 << 15) // where threads would cost more than they save
             both.threads = 1;
         const auto to = [&](std::size_t k) { return first + std::min(k * part, count); };
-        Divide(first, to(2), last);
-        ParallelFor(both.threads, 2, 1, [&](std::size_t half, std::size_t) {
-            Divide(to(2 * half), to(2 * half + 1), half == 0 ? to(2) : last);
+        Divide(first, to(2), last, both);
+        ParallelTasks(both.Slice(0, 0), stage, 2, [&](std::size_t half, const Progress &shared) {
+            Divide(to(2 * half), to(2 * half + 1), half == 0 ? to(2) : last, shared);
         });
         std::array<std::size_t, wide> begin; // of each child's nodes; behind the last ones is this one
         for (std::size_t k = 0; k < wide; ++k) {
@@ -270,7 +274,7 @@ class TriangleTree {
         double bound = within();
         std::array<Step, 64> next; // three more a level, of 16 at most, and those too far
         int count = 0;
-        next[std::size_t(count++)] = StepTo(0, Index(nodes.size()) - 1);
+        next[std::size_t(count++)] = StepTo(0, Index(nodeCount) - 1);
         while (count > 0) {
             const Step step = next[std::size_t(--count)];
             if (SquareOf(step) > bound)
@@ -334,7 +338,8 @@ class TriangleTree {
     const Eigen::Matrix3Xd &position;
     const std::vector<std::array<Index, 3>> triangle;
     std::vector<Eigen::Vector3d> middle; ///< of the triangles' boxes, while they are sorted
-    std::vector<Node> nodes;
+    std::unique_ptr<Node[]> nodes;       ///< each is written when it is built
+    std::size_t nodeCount = 0;
 };
 
 } // namespace vcg::fcd::detail

@@ -7,6 +7,8 @@
 #include "edit_fcd/shape/pose_solver.h"
 #include "edit_fcd/shape/rest_guard.h"
 
+#include <vcg_ext/sequence/surface_look.h>
+
 #include <memory>
 #include <optional>
 #include <set>
@@ -136,6 +138,8 @@ class BendSession {
         vcg::fcd::PoseSequence poses; ///< whose motions name no layer
         std::vector<vcg::fcd::KeyFrame> key;
         std::string name; ///< of the layer
+        vcg::fcd::SurfaceLook look;
+        std::vector<std::string> remarks; ///< on that
     };
     /// \throw vcg::fcd::Error there is none, or not in that range
     Animation animation(const AnimationExport &how);

@@ -4,6 +4,7 @@
 #include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/bend/model/session.h"
 
+#include <layer_fcd/layer_look.h>
 #include <layer_fcd/save_files.h>
 
 // The animation as a file, as FCD: Pose Sequence writes it.
@@ -13,8 +14,13 @@ using vcg::fcd::PoseSequence;
 BendSession::Animation BendSession::animation(const AnimationExport &how) {
     writeAppliedTags(); // by which the filter knows the handles
     const PoseSequence &all = expectAnimation(state());
-    return {posesInNumbers(), partOfAnimation(all, how.from, how.to, asTyped(how.rate)).key,
-            layer.label().toStdString()};
+    Animation animation{posesInNumbers(),
+                        partOfAnimation(all, how.from, how.to, asTyped(how.rate)).key,
+                        layer.label().toStdString(),
+                        {},
+                        {}};
+    animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
+    return animation;
 }
 
 vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation, const AnimationExport &how,
@@ -28,6 +34,7 @@ vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation
     vcg::fcd::SequenceOutput output;
     output.rate = asTyped(how.rate);
     output.name = animation.name;
+    output.look = animation.look;
     output.shapes = how.shapes;
     (how.isPointCache() ? output.pointCache : output.gltf) = files.add(how.file);
     return WriteFrames(surface->View(), handles, *solver.prepared()->deformer, sequence, motionsOfPoses(),

@@ -226,6 +226,8 @@ void BendTool::exportAnimation() {
             files->save();
             say("Wrote " + std::to_string(report->frames) + " frames to " + how.file.toStdString() +
                 ". In a script, once the layer is at rest: " + session->exportCall(*animation, how));
+            for (const std::string &each : animation->remarks)
+                say(each, true);
             if (!report->converged)
                 say("Some frames did not converge.", true);
             if (report->folded > 0)

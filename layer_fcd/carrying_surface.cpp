@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/centroidal_deformation.h> // before Qt
+
+#include "carrying_surface.h"
+#include "layer_contents.h"
+#include "layer_matrix.h"
+#include "parameters.h"
+
+#include <algorithm>
+#include <mutex>
+#include <sstream>
+#include <utility>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+using vcg::fcd::Index;
+using vcg::fcd::NearestPlace;
+using vcg::fcd::Progress;
+
+namespace {
+
+bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size_t i) {
+    return !layer.cm.vert[i].IsD() && position.col(Eigen::Index(i)).allFinite();
+}
+
+} // namespace
+
+/// The vertices of the surface by their places.
+class CarryingSurface::VerticesAtPlaces {
+  public:
+    VerticesAtPlaces(const MeshModel &source, const Eigen::Matrix3Xd &position) : mesh(source.cm), position(position) {}
+
+    /// The vertex at \p p: that of the same slot, where it is, as in a copy of the source; or else, of several, the one
+    /// whose normal is nearest to \p normal. Less than 0 where there is none. \param slot of the vertex that asks
+    std::ptrdiff_t operator()(std::size_t slot, const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
+        if (isAt(slot, p))
+            return std::ptrdiff_t(slot);
+        std::call_once(sorted, [this] { sort(); });
+        const std::uint64_t place = placeOf(p);
+        std::ptrdiff_t found = -1;
+        double best = 0;
+        for (auto at = std::lower_bound(places.begin(), places.end(), std::make_pair(place, std::uint32_t(0)));
+             at != places.end() && at->first == place; ++at) {
+            const double alike = toVector(mesh.vert[at->second].cN()).dot(normal);
+            if (isAt(at->second, p) && (found < 0 || alike > best)) {
+                found = std::ptrdiff_t(at->second);
+                best = alike;
+            }
+        }
+        return found;
+    }
+
+  private:
+    bool isAt(std::size_t slot, const Eigen::Vector3d &p) const {
+        return slot < mesh.vert.size() && !mesh.vert[slot].IsD() && position.col(Eigen::Index(slot)) == p;
+    }
+    static std::uint64_t placeOf(const Eigen::Vector3d &p) {
+        const Eigen::Vector3d positive = p + Eigen::Vector3d::Zero(); // of -0, too
+        return XXH3_64bits(positive.data(), 3 * sizeof(double));
+    }
+    void sort() const {
+        places.resize(mesh.vert.size());
+        vcg::fcd::ParallelFor(0, places.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                places[i] = {placeOf(position.col(Eigen::Index(i))), std::uint32_t(i)};
+        });
+        std::sort(places.begin(), places.end());
+    }
+
+    const CMeshO &mesh;
+    const Eigen::Matrix3Xd &position;
+    mutable std::once_flag sorted;
+    mutable std::vector<std::pair<std::uint64_t, std::uint32_t>> places; ///< and slots
+};
+
+CarryingSurface::CarryingSurface(const MeshModel &layer, Eigen::Matrix3Xd given)
+    : position(std::move(given)), matrix(invertibleMatrixOf(layer)) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<std::array<Index, 3>> triangle;
+    triangle.reserve(std::size_t(mesh.fn));
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD())
+            triangle.push_back({Index(vcg::tri::Index(mesh, face.cV(0))), Index(vcg::tri::Index(mesh, face.cV(1))),
+                                Index(vcg::tri::Index(mesh, face.cV(2)))});
+    std::vector<char> isVertex(mesh.vert.size());
+    for (std::size_t i = 0; i < isVertex.size(); ++i)
+        isVertex[i] = !mesh.vert[i].IsD();
+    places = std::make_unique<NearestPlace>(position, std::move(triangle), isVertex);
+    vertices = std::make_unique<VerticesAtPlaces>(layer, position);
+}
+
+CarryingSurface::~CarryingSurface() = default;
+
+int CarryingSurface::sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &at) const {
+    const Eigen::Affine3d to = matrix.inverse() * invertibleMatrixOf(target);
+    return places->SidesTold(
+        target.cm.vert.size(),
+        [&](std::size_t i) { return Eigen::Vector3d(to * Eigen::Vector3d(at.col(Eigen::Index(i)))); },
+        [&](std::size_t i) {
+            return isPlace(target, at, i) ? Eigen::Vector3d(to.linear() * toVector(target.cm.vert[i].cN()))
+                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        });
+}
+
+CarriedPlace CarryingSurface::operator()(const Carried &vertex, int sides) const {
+    // Where parts touch, the nearest place may be another part's.
+    CarriedPlace found;
+    found.same = (*vertices)(vertex.slot, vertex.position, vertex.normal);
+    if (found.same >= 0)
+        return found;
+    NearestPlace::Hint none;
+    found.place =
+        sides == 0 ? (*places)(vertex.position, none) : (*places)(vertex.position, none, sides * vertex.normal);
+    return found;
+}
+
+Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3d &matrix, const CMeshO *mesh) {
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+        if ((!mesh || !mesh->vert[std::size_t(i)].IsD()) && position.col(i).allFinite())
+            box.extend(matrix * Eigen::Vector3d(position.col(i)));
+    return box;
+}
+
+std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
+                          bool isWhole) {
+    if (here.isEmpty() || source.isEmpty())
+        return {};
+    const double size = here.diagonal().norm(), sourceSize = source.diagonal().norm(),
+                 gap = here.exteriorDistance(source);
+    const bool isFar = gap > sourceSize, isLandmarks = target.cm.vn < 100; // a few points may lie close together
+    if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks || !isWhole))
+        return {};
+    std::ostringstream text;
+    text << "The layer '" << target.label().toStdString() << "' is " << size << " across and the source " << sourceSize;
+    if (isFar)
+        text << ", and they are " << gap << " apart";
+    text << ": far from the source, what it does means nothing. Bring the layer to the same place and units first.";
+    return text.str();
+}
+
+void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
+           const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
+    const CMeshO &mesh = target.cm;
+    const Eigen::Affine3d here = invertibleMatrixOf(target);
+    const bool isSame = here.matrix() == matrix.matrix();
+    const Eigen::Affine3d to = isSame ? Eigen::Affine3d::Identity() : matrix.inverse() * here;
+    const Eigen::Matrix3d back = isSame ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(to.linear().inverse());
+    linear.assign(mesh.vert.size(), Eigen::Matrix3f::Identity());
+    ParallelFor(progress, "Mapping to the layer", mesh.vert.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+        Eigen::Matrix3f map;
+        for (std::size_t i = first; i < last; ++i) {
+            const Eigen::Vector3d p = position.col(Eigen::Index(i));
+            if (!isPlace(target, position, i))
+                continue;
+            const Eigen::Vector3d normal = toVector(mesh.vert[i].cN());
+            const Eigen::Vector3d way =
+                displacement({i, isSame ? p : to * p, isSame ? normal : to.linear() * normal}, map);
+            if (way.isZero(0)) // what is fixed keeps its bits
+                continue;
+            position.col(Eigen::Index(i)) = p + back * way;
+            linear[i] = isSame ? map : Eigen::Matrix3f((back * map.cast<double>() * to.linear()).cast<float>());
+        }
+    });
+}

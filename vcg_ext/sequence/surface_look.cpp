@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/sequence/frame_files.h>
+#include <vcg_ext/sequence/surface_look.h>
+
+#include <cassert>
+#include <cstring>
+
+namespace vcg::fcd {
+
+const char *TextureImage::Kind() const {
+    const auto begins = [this](const char *with) { return content.compare(0, std::strlen(with), with) == 0; };
+    if (begins("\x89PNG\r\n\x1A\n")) // Portable Network Graphics (PNG) Specification, 5.2
+        return "image/png";
+    return begins("\xFF\xD8\xFF") ? "image/jpeg" : nullptr; // ITU-T T.81, B.1.1.3: start of image, and a marker
+}
+
+std::int32_t SurfaceLook::TextureOf(std::size_t face) const {
+    if (place.empty())
+        return plain;
+    const std::int32_t number = texture.empty() ? 0 : texture[face];
+    return number >= 0 && std::size_t(number) < image.size() ? number : plain;
+}
+
+PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look, const Progress &progress)
+    : PackedSurface(surface, progress) {
+    const bool hasPlaces = !look.place.empty(), hasFaceColors = look.color.empty() && !look.faceColor.empty();
+    assert(!hasPlaces || look.place.size() == 6 * surface.faces);
+    assert(!hasFaceColors || look.faceColor.size() == surface.faces);
+    if (corner.empty() || (!hasPlaces && !hasFaceColors))
+        return;
+    std::vector<std::uint32_t> face; // that are written
+    face.reserve(corner.size() / 3);
+    detail::ForItems(surface.faces, progress, [&](std::size_t f) {
+        if (surface.IsFace(f))
+            face.push_back(std::uint32_t(f));
+    });
+    const auto isAlike = [&](std::uint32_t a, std::uint32_t b) {
+        return (!hasPlaces || std::memcmp(&look.place[2 * std::size_t(a)], &look.place[2 * std::size_t(b)],
+                                          2 * sizeof(float)) == 0) &&
+               (!hasFaceColors || look.faceColor[a / 3] == look.faceColor[b / 3]);
+    };
+    wedge.assign(slot.size(), SurfaceView::none);
+    std::vector<std::uint32_t> next(slot.size(), SurfaceView::none); // vertex of the same slot
+    detail::ForItems(corner.size(), progress, [&](std::size_t c) {
+        const auto own = std::uint32_t(3 * std::size_t(face[c / 3]) + c % 3);
+        std::uint32_t at = corner[c];
+        if (wedge[at] == SurfaceView::none)
+            wedge[at] = own;
+        while (!isAlike(wedge[at], own)) {
+            if (next[at] == SurfaceView::none) {
+                next[at] = std::uint32_t(slot.size());
+                slot.push_back(slot[at]);
+                wedge.push_back(own);
+                next.push_back(SurfaceView::none);
+            }
+            at = next[at];
+        }
+        corner[c] = at;
+    });
+
+    // The triangles of each texture together, those without one first, in their order.
+    std::vector<std::size_t> count(look.image.size() + 1, 0);
+    detail::ForItems(face.size(), progress, [&](std::size_t i) { ++count[std::size_t(look.TextureOf(face[i]) + 1)]; });
+    range.clear();
+    std::vector<std::size_t> to(count.size(), 0);
+    for (std::size_t i = 0, first = 0; i < count.size(); first += 3 * count[i], ++i) {
+        to[i] = first;
+        if (count[i] > 0)
+            range.push_back({std::int32_t(i) - 1, first, 3 * count[i]});
+    }
+    if (range.size() < 2)
+        return;
+    std::vector<std::uint32_t> sorted(corner.size());
+    detail::ForItems(face.size(), progress, [&](std::size_t i) {
+        std::size_t &at = to[std::size_t(look.TextureOf(face[i]) + 1)];
+        for (std::size_t k = 0; k < 3; ++k)
+            sorted[at++] = corner[3 * i + k];
+    });
+    corner.swap(sorted);
+}
+
+} // namespace vcg::fcd
