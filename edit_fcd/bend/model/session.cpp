@@ -26,6 +26,7 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
     data.state.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
+    kept = toolNow();
     keepRest();
     updateTags();
 }
@@ -55,7 +56,8 @@ std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
 bool BendSession::isUpToDate() const {
     Eigen::Matrix4d present;
     layer.cm.Tr.ToEigenMatrix(present);
-    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && rest.isAsKnown();
+    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && toolNow() == kept &&
+           rest.isAsKnown();
 }
 
 bool BendSession::isAsLeft() const {
@@ -158,6 +160,10 @@ void BendSession::endBeside() {
 /// The state is another one.
 void BendSession::takeState() {
     crossApplies();
+    if (loads != state().loads) {
+        optionsOf[loads] = data.options;
+        data.options = optionsOf[loads = state().loads];
+    }
     data.options.pose = state().pose;
     updateTags();
     writeMarks();

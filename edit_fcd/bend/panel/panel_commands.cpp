@@ -26,6 +26,7 @@ void BendPanel::addCommands(QBoxLayout &column) {
         button->setFocusPolicy(Qt::NoFocus);
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         grid->addWidget(button, row, place, 1, width);
+        return button;
     };
     add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 3);
     add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 3, 3);
@@ -38,6 +39,13 @@ void BendPanel::addCommands(QBoxLayout &column) {
     add("Apply to new layer",
         bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
         ApplyToNewLayer, 2, 3, 3);
+    add("Save session ...",
+        "Writes what no mesh file keeps of the layer (.fcd): marks, handles, motions, poses, key frames, the line, "
+        "the rest shape",
+        SaveSession, 3, 0, 3)
+        ->setObjectName("savesession");
+    add("Load session ...", "Goes on with the layer as it was when that session (.fcd) was saved", LoadSession, 3, 3, 3)
+        ->setObjectName("loadsession");
     column.addLayout(grid);
 }
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/session.h"
+
+#include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/state_text.h"
+
+#include <layer_fcd/kept_tool.h>
+#include <layer_fcd/layer_normals.h>
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/rest_shape.h>
+
+#include <vcg/complex/algorithms/update/bounding.h>
+
+#include <algorithm>
+
+// What the layer keeps of a session, for another one, and for files.
+
+namespace {
+
+std::vector<std::size_t> liveSlots(const CMeshO &mesh) {
+    std::vector<std::size_t> live;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            live.push_back(i);
+    return live;
+}
+
+void updateBox(MeshModel &layer) {
+    computeFaceNormals(layer.cm, {});
+    vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
+}
+
+} // namespace
+
+std::shared_ptr<const ToolState> BendSession::toolNow() const {
+    const LayerState *its = LayerState::of(layer);
+    return its ? its->tool : nullptr;
+}
+
+/// The layer keeps what is known here. Tags of a filter it has anyway.
+void BendSession::keepState() {
+    BendState own = state();
+    own.marks.reset();
+    own.pose = BendState().pose;
+    own.applies = own.loads = 0;
+    keepTool(document, layer, own == BendState() ? "" : bendText(state(), data.options, liveSlots(layer.cm)),
+             isMoved(data));
+    kept = toolNow();
+}
+
+void checkToolText(const std::string &text, const std::string &name, const MeshModel &layer) {
+    readBendText(text, name, liveSlots(layer.cm), layer.cm.vert.size());
+}
+
+bool BendSession::goOn() {
+    const std::shared_ptr<const ToolState> its = toolOf(layer);
+    if (!its)
+        return false;
+    auto [known, options] =
+        readBendText(its->text, layer.label().toStdString(), liveSlots(layer.cm), layer.cm.vert.size());
+    known.marks = state().marks;
+    if (auto poses = posesOf(layer))
+        known.poses = std::make_shared<const vcg::fcd::PoseSequence>(std::move(*poses));
+    const bool hasWeights = known.weights.empty() || (known.poses && known.weights.size() == known.poses->pose.size());
+    if (!hasWeights || std::any_of(known.points.begin(), known.points.end(),
+                                   [&s = known](const auto &each) { return !isFree(s, each.second.slot); }))
+        throw vcg::fcd::Error("The handles that the layer '" + layer.label().toStdString() +
+                              "' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.");
+    if (its->isPosed) {
+        {
+            const AtRest atRest(layer);
+            updateBox(layer);
+            keepRest();
+        }
+        updateBox(layer);
+        rest.leave();
+        rest.know();
+    }
+    data.state = std::move(known);
+    data.options = options;
+    takeState();
+    isLeft = its->isPosed;
+    return true;
+}
+
+void BendSession::follow(BendSession &&before) {
+    if (rest.world().matrix() != before.rest.world().matrix() || rest.positions() != before.rest.positions())
+        return;
+    history = std::move(before.history);
+    history.begin(before.state());
+    applied = std::move(before.applied);
+    data.state.applies = applies = before.applies;
+    optionsOf = std::move(before.optionsOf);
+    optionsOf.resize(before.loads + 2);
+    optionsOf[before.loads] = before.data.options;
+    data.state.loads = loads = before.loads + 1;
+}
