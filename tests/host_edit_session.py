@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import host_edit
-from host_edit import MIDDLE, Filters, Window, load, mark_two_regions, the_dialogs_are_those_of_2020, tube, tube_with_ends, write_ply
+from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
 from host_edit_hands import keep_pose, tube_with_poses
@@ -84,7 +84,7 @@ def full_session(window, tmp_path):
     w.shot("before")
     text = save_session(w, tmp_path / "all.fcd")
     assert np.array_equal(load(w.save("saved.ply"))[0], shape)
-    assert "\ndetail 123\n" in text and "\nmotions 2: " in text and "\nrim " in text and text.count("\nline ") == 3
+    assert "\ndetail 123\n" in text and "\nmark 0 " in text and "\nmark 2 " in text and "\nmotions 2: " in text and "\nrim " in text and text.count("\nline ") == 3
     return w, shape, text, poses
 
 
@@ -140,6 +140,11 @@ def test_the_tool_goes_on_with_what_the_filter_loads(window, another, tmp_path):
     filters.back()
     w.start_tool()
     check_whole(w, w.folder, shape, text, poses, load(tmp_path / "tube.ply")[0])
+    filters.run("FCD: Clear Tags") # the tool is elsewhere meanwhile
+    filters.back()
+    w.start_tool()
+    w.wait("The handles that the layer 'tube.ply' keeps do not fit its marks")
+    assert np.array_equal(load(w.save("cleared.ply"))[0], shape)
 
 
 def changed(data, before, after):

@@ -543,6 +543,11 @@ BendState FullState(std::size_t vertexSlots) {
     handle.pivot = Eigen::Vector3d(0.1, -1e30 / 3, 0);
     state.handles[3].name = "3";
     state.rank[11] = 2;
+    BendTags marks(vertexSlots, 1);
+    for (const std::size_t i : {0, 2, 4, 5})
+        marks[i] = int(i) - 2;
+    marks[vertexSlots - 1] = 2147483647;
+    state.marks = std::make_shared<const BendTags>(marks);
     BendRims rims(vertexSlots, 0.f);
     for (const std::size_t i : {3, 4, 5, 9})
         rims[i] = 1.f / 3;
@@ -585,9 +590,11 @@ TEST(BendText, HasAllThatIsKnown) {
     const std::vector<std::size_t> live = LiveSlots(20);
     const std::string text = bendText(state, options, live);
     auto [read, how] = readBendText(text, "text", live, 20);
-    ASSERT_TRUE(read.rims);
+    ASSERT_TRUE(read.rims && read.marks);
     EXPECT_EQ(*read.rims, *state.rims);
+    EXPECT_EQ(*read.marks, *state.marks);
     read.rims = state.rims; // else the very same is meant
+    read.marks = state.marks;
     EXPECT_TRUE(read == state) << text;
     EXPECT_TRUE(how.givesSameShape(options));
     EXPECT_EQ(how.mirror, 2);
@@ -642,7 +649,9 @@ TEST(BendText, WhatIsWrongIsSaid) {
     refused("motions 2: matrix -1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "motions that cannot be: ");
     refused("rim 1e-60 0 1", "expected a radius greater than 0, found '1e-60'.");
     refused("rim 1 2 1", "expected a vertex of the layer, found '1'.");
-    refused("rim 1 0 3 2 2", "vertex 2 has a rim already.");
+    refused("rim 1 0 3 2 2", "vertex 2 has a mark, or a rim, already.");
+    refused("mark 0 3 4 4 5", "vertex 4 has a mark, or a rim, already.");
+    refused("mark 0.5 3 4", "expected a tag, found '0.5'.");
     refused("weights 1 inf", "expected a percentage, found 'inf'.");
     refused("line 0 1 2 0.5 0.5 x", "expected a weight, found 'x'.");
 }
@@ -667,6 +676,7 @@ TEST(BendText, WhateverItSaysIsRefusedOrOfTheLayer) {
             for (const BendLinePoint &point : state.line)
                 EXPECT_TRUE(isLive(point.corner[0]) && point.weight.allFinite() && point.place.allFinite()) << changed;
             EXPECT_TRUE(!state.rims || state.rims->size() == 20) << changed;
+            EXPECT_TRUE(!state.marks || state.marks->size() == 20) << changed;
         } catch (const BadInput &) {
             ++wrong;
         }

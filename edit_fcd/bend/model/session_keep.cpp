@@ -25,6 +25,11 @@ std::vector<std::size_t> liveSlots(const CMeshO &mesh) {
     return live;
 }
 
+bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<const BendTags> &b,
+              const std::vector<std::size_t> &live) {
+    return a && b ? std::all_of(live.begin(), live.end(), [&](std::size_t i) { return (*a)[i] == (*b)[i]; }) : !a && !b;
+}
+
 void updateBox(MeshModel &layer) {
     computeFaceNormals(layer.cm, {});
     vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
@@ -37,7 +42,7 @@ std::shared_ptr<const ToolState> BendSession::toolNow() const {
     return its ? its->tool : nullptr;
 }
 
-/// The layer keeps what is known here. Tags of a filter it has anyway.
+/// The layer keeps what is known here, if that is more than tags of a filter.
 void BendSession::keepState() {
     BendState own = state();
     own.marks.reset();
@@ -56,14 +61,14 @@ bool BendSession::goOn() {
     const std::shared_ptr<const ToolState> its = toolOf(layer);
     if (!its)
         return false;
-    auto [known, options] =
-        readBendText(its->text, layer.label().toStdString(), liveSlots(layer.cm), layer.cm.vert.size());
-    known.marks = state().marks;
+    const std::vector<std::size_t> live = liveSlots(layer.cm);
+    auto [known, options] = readBendText(its->text, layer.label().toStdString(), live, layer.cm.vert.size());
     if (auto poses = posesOf(layer))
         known.poses = std::make_shared<const vcg::fcd::PoseSequence>(std::move(*poses));
     const bool hasWeights = known.weights.empty() || (known.poses && known.weights.size() == known.poses->pose.size());
-    if (!hasWeights || std::any_of(known.points.begin(), known.points.end(),
-                                   [&s = known](const auto &each) { return !isFree(s, each.second.slot); }))
+    const auto isOnFree = [&s = known](const auto &each) { return isFree(s, each.second.slot); };
+    if (!hasWeights || !haveSame(known.marks, state().marks, live) ||
+        !std::all_of(known.points.begin(), known.points.end(), isOnFree))
         throw vcg::fcd::Error("The handles that the layer '" + layer.label().toStdString() +
                               "' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.");
     if (its->isPosed) {

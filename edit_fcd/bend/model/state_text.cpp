@@ -33,6 +33,8 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
             if (const std::string more = word(); !more.empty())
                 expected("the end of the line", more);
         }
+        if (!marks.empty())
+            state.marks = std::make_shared<const BendTags>(std::move(marks));
         if (!rims.empty())
             state.rims = std::make_shared<const BendRims>(std::move(rims));
         return {std::move(state), options};
@@ -66,8 +68,10 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
             readSaid(key, state.handles[tag()]);
         else if (key == "motions")
             readMotions();
+        else if (key == "mark")
+            readRanges(marks, whole("a tag", std::numeric_limits<int>::lowest(), std::numeric_limits<int>::max()), 1);
         else if (key == "rim")
-            readRim();
+            readRanges(rims, radius<float>(), 0.f);
         else if (key == "weights")
             while (!isAtEnd())
                 state.weights.push_back(number("a percentage"));
@@ -111,14 +115,15 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
         }
     }
 
-    void readRim() {
-        const auto its = radius<float>();
-        rims.resize(vertexSlots, 0);
+    /// Vertices get a value, which they have not yet. \param none what they have then
+    template <class Value>
+    void readRanges(std::vector<Value> &values, Value value, Value none) {
+        values.resize(vertexSlots, none);
         while (!isAtEnd()) {
             const std::size_t first = vertex(), last = vertex(first);
             for (std::size_t i = first; i <= last; ++i)
-                if (std::exchange(rims[live[i]], its) > 0)
-                    Fail("vertex " + ToText(i) + " has a rim already");
+                if (std::exchange(values[live[i]], value) != none)
+                    Fail("vertex " + ToText(i) + " has a mark, or a rim, already");
         }
     }
 
@@ -183,25 +188,28 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
     const std::size_t vertexSlots;
     BendState state;
     BendOptions options;
+    BendTags marks;
     BendRims rims;
     std::set<std::size_t> taken; ///< slots of points
 };
 
 std::string textOf(const Eigen::Vector3d &v) { return ToText(v[0]) + " " + ToText(v[1]) + " " + ToText(v[2]); }
 
-/// The rims, those of one radius in one line.
-std::string rimText(const BendRims &rims, const std::vector<std::size_t> &live) {
-    std::map<float, std::string> lines;
+/// Which vertices have which value, those of one in one line. \param none what is left out
+template <class Value>
+std::string rangesText(const std::string &key, const std::vector<Value> &values, Value none,
+                       const std::vector<std::size_t> &live) {
+    std::map<Value, std::string> lines;
     for (std::size_t first = 0, last = 0; first < live.size(); first = last + 1) {
-        const float radius = rims[live[first]];
-        for (last = first; last + 1 < live.size() && rims[live[last + 1]] == radius;)
+        const Value value = values[live[first]];
+        for (last = first; last + 1 < live.size() && values[live[last + 1]] == value;)
             ++last;
-        if (radius > 0)
-            lines[radius] += " " + ToText(first) + " " + ToText(last);
+        if (value != none)
+            lines[value] += " " + ToText(first) + " " + ToText(last);
     }
     std::string text;
-    for (const auto &[radius, ranges] : lines)
-        text += "rim " + ToText(radius) + ranges + "\n";
+    for (const auto &[value, ranges] : lines)
+        text += key + " " + ToText(value) + ranges + "\n";
     return text;
 }
 
@@ -241,8 +249,10 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
         text += handleText(tag, handle);
     if (const std::string motions = vcg::fcd::WriteMotionText(state.motion); !motions.empty())
         text += "motions " + motions + "\n";
+    if (state.marks)
+        text += rangesText("mark", *state.marks, 1, live);
     if (state.rims)
-        text += rimText(*state.rims, live);
+        text += rangesText("rim", *state.rims, 0.f, live);
     if (!state.weights.empty()) {
         text += "weights";
         for (const double percent : state.weights)

@@ -25,14 +25,15 @@
 ///     locked TAG
 ///     pivot TAG X Y Z
 ///     motions ...             as ReadMotionText reads them
-///     rim RADIUS FIRST LAST FIRST LAST ...        of these vertices
+///     mark TAG FIRST LAST FIRST LAST ...          of these vertices
+///     rim RADIUS FIRST LAST FIRST LAST ...
 ///     weights PERCENT ...     of each pose that has a name
 ///     line A B C WA WB WC X Y Z                   of each point: BendLinePoint's corners, weights and place
 ///
 /// Lines after the first may be left out. Vertices are numbered from 0 as the live ones follow each other, which is how
 /// any program numbers them that opens the layer's file.
 
-/// All but marks, poses that have names, and applies. \param live slots of the live vertices, ascending \return what
+/// All but poses that have names, applies and loads. \param live slots of the live vertices, ascending \return what
 /// readBendText reads, each number to the bit
 std::string bendText(const BendState &state, const BendOptions &options, const std::vector<std::size_t> &live);
 
