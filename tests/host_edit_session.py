@@ -34,15 +34,25 @@ def another(tmp_path):
         each.close()
 
 
+def choose(w, key, title, path):
+    """A file, by the menu."""
+    w.click(w.place("session"))
+    w.key(key)
+    asked = w.wait_for_title(title)
+    w.do("type", "--delay", 5, str(path))
+    w.key("Return")
+    w.wait_for_title("MeshLab", other_than=asked)
+
+
 def save_session(w, path):
     saved = w.text().count("Saved the session as")
-    answer(w, "savesession", "Save session", str(path))
+    choose(w, "s", "Save session", path)
     w.wait("Saved the session as", saved + 1)
     return known(path.with_suffix(".fcd"))
 
 
 def load_session(w, path):
-    answer(w, "loadsession", "Load session", str(path))
+    choose(w, "l", "Load session", path)
     w.wait(f"Loaded the session {path}.")
     w.settle()
 
@@ -160,10 +170,7 @@ def test_a_session_of_another_layer_is_refused(window, tmp_path):
     points, faces = tube(80, 64)
     w = window(write_ply(tmp_path / "tube.ply", points, faces))
     w.start_tool()
-    w.click(w.place("savesession"))
-    w.wait_for_title("Save session")
-    w.do("type", "--delay", 5, str(tmp_path / "none.fcd"))
-    w.key("Return")
+    choose(w, "s", "Save session", tmp_path / "none.fcd")
     w.wait("Nothing is known of the layer 'tube.ply' that a session would keep.")
     w.drag(*PULL)
     pulled = load(w.save("pulled.ply"))[0]
@@ -173,7 +180,7 @@ def test_a_session_of_another_layer_is_refused(window, tmp_path):
     both = load(w.save("both.ply"))[0]
     assert not np.array_equal(both, pulled)
     (tmp_path / "later.fcd").write_bytes(changed(data, b"FCD bend 1", b"FCD bend 2"))
-    answer(w, "loadsession", "Load session", str(tmp_path / "later.fcd"))
+    choose(w, "l", "Load session", tmp_path / "later.fcd")
     w.wait("line 1: expected 'FCD bend 1': this is of another version of the tool.")
     assert np.array_equal(load(w.save("both_still.ply"))[0], both)
     (tmp_path / "odd.fcd").write_bytes(changed(data, b"axes 0\npose 100\n", b"weights 12345.5\n"))
@@ -183,11 +190,11 @@ def test_a_session_of_another_layer_is_refused(window, tmp_path):
     import_another(w, tmp_path)
     w.drag((X, Y - 90), (X + 20, Y - 150))
     bent = load(w.save("bent.ply"))[0]
-    answer(w, "loadsession", "Load session", str(tmp_path / "tube.fcd"))
+    choose(w, "l", "Load session", tmp_path / "tube.fcd")
     w.wait("is of a layer with")
     w.shot("refused")
     assert np.array_equal(load(w.save("still.ply"))[0], bent)
     (tmp_path / "cut.fcd").write_bytes(data[:-7])
-    answer(w, "loadsession", "Load session", str(tmp_path / "cut.fcd"))
+    choose(w, "l", "Load session", tmp_path / "cut.fcd")
     w.wait("is no session")
     assert np.array_equal(load(w.save("still_so.ply"))[0], bent) and not np.array_equal(bent, pulled)
