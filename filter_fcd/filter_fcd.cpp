@@ -53,7 +53,9 @@ int FilterFcd::changes(int id) const {
     // A number of vertices that changes means no preview. A preview of this could not be taken back: the host does not
     // restore attributes.
     case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
-    case LoadSession: return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
+    case LoadSession:
+        return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER |
+               MeshModel::MM_TRANSFMATRIX;
     case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case TagSelection:
     case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;

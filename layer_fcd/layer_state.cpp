@@ -4,6 +4,7 @@
 #include "inherited_rest.h"
 #include "inherited_scan.h"
 #include "kept_deformation.h"
+#include "kept_tool.h"
 #include "layer_state.h"
 
 #include <algorithm>
@@ -68,8 +69,12 @@ States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
 }
 
-/// What a state has that no file of a mesh or of a project has room for; a list.
-QString lostWithProjects(const LayerState &state) {
+/// What is kept of a layer that no file of a mesh or of a project has room for; a list.
+QString lostWithProjects(const MeshModel &layer) {
+    const LayerState *known = LayerState::of(layer);
+    if (!known)
+        return {};
+    const LayerState &state = *known;
     QStringList all;
     if (state.rest)
         all << "rest shape";
@@ -79,6 +84,8 @@ QString lostWithProjects(const LayerState &state) {
         all << "marks";
     if (state.poses)
         all << "poses";
+    if (toolOf(layer))
+        all << "handles and motions";
     return all.join(", ");
 }
 
@@ -86,8 +93,7 @@ QString lostWithProjects(const LayerState &state) {
 void tellWhenProjectsAreSaved(MeshDocument &document) {
     const auto tell = [&document] {
         for (const MeshModel *layer : host::layers(document)) {
-            const LayerState *its = LayerState::of(*layer);
-            const QString lost = its ? lostWithProjects(*its) : QString();
+            const QString lost = lostWithProjects(*layer);
             if (!lost.isEmpty())
                 host::log(document, "FCD: a project has no room for what is kept of '" + layer->label().toStdString() +
                                         "': " + lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
@@ -189,7 +195,8 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 }
 
 bool LayerState::isEmpty() const {
-    return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !result;
+    return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
+           !result;
 }
 
 void LayerState::tidy(MeshModel &layer) {

@@ -74,6 +74,14 @@ struct KeptScan {
     std::vector<std::pair<Point3m, std::uint32_t>> gone; ///< places in a pose, and numbers, of those that were deleted
 };
 
+/// What the tool FCD: Bend knew of a layer when it left it (kept_tool.h).
+struct ToolState {
+    std::string text;        ///< as the tool writes it; vertices are numbered as the live ones follow each other
+    bool isPosed;            ///< the layer has a pose of its rest shape by that
+    std::uint64_t shape = 0; ///< of the layer then, as shapeOf tells it
+    Matrix44m matrix;        ///< of the layer then
+};
+
 /// What a layer was made from, and how it was then (results.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
@@ -93,6 +101,7 @@ struct LayerState {
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
+    std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
     std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
 
     /// That of a layer, null where nothing is known of it.

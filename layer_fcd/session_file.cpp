@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session_format.h" // which includes others before Qt
 
+#include "kept_tool.h"
 #include "layer_contents.h"
+#include "layer_matrix.h"
 #include "layer_normals.h"
 #include "rest_shape.h"
 #include "save_files.h"
@@ -123,6 +125,38 @@ double distanceFrom(const CMeshO &mesh, const Shape &shape) {
     return most;
 }
 
+QCborMap mapOf(const ToolState &tool) {
+    std::vector<double> matrix(16);
+    for (int k = 0; k < 16; ++k)
+        matrix[std::size_t(k)] = double(tool.matrix[k % 4][k / 4]);
+    return {{QString("state"), QString::fromStdString(tool.text)},
+            {QString("posed"), tool.isPosed},
+            {QString("matrix"), arrayOf(std::move(matrix))}};
+}
+
+/// The same, read, but for the shape. \throw vcg::fcd::Error the layer has another matrix
+ToolState readTool(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file) {
+    ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
+    const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
+    for (int k = 0; k < 16; ++k)
+        tool.matrix[k % 4][k / 4] = Scalarm(matrix[std::size_t(k)]);
+    Eigen::Affine3d then;
+    tool.matrix.ToEigenMatrix(then.matrix());
+    if (then.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !std::isnormal(then.linear().determinant()))
+        from.fail("matrix is none that a layer can have");
+    if (tool.isPosed && !hasRest)
+        from.fail("rest is missing");
+    const Eigen::Affine3d now = matrixOf(layer);
+    const double rounding = 1e-5; // a project has six digits
+    const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
+                        (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
+    if (!isSame && !now.matrix().isIdentity(0))
+        throw Error(file + " is of a layer with another matrix than " + inQuotes(layer) +
+                    " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
+                    "again, which brings the matrix of then.");
+    return tool;
+}
+
 SessionContents contentsOf(const LayerState &state) {
     SessionContents contents;
     contents.marks = !state.marks.empty();
@@ -130,6 +164,7 @@ SessionContents contentsOf(const LayerState &state) {
     contents.rest = state.rest.has_value();
     contents.earlier = state.rest ? int(state.rest->earlier.size()) : 0;
     contents.poses = state.poses ? int(state.poses->pose.size()) : 0;
+    contents.tool = state.tool != nullptr;
     return contents;
 }
 
@@ -138,7 +173,8 @@ SessionContents contentsOf(const LayerState &state) {
 SessionContents saveSession(const MeshModel &layer, const QString &file) {
     const CMeshO &mesh = layer.cm;
     const LayerState *state = LayerState::of(layer);
-    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses))
+    const auto tool = toolOf(layer);
+    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !tool))
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
                     " that a session would keep. Tag, mark or pose it first.");
     const LiveVertices live(mesh);
@@ -163,6 +199,8 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     }
     if (state->poses)
         map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state->poses)));
+    if (tool)
+        map.insert(QString("tool"), mapOf(*tool));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
                                     {QString("version"), version},
@@ -171,10 +209,13 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
                                .toCborValue()
                                .toCbor();
     saveFiles({{file, all.toStdString()}});
-    return contentsOf(*state);
+    SessionContents contents = contentsOf(*state);
+    contents.tool = tool != nullptr;
+    return contents;
 }
 
-SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file) {
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file,
+                            const std::function<void(const std::string &)> &checkTool) {
     CMeshO &mesh = layer.cm;
     const std::string name = inQuotes(file);
     const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
@@ -230,6 +271,12 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         next.scan = scanOf(from.in("scan"), live, shown);
     if (from.has("poses"))
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
+    std::shared_ptr<ToolState> tool;
+    if (from.has("tool")) {
+        next.tool = tool = std::make_shared<ToolState>(readTool(from.in("tool"), from.has("rest"), layer, name));
+        if (checkTool)
+            checkTool(tool->text);
+    }
 
     // The layer may be at rest, as when its scan was opened again.
     Eigen::AlignedBox3d box;
@@ -284,11 +331,19 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
                 mesh.vert[i].Q() = CVertexO::QualityType(*q);
         });
     }
+    if (tool) {
+        contents.hasMatrix = !(tool->matrix == mesh.Tr);
+        mesh.Tr = tool->matrix;
+        tool->shape = shapeOf(mesh);
+        if (next.scan)
+            next.scan->matrix = mesh.Tr;
+    }
     if (next.rest)
         next.rest->normalsNow = next.rest->normalsBefore = next.rest->ownNormals ? normalsOf(mesh) : 0;
     state.marks = std::move(next.marks);
     state.scan = std::move(next.scan);
     state.rest = std::move(next.rest);
     state.poses = std::move(next.poses);
+    state.tool = std::move(next.tool);
     return contents;
 }

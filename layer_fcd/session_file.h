@@ -7,6 +7,7 @@
 
 #include <QString>
 
+#include <functional>
 #include <string>
 
 /// \file
@@ -14,7 +15,7 @@
 /// map that any CBOR library reads:
 ///
 ///     "format"   "FCD session"
-///     "version"  1
+///     "version"  2
 ///     "sha256"   of the bytes of "layer"
 ///     "layer"    the bytes of a map, encoded as CBOR:
 ///       "vertices", "faces"  how many are live; all arrays have a value for each live vertex, in their order
@@ -27,15 +28,21 @@
 ///                            whether a vertex has that of its tag; "tag": that its quality is, or the least int; and
 ///                            the other fields of KeptScan}
 ///       "poses"              a table, as ReadPoseSequence reads it
+///       "tool"               what FCD: Bend knows besides: {"state": a text, as edit_fcd/bend/model/state_text.h
+///       tells;
+///                            "posed": whether the layer has the pose of that, and not the shape that it begins from;
+///                            "matrix": of the layer, column by column}
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 
 /// What a session has, or had.
 struct SessionContents {
     bool marks = false, colors = false, rest = false;
-    int earlier = 0; ///< rest shapes
+    bool tool = false; ///< handles, motions and a line, as FCD: Bend knows them
+    int earlier = 0;   ///< rest shapes
     int poses = 0;
-    int moved = 0; ///< vertices that have another position since it was loaded
+    int moved = 0;          ///< vertices that have another position since it was loaded
+    bool hasMatrix = false; ///< the layer has the matrix of then since
 };
 
 /// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot
@@ -43,8 +50,11 @@ struct SessionContents {
 SessionContents saveSession(const MeshModel &layer, const QString &file);
 
 /// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest
-/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay.
+/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay. Motions of the tool are told in the
+/// world: a layer without a matrix gets the one of then. \param checkTool is asked before anything changes, and throws
+/// where what the tool knew cannot be read; may be empty
 /// \throw vcg::fcd::Error what is wrong with the file, or how the layer differs; it is then as it was
-SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file);
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file,
+                            const std::function<void(const std::string &)> &checkTool = {});
 
 #endif

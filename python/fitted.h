@@ -25,8 +25,8 @@ class Fitting {
             const nb::dict &param, unsigned threads, const nb::object &report);
 
     /// Fits it. \param goal vertices, faces (or None), normals (or None), weights (or None), curves (pairs of vertices
-    /// and corners); empty where the landmarks count alone \param points vertices of the landmarks \param places where they belong \param leaveOneOut also fits
-    /// it without each of these \return the pose, and what is told of it
+    /// and corners); empty where the landmarks count alone \param points vertices of the landmarks \param places where
+    /// they belong \param leaveOneOut also fits it without each of these \return the pose, and what is told of it
     nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, bool leaveOneOut,
                   const nb::object &report) const;
 

@@ -507,5 +507,5 @@ def test_who_saves_a_project_is_told_what_is_not_in_it(window, tmp_path):
     w.key("ctrl+s")
     w.do("type", "--delay", "5", str(tmp_path / "all.mlp"))
     w.key("Return")
-    w.wait("FCD: a project has no room for what is kept of 'tube.ply': rest shape. 'FCD: Save Session' writes that to a file.")
+    w.wait("FCD: a project has no room for what is kept of 'tube.ply': rest shape, handles and motions. 'FCD: Save Session' writes that to a file.")
     assert (tmp_path / "all.mlp").exists()

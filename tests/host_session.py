@@ -6,11 +6,11 @@ import numpy as np
 import pymeshlab
 import pytest
 
-from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_returned, clean_bone, new_set, same_points, set_quality, snapshot
+from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_returned, clean_bone, matrix as matrix_of, new_set, same_points, set_quality, snapshot
 from host_tags import BEND, CLEAR, coloured, look, tag_ends
 
 SAVE, LOAD, SEQUENCE = "save_fcd_session", "load_fcd_session", "generate_fcd_pose_sequence"
-RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "moved_vertices": int}
+RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "moved_vertices": int}
 
 
 def reopened(ms, folder, file="layer.ply"):
@@ -42,7 +42,7 @@ def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
     before = snapshot(ms.current_mesh())
     result = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
     check_returned(result, RETURNS)
-    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "moved_vertices": 0}
+    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "moved_vertices": 0}
     assert_unchanged(before, ms.current_mesh())
     shown = look(ms)
     if at_rest:  # the layer has its rest shape in the file
@@ -190,3 +190,72 @@ def test_a_file_that_was_changed_is_refused_or_harmless(tmp_path):
                 pass
         again = reopened(ms, tmp_path)
     assert 0 < loaded < 300
+
+
+def cbor(value):
+    """As CBOR has it; an array as a typed one."""
+    def head(kind, size):
+        return bytes([kind | size]) if size < 24 else bytes([kind | 24, size])
+    if isinstance(value, bool):
+        return b"\xf5" if value else b"\xf4"
+    if isinstance(value, str):
+        return head(0x60, len(value)) + value.encode()
+    if isinstance(value, dict):
+        return head(0xa0, len(value)) + b"".join(cbor(key) + cbor(each) for key, each in value.items())
+    return b"\xd8\x56" + head(0x40, 128) + np.asarray(value, "<f8").T.tobytes()
+
+
+def with_tool(data, posed=True, matrix=None, state="FCD bend 1\npose 50\n"):
+    """A session in which the tool knows something, too."""
+    layer = contents(data)
+    assert 0xa0 < layer[0] < 0xb7
+    matrix = np.eye(4) if matrix is None else matrix
+    return with_layer(data, bytes([layer[0] + 1]) + layer[1:] + cbor("tool") + cbor({"state": state, "posed": posed, "matrix": matrix}))
+
+
+def test_what_the_tool_knows_goes_through_filters(tmp_path):
+    """As long as the layer is as the tool left it, wherever that is read and written."""
+    ms, _, shapes = posed()
+    file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = with_tool(file.read_bytes())
+    file.write_bytes(data)
+    again = reopened(ms, tmp_path)
+    assert again.apply_filter(LOAD, session_file=str(file))["tool"]
+    assert again.apply_filter(SAVE, session_file=str(again_file))["tool"]
+    for part in ("FCD bend 1\npose 50\n", np.eye(4), True):
+        assert cbor(part) in contents(again_file.read_bytes())
+    again.apply_filter(POSE, transforms="2: translate 0 0.1 0")
+    assert not again.apply_filter(SAVE, session_file=str(again_file))["tool"]
+    assert again.apply_filter(LOAD, session_file=str(again_file))["tool"] is False
+    again.apply_filter(RESET)
+    assert again.apply_filter(LOAD, session_file=str(file))["tool"]
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+
+
+def test_a_layer_without_a_matrix_gets_that_of_its_session(tmp_path):
+    """Motions of the tool are told in the world. As a project has it, it is rounded."""
+    ms, _, shapes = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    matrix = np.array([[0, -2 / 3, 0, 5], [2 / 3, 0, 0, 0], [0, 0, 2 / 3, 1], [0, 0, 0, 1]])
+    file.write_bytes(with_tool(data, matrix=matrix))
+    for before in (np.eye(4), np.round(matrix, 6)):
+        again = reopened(ms, tmp_path)
+        again.apply_filter("set_matrix", transformmatrix=before, freeze=False)
+        assert again.apply_filter(LOAD, session_file=str(file))["tool"]
+        assert np.array_equal(matrix_of(again.current_mesh()), matrix)
+        assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+    for far in (np.round(matrix, 2), matrix + np.eye(4)[:, [3, 1, 2, 0]] * [[0, 0, 0, 1], [0] * 4, [0] * 4, [0] * 4]):
+        again.apply_filter("set_matrix", transformmatrix=far, freeze=False)
+        refused(again, "is of a layer with another matrix than .* Reset the layer's matrix", session_file=str(file))
+    flat = np.diag([1.0, 1, 0, 1])
+    for wrong, what in ((with_tool(data, matrix=flat), "matrix is none that a layer can have"), (with_tool(data, state=True), "state is no text")):
+        file.write_bytes(wrong)
+        refused(reopened(ms, tmp_path), what, session_file=str(file))
+    plain = clean_bone()
+    tag_ends(plain)
+    plain.apply_filter(SAVE, session_file=str(file))
+    file.write_bytes(with_tool(file.read_bytes()))
+    refused(plain, "rest is missing", session_file=str(file))

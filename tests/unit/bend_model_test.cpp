@@ -3,6 +3,7 @@
 #include <edit_fcd/bend/model/marks.h>
 #include <edit_fcd/bend/model/model.h>
 #include <edit_fcd/bend/model/named_poses.h>
+#include <edit_fcd/bend/model/state_text.h>
 #include <edit_fcd/bend/model/steps.h>
 #include <edit_fcd/bend/panel/frame_scale.h>
 #include <edit_fcd/bend/tool/drag.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <random>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -562,4 +564,159 @@ TEST(FrameScale, IsWhereFramesAndMarksAre) {
     EXPECT_EQ(one.timeAt(70, 4), 2);
     EXPECT_EQ(none.last(), 0);
     EXPECT_FALSE(none.keyAt(10, 4));
+}
+
+namespace {
+
+/// Of each thing that a state has, something; numbers have no few digits.
+BendState FullState(std::size_t vertexSlots) {
+    BendState state;
+    state.points[2] = {7, 1.0 / 3, true};
+    state.points[11] = {3, 1e-7 / 3, false};
+    BendHandle &handle = state.handles[2];
+    handle.name = "Elbow  # left; \xc3\xa9";
+    handle.isHidden = handle.isLocked = true;
+    handle.pivot = Eigen::Vector3d(0.1, -1e30 / 3, 0);
+    state.handles[3].name = "3";
+    state.rank[11] = 2;
+    BendTags marks(vertexSlots, 1);
+    for (const std::size_t i : {0, 2, 4, 5})
+        marks[i] = int(i) - 2;
+    marks[vertexSlots - 1] = 2147483647;
+    state.marks = std::make_shared<const BendTags>(marks);
+    BendRims rims(vertexSlots, 0.f);
+    for (const std::size_t i : {3, 4, 5, 9})
+        rims[i] = 1.f / 3;
+    rims[vertexSlots - 1] = 0.7f;
+    state.rims = std::make_shared<const BendRims>(rims);
+    state.motion[2] = {MotionStep::Rotate({1, 2, 3}, 100.0 / 3), MotionStep::Translate({1.0 / 3, 0, -0.1})};
+    state.motion[2][0].about = Eigen::Vector3d(0.1, 0.2, 0.3);
+    state.motion[11] = {MotionStep::Scale({1.1, 1.2, 1.3})};
+    state.pose = 50;
+    state.weights = {100.0 / 3, 0, -20};
+    state.line = {{{3, 7, 9}, {0.2, 0.3, 0.5}, {0, 0, 0}}, {{3, 3, 3}, {0, 0, 0}, {1.0 / 3, 2, 3}}};
+    return state;
+}
+
+BendOptions OtherOptions() {
+    BendOptions options;
+    options.smoothness = 0.01 / 3;
+    options.pose = 50;
+    options.initialPatches = 321;
+    options.weights = MappingWeights::Euclidean;
+    options.mirror = 2;
+    options.axes = BendAxes::Surface;
+    return options;
+}
+
+/// Slots, of which some are deleted.
+std::vector<std::size_t> LiveSlots(std::size_t vertexSlots) {
+    std::vector<std::size_t> live;
+    for (std::size_t i = 0; i < vertexSlots; ++i)
+        if (i % 5 != 1)
+            live.push_back(i);
+    return live;
+}
+
+} // namespace
+
+TEST(BendText, HasAllThatIsKnown) {
+    const BendState state = FullState(20);
+    const BendOptions options = OtherOptions();
+    const std::vector<std::size_t> live = LiveSlots(20);
+    const std::string text = bendText(state, options, live);
+    auto [read, how] = readBendText(text, "text", live, 20);
+    ASSERT_TRUE(read.rims && read.marks);
+    EXPECT_EQ(*read.rims, *state.rims);
+    EXPECT_EQ(*read.marks, *state.marks);
+    read.rims = state.rims; // else the very same is meant
+    read.marks = state.marks;
+    EXPECT_TRUE(read == state) << text;
+    EXPECT_TRUE(how.givesSameShape(options));
+    EXPECT_EQ(how.mirror, 2);
+    EXPECT_EQ(how.axes, BendAxes::Surface);
+
+    // Where nothing is deleted any more, the same vertices have other slots.
+    const std::vector<std::size_t> packed = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    const BendState there = readBendText(text, "text", packed, 16).first;
+    EXPECT_EQ(live[there.points.at(2).slot], 7U);
+    EXPECT_EQ(live[there.line[0].corner[2]], 9U);
+    EXPECT_EQ((*there.rims)[3], (*state.rims)[live[3]]);
+    EXPECT_EQ(bendText(there, how, packed), text);
+
+    BendState named;
+    named.handles[2].name = "two\nlines";
+    EXPECT_EQ(readBendText(bendText(named, {}, packed), "text", packed, 16).first.handles.at(2).name, "two lines");
+    const auto [none, usual] = readBendText(bendText({}, {}, packed), "text", packed, 16);
+    EXPECT_TRUE(none == BendState() && usual.givesSameShape({}));
+}
+
+TEST(BendText, WhatIsWrongIsSaid) {
+    const std::vector<std::size_t> live = LiveSlots(20); // 16 of them
+    const auto messageOf = [&](const std::string &text) {
+        return MessageOf<BadInput>([&] { readBendText(text, "s.fcd", live, 20); });
+    };
+    const auto refused = [&](const std::string &line, const std::string &what) {
+        const std::string message = messageOf("FCD bend 1\n" + line);
+        EXPECT_EQ(message.find("'s.fcd', line 2: " + what), 0U) << message;
+        EXPECT_EQ(message.find(".."), std::string::npos) << message;
+    };
+    EXPECT_EQ(messageOf("FCD bend 2\nmore"),
+              "'s.fcd', line 1: expected 'FCD bend 1': this is of another version of the tool.");
+    refused("colour 3", "expected an option, or what is known of a handle, found 'colour'.");
+    refused("axes 1 2", "expected the end of the line, found '2'.");
+    refused("axes 4", "expected 0, 1, 2 or 3, found '4'.");
+    refused("symmetry 3", "expected -1, 0, 1 or 2, found '3'.");
+    refused("distances 2", "expected 0 or 1, found '2'.");
+    refused("detail 1e3", "expected a number of patches from 0 to 20000, found '1e3'.");
+    refused("smoothness nan", "expected a smoothness from 0 to 10, found 'nan'.");
+    refused("pose 201", "expected a percentage from 0 to 200, found '201'.");
+    refused("point 1 0 1", "expected the tag of a handle, from 2, found '1'.");
+    refused("point 2 16 1", "expected a vertex of the layer, found '16'.");
+    refused("point 2 -1 1", "expected a vertex of the layer, found '-1'.");
+    refused("point 2 0 0", "expected a radius greater than 0, found '0'.");
+    refused("point 2 0 inf", "expected a radius greater than 0, found 'inf'.");
+    refused("point 2 0 1 grap", "expected 'grip', found 'grap'.");
+    EXPECT_EQ(messageOf("FCD bend 1\npoint 2 0 1\npoint 3 0 1"),
+              "'s.fcd', line 3: the vertex has another handle already.");
+    refused("rank 2 2000000", "expected a rank from 1 to 1000000, found '2000000'.");
+    refused("pivot 2 0 0", "expected a number of a place, found ''.");
+    refused("motions 2: rotate 0 0 0 1", "motions that cannot be: The motions, character 4: ");
+    refused("motions 2: matrix -1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "motions that cannot be: ");
+    refused("rim 1e-60 0 1", "expected a radius greater than 0, found '1e-60'.");
+    refused("rim 1 2 1", "expected a vertex of the layer, found '1'.");
+    refused("rim 1 0 3 2 2", "vertex 2 has a mark, or a rim, already.");
+    refused("mark 0 3 4 4 5", "vertex 4 has a mark, or a rim, already.");
+    refused("mark 0.5 3 4", "expected a tag, found '0.5'.");
+    refused("weights 1 inf", "expected a percentage, found 'inf'.");
+    refused("line 0 1 2 0.5 0.5 x", "expected a weight, found 'x'.");
+}
+
+TEST(BendText, WhateverItSaysIsRefusedOrOfTheLayer) {
+    const std::vector<std::size_t> live = LiveSlots(20);
+    const std::string text = bendText(FullState(20), OtherOptions(), live), letters = "0123456789-.e \n:;abc\xff";
+    std::mt19937 random(7);
+    int read = 0, wrong = 0;
+    for (int i = 0; i < 20000; ++i) {
+        std::string changed = text;
+        for (unsigned k = 0; k <= random() % 3; ++k)
+            changed[random() % changed.size()] = letters[random() % letters.size()];
+        if (i % 7 == 0)
+            changed.resize(random() % changed.size());
+        try {
+            const BendState state = readBendText(changed, "text", live, 20).first;
+            ++read;
+            const auto isLive = [&](std::size_t slot) { return std::binary_search(live.begin(), live.end(), slot); };
+            for (const auto &[tag, point] : state.points)
+                EXPECT_TRUE(tag >= 2 && isLive(point.slot) && point.radius > 0) << changed;
+            for (const BendLinePoint &point : state.line)
+                EXPECT_TRUE(isLive(point.corner[0]) && point.weight.allFinite() && point.place.allFinite()) << changed;
+            EXPECT_TRUE(!state.rims || state.rims->size() == 20) << changed;
+            EXPECT_TRUE(!state.marks || state.marks->size() == 20) << changed;
+        } catch (const BadInput &) {
+            ++wrong;
+        }
+    }
+    EXPECT_GT(read, 1000);
+    EXPECT_GT(wrong, 1000);
 }

@@ -7,7 +7,6 @@
 
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/marks.h>
-#include <layer_fcd/tag_sources.h>
 
 #include <algorithm>
 #include <cassert>
@@ -26,6 +25,7 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
     data.state.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
+    kept = toolNow();
     keepRest();
     updateTags();
 }
@@ -44,18 +44,11 @@ void BendSession::keepRest() {
                    &reach};
 }
 
-/// The tags of a layer, null where nothing is tagged. A quality that is no tags counts as nothing.
-std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
-    HandleParam param;
-    param.source = HandleParam::Known;
-    auto present = std::make_shared<const BendTags>(readTags(layer, param));
-    return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
-}
-
 bool BendSession::isUpToDate() const {
     Eigen::Matrix4d present;
     layer.cm.Tr.ToEigenMatrix(present);
-    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && rest.isAsKnown();
+    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && toolNow() == kept &&
+           rest.isAsKnown();
 }
 
 bool BendSession::isAsLeft() const {
@@ -158,6 +151,10 @@ void BendSession::endBeside() {
 /// The state is another one.
 void BendSession::takeState() {
     crossApplies();
+    if (loads != state().loads) {
+        optionsOf[loads] = data.options;
+        data.options = optionsOf[loads = state().loads];
+    }
     data.options.pose = state().pose;
     updateTags();
     writeMarks();

@@ -16,6 +16,7 @@
 #include <vector>
 
 struct AnimationExport;
+struct ToolState;
 class FilesToSave;
 namespace vcg::fcd {
 struct SequenceReport;
@@ -23,6 +24,9 @@ struct SequenceReport;
 
 /// How the filters are asked for what the panel says.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
+
+/// \param text as a session of \p layer has it \throw vcg::fcd::Error it cannot be read
+void checkToolText(const std::string &text, const std::string &name, const MeshModel &layer);
 
 /// A layer while it is bent: its rest shape, a BendModel, and the deformer that is prepared for that. Knows nothing of
 /// mouse and screen.
@@ -39,6 +43,12 @@ class BendSession {
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return rest.fits(); }
+    /// Goes on with what the layer keeps of a session of before, or of a file: rest shape, handles, motions, line and
+    /// options. \return whether it keeps any of that \throw vcg::fcd::Error it makes no sense; nothing has changed
+    bool goOn();
+    /// Undo leads back to what another session knew of the layer, if that began from the same shape.
+    void follow(BendSession &&before);
+
     /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
     bool isUpToDate() const;
     /// The same, of all that a filter may have changed while the tool was elsewhere.
@@ -209,6 +219,8 @@ class BendSession {
 
     void writePose(const vcg::fcd::Deformer::Pose &pose);
     HandleParam handleParam() const;
+    std::shared_ptr<const ToolState> toolNow() const;
+    void keepState();
     void handOver();
     void writeAppliedTags();
     LayerDeformer applying(const Remark &remark);
@@ -245,11 +257,14 @@ class BendSession {
         std::uint64_t rest; ///< shape, as shapeOf tells it
     };
 
-    History<BendState> history{32};    // each may hold tags of its own
-    std::vector<Applied> applied;      ///< also what has been undone
-    std::size_t applies = 0;           ///< that led to the present rest shape
-    std::shared_ptr<BendTags> marking; ///< the marks, while they change
-    std::vector<std::size_t> marked;   ///< where, then
+    History<BendState> history{32};        // each may hold tags of its own
+    std::vector<Applied> applied;          ///< also what has been undone
+    std::size_t applies = 0;               ///< that led to the present rest shape
+    std::shared_ptr<const ToolState> kept; ///< what the layer keeps of all this, since that was known last
+    std::vector<BendOptions> optionsOf{1}; ///< by loads: what the options were when that was left
+    std::size_t loads = 0;                 ///< that led to the present options
+    std::shared_ptr<BendTags> marking;     ///< the marks, while they change
+    std::vector<std::size_t> marked;       ///< where, then
 
     std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest, once it has been read
     std::uint64_t facesOfSurface = 0;                       ///< facesOf the mesh then

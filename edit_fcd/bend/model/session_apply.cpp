@@ -72,6 +72,7 @@ std::string BendSession::leave(const Remark &remark) {
         rest.know();
         isLeft = true;
     }
+    keepState();
     solver.clear();
     surface.reset();
     reach.clear();

@@ -15,9 +15,10 @@ bool isSame(const MotionStep &a, const MotionStep &b) {
 } // namespace
 
 bool BendState::operator==(const BendState &other) const {
-    return applies == other.applies && rims == other.rims && marks == other.marks && points == other.points &&
-           handles == other.handles && rank == other.rank && pose == other.pose && poses == other.poses &&
-           weights == other.weights && line == other.line && motion.size() == other.motion.size() &&
+    return applies == other.applies && loads == other.loads && rims == other.rims && marks == other.marks &&
+           points == other.points && handles == other.handles && rank == other.rank && pose == other.pose &&
+           poses == other.poses && weights == other.weights && line == other.line &&
+           motion.size() == other.motion.size() &&
            std::equal(motion.begin(), motion.end(), other.motion.begin(), [](const auto &a, const auto &b) {
                return a.first == b.first &&
                       std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), isSame);

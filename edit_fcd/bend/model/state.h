@@ -76,6 +76,7 @@ struct BendState {
     std::vector<double> weights;     ///< percent of each of these, where the motions are their blend; else empty
     std::vector<BendLinePoint> line; ///< in its order
     std::size_t applies = 0;         ///< since the session began: each made the shape of then the rest shape
+    std::size_t loads = 0;           ///< of files, since then: each brought options
 
     bool operator==(const BendState &other) const;
 };

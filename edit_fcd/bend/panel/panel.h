@@ -31,7 +31,18 @@ class BendPanel : public QDockWidget {
   public:
     enum Mode { Pull, Limb, Brush, Rectangle, Polyline, Line };
     enum Role { Fixed, Free, Handle, Outside };
-    enum Command { MarkSelection, ClearMarks, TakeMotions, Undo, Redo, Reset, ApplyInPlace, ApplyToNewLayer };
+    enum Command {
+        MarkSelection,
+        ClearMarks,
+        TakeMotions,
+        Undo,
+        Redo,
+        Reset,
+        ApplyInPlace,
+        ApplyToNewLayer,
+        SaveSession,
+        LoadSession
+    };
 
     explicit BendPanel(QWidget *parent);
 

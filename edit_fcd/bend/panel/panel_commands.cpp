@@ -9,6 +9,7 @@
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
+#include <QMenu>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSettings>
@@ -27,17 +28,27 @@ void BendPanel::addCommands(QBoxLayout &column) {
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         grid->addWidget(button, row, place, 1, width);
     };
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 3);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 3, 3);
-    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0, 2);
-    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 2, 2);
-    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 1, 4, 2);
+    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 6);
+    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 6, 6);
+    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0, 3);
+    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 3, 3);
+    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 1, 6, 3);
     add("Apply in place",
         bendActions().withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace),
-        ApplyInPlace, 2, 0, 3);
+        ApplyInPlace, 2, 0, 6);
     add("Apply to new layer",
         bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
-        ApplyToNewLayer, 2, 3, 3);
+        ApplyToNewLayer, 2, 6, 6);
+    auto *session = new QPushButton("Session");
+    session->setObjectName("session");
+    session->setToolTip("A file (.fcd) with what no mesh file keeps of the layer: marks, handles, motions, poses, key "
+                        "frames, the line, the rest shape");
+    session->setFocusPolicy(Qt::NoFocus);
+    auto *files = new QMenu(session);
+    connect(files->addAction("&Save session ..."), &QAction::triggered, this, [this] { emit command(SaveSession); });
+    connect(files->addAction("&Load session ..."), &QAction::triggered, this, [this] { emit command(LoadSession); });
+    session->setMenu(files);
+    grid->addWidget(session, 1, 9, 1, 3);
     column.addLayout(grid);
 }
 

@@ -32,7 +32,7 @@ class BendTool : public BendStage {
     void forgetDocument() override;
     bool isReady() override;
     void refresh() override;
-    void open(MeshModel &model);
+    bool open(MeshModel &model);
     void leave();
     void keepShown();
 
@@ -68,6 +68,8 @@ class BendTool : public BendStage {
     void onOptions();
     void onCommand(int which);
     void apply(bool inPlace);
+    void saveLayerSession();
+    void loadLayerSession();
     void editHandle(const BendHandleRow &to);
     void onPoseCommand(int which);
     void exportAnimation();

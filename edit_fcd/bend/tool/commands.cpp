@@ -165,6 +165,8 @@ void BendTool::onCommand(int which) {
         break;
     case BendPanel::ApplyInPlace:
     case BendPanel::ApplyToNewLayer: apply(which == BendPanel::ApplyInPlace); break;
+    case BendPanel::SaveSession: saveLayerSession(); break;
+    case BendPanel::LoadSession: loadLayerSession(); break;
     }
     if (!view) // an apply to a new layer ended all
         return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/bend_tool.h"
 
+#include <layer_fcd/kept_tool.h>
+
 // Which layer the tool works on, from when to when, and what it leaves of it.
 
 bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
@@ -40,12 +42,13 @@ void BendTool::forgetDocument() {
     left.clear();
 }
 
-/// Begins with a layer, or goes on where it was left.
-void BendTool::open(MeshModel &newModel) {
+/// Begins with a layer, or goes on where it was left. \return whether that is told by the layer itself
+bool BendTool::open(MeshModel &newModel) {
+    bool goesOn = false;
     if (const auto found = left.find(newModel.id()); found != left.end()) {
         if (found->second->isAsLeft())
             session = std::move(found->second);
-        else
+        else if (!toolOf(newModel))
             say("The layer '" + newModel.label().toStdString() +
                 "' was changed since it was left: it is bent from the shape that it has now.");
         left.erase(found);
@@ -55,6 +58,7 @@ void BendTool::open(MeshModel &newModel) {
         session->edit().options = usual;
         setPose(session->edit(), 100);
         session->edit().options.stretch = false;
+        guarded([&] { goesOn = session->goOn(); });
     }
     if (!session->takePoses())
         say("The layer '" + newModel.label().toStdString() +
@@ -67,6 +71,7 @@ void BendTool::open(MeshModel &newModel) {
     isChosen = keysBegin = false;
     lit.reset();
     isLive = isShownChanged = false;
+    return goesOn;
 }
 
 /// What the layer shows is what a filter finds.
@@ -121,8 +126,10 @@ bool BendTool::isReady() {
     if (current == model && (isLive || session->isUpToDate()))
         return true;
     session.reset();
-    open(*current);
-    takeOptions();
+    if (open(*current))
+        showOptions();
+    else
+        takeOptions();
     showOverlay();
     refresh();
     return true;

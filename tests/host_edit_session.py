@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tool "FCD: Bend" knows of a layer, in a file for another run. Windows and mice as in host_edit.py, with the same environment."""
+import hashlib
+import re
+
+import numpy as np
+import pytest
+
+import host_edit
+from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, write_ply
+from host_edit import window # noqa: F401, a fixture
+from host_edit_fit import answer
+from host_edit_hands import keep_pose, tube_with_poses
+from host_edit_state import PULL, import_another
+
+pytestmark = host_edit.pytestmark
+
+X, Y = MIDDLE
+
+
+@pytest.fixture
+def another(tmp_path):
+    """Opens windows of other runs."""
+    opened = []
+
+    def open_window(*meshes):
+        folder = tmp_path / f"run{len(opened)}"
+        folder.mkdir()
+        opened.append(Window(folder, *meshes))
+        return opened[-1]
+
+    yield open_window
+    for each in opened:
+        each.close()
+
+
+def choose(w, key, title, path):
+    """A file, by the menu."""
+    w.click(w.place("session"))
+    w.key(key)
+    asked = w.wait_for_title(title)
+    w.do("type", "--delay", 5, str(path))
+    w.key("Return")
+    w.wait_for_title("MeshLab", other_than=asked)
+
+
+def save_session(w, path):
+    saved = w.text().count("Saved the session as")
+    choose(w, "s", "Save session", path)
+    w.wait("Saved the session as", saved + 1)
+    return known(path.with_suffix(".fcd"))
+
+
+def load_session(w, path):
+    choose(w, "l", "Load session", path)
+    w.wait(f"Loaded the session {path}.")
+    w.settle()
+
+
+def known(path):
+    """What a session says of handles, motions, and line."""
+    return re.search(rb"FCD bend 1\n(?:[a-z]+ [^\n]*\n)+", path.read_bytes())[0].decode()
+
+
+def poses_of(w, path):
+    w.unfold("poses_fold", "keep")
+    answer(w, "saveposes", "Save poses", str(path))
+    w.wait(f"Saved the poses as {path}.")
+    return path.read_text()
+
+
+def full_session(window, tmp_path):
+    """Marks, a pose with a name and key frames, another motion, a line, a name, other options. Returns the shape, the text, the poses."""
+    w = tube_with_poses(window, tmp_path)[0]
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    w.do("mousemove", X, Y + 200)
+    poses = poses_of(w, tmp_path / "poses.csv")
+    w.click(w.place("poses_fold"))
+    w.more()
+    x, y, width, height = w.box("patches")
+    w.click((x + width // 3, y + height // 2))
+    w.key("ctrl+a")
+    w.do("type", "--delay", 5, "123")
+    w.key("Return")
+    w.click(w.place("more"))
+    w.do("mousemove", X, Y + 200)
+    w.key("g", "x", "0", "period", "1", "Return", "r", "z", "2", "0", "Return", "n")
+    for x in (-150, 0, 50):
+        w.click((X + x, Y))
+    w.do("mousemove", X, Y + 200)
+    w.key("m")
+    shape = load(w.save("posed.ply"))[0]
+    w.shot("before")
+    text = save_session(w, tmp_path / "all.fcd")
+    assert np.array_equal(load(w.save("saved.ply"))[0], shape)
+    assert "\ndetail 123\n" in text and "\nmark 0 " in text and "\nmark 2 " in text and "\nmotions 2: " in text and "\nrim " in text and text.count("\nline ") == 3
+    return w, shape, text, poses
+
+
+def check_whole(w, folder, shape, text, poses, points):
+    """The tool shows, and knows, all of a session. What is shown is solved again, too."""
+    w.shot("all_is_there")
+    assert np.array_equal(load(w.save("loaded.ply"))[0], shape)
+    w.key("BackSpace")
+    assert np.array_equal(load(w.save("rest.ply"))[0], points)
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("again.ply"))[0], shape)
+    assert poses_of(w, folder / "poses.csv") == poses
+    assert save_session(w, folder / "all.fcd") == text
+
+
+def test_a_session_goes_on_in_another_run(window, another, tmp_path):
+    w, shape, text, poses = full_session(window, tmp_path)
+    w.drag((X, Y - 40), (X + 10, Y - 90)) # the first run goes on
+    assert not np.array_equal(load(w.save("on.ply"))[0], shape)
+    points = load(tmp_path / "tube.ply")[0]
+
+    w = another(tmp_path / "tube.ply")
+    w.start_tool()
+    w.drag((X - 20, Y - 40), (X - 20, Y - 90))
+    pulled = load(w.save("pulled.ply"))[0]
+    load_session(w, tmp_path / "all.fcd")
+    assert np.array_equal(load(w.save("there.ply"))[0], shape)
+    w.key("ctrl+z") # what was there before
+    assert np.array_equal(load(w.save("undone.ply"))[0], pulled)
+    w.key("ctrl+shift+z")
+    check_whole(w, w.folder, shape, text, poses, points)
+    w.toggle_tool()
+    w.start_tool()
+    w.drag((X + 180, Y), (X + 160, Y - 60)) # and it goes on
+    assert not np.array_equal(load(w.save("bent_on.ply"))[0], shape)
+
+
+@the_dialogs_are_those_of_2020
+def test_the_tool_goes_on_with_what_the_filter_loads(window, another, tmp_path):
+    _, shape, text, poses = full_session(window, tmp_path)
+    w = another(tmp_path / "tube.ply")
+    filters = Filters(w)
+    dialog = filters.dialog("FCD: Load Session")
+    filters.click(dialog, -60, -112) # of the file
+    w.shot("dialog")
+    asked = w.wait_for_title("", other_than="FCD: Load Session")
+    w.do("type", "--delay", 5, str(tmp_path / "all.fcd"))
+    w.key("Return")
+    w.wait_for_title("FCD", "MeshLab", other_than=asked)
+    filters.apply(dialog)
+    filters.wait_for_log("handles and motions of 'FCD: Bend'")
+    filters.finish(dialog)
+    filters.back()
+    w.start_tool()
+    check_whole(w, w.folder, shape, text, poses, load(tmp_path / "tube.ply")[0])
+    filters.run("FCD: Clear Tags") # the tool is elsewhere meanwhile
+    filters.back()
+    w.start_tool()
+    w.wait("The handles that the layer 'tube.ply' keeps do not fit its marks")
+    assert np.array_equal(load(w.save("cleared.ply"))[0], shape)
+
+
+def changed(data, before, after):
+    """A session that says something else, of the same length."""
+    assert data.count(before) == 1 and len(before) == len(after)
+    at = data.index(b"layer") + 6 # as CBOR has bytes, with four of their length
+    layer = data[at + 4:at + 4 + int.from_bytes(data[at:at + 4], "big")]
+    new = layer.replace(before, after)
+    return data.replace(layer, new).replace(hashlib.sha256(layer).digest(), hashlib.sha256(new).digest())
+
+
+def test_a_session_of_another_layer_is_refused(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    choose(w, "s", "Save session", tmp_path / "none.fcd")
+    w.wait("Nothing is known of the layer 'tube.ply' that a session would keep.")
+    w.drag(*PULL)
+    pulled = load(w.save("pulled.ply"))[0]
+    save_session(w, tmp_path / "tube") # .fcd is added
+    data = (tmp_path / "tube.fcd").read_bytes()
+    w.drag((X - 120, Y), (X - 130, Y + 80))
+    both = load(w.save("both.ply"))[0]
+    assert not np.array_equal(both, pulled)
+    (tmp_path / "later.fcd").write_bytes(changed(data, b"FCD bend 1", b"FCD bend 2"))
+    choose(w, "l", "Load session", tmp_path / "later.fcd")
+    w.wait("line 1: expected 'FCD bend 1': this is of another version of the tool.")
+    assert np.array_equal(load(w.save("both_still.ply"))[0], both)
+    (tmp_path / "odd.fcd").write_bytes(changed(data, b"axes 0\npose 100\n", b"weights 12345.5\n"))
+    load_session(w, tmp_path / "odd.fcd") # the layer has its pose then, and the tool begins there
+    w.wait("The handles that the layer 'tube.ply' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.")
+    assert np.array_equal(load(w.save("odd.ply"))[0], pulled)
+    import_another(w, tmp_path)
+    w.drag((X, Y - 90), (X + 20, Y - 150))
+    bent = load(w.save("bent.ply"))[0]
+    choose(w, "l", "Load session", tmp_path / "tube.fcd")
+    w.wait("is of a layer with")
+    w.shot("refused")
+    assert np.array_equal(load(w.save("still.ply"))[0], bent)
+    (tmp_path / "cut.fcd").write_bytes(data[:-7])
+    choose(w, "l", "Load session", tmp_path / "cut.fcd")
+    w.wait("is no session")
+    assert np.array_equal(load(w.save("still_so.ply"))[0], bent) and not np.array_equal(bent, pulled)
