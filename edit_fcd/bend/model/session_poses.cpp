@@ -84,14 +84,14 @@ void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tags
 }
 
 bool BendSession::takePoses() {
-    std::optional<PoseSequence> kept = posesOf(layer);
-    if (!kept && !state().poses)
+    std::optional<PoseSequence> poses = posesOf(layer);
+    if (!poses && !state().poses)
         return true;
-    if (kept && state().poses && PoseSequenceText(*kept) == PoseSequenceText(*state().poses))
+    if (poses && state().poses && PoseSequenceText(*poses) == PoseSequenceText(*state().poses))
         return true;
     change();
     data.state.weights.clear();
-    data.state.poses = kept ? std::make_shared<const PoseSequence>(std::move(*kept)) : nullptr;
+    data.state.poses = poses ? std::make_shared<const PoseSequence>(std::move(*poses)) : nullptr;
     return !state().poses || !state().poses->surface || state().poses->surface->IsSame(rest.mark());
 }
 
