@@ -86,8 +86,9 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
         for (const CVertexO &vertex : target->cm.vert)
             targetNormal.push_back(toVector(vertex.cN()));
     targetWeight = readWeights(*target, param.targetWeights, param.weightAttribute);
-    goal = {targetSurface.View(), [this](std::size_t i) { return targetNormal[i]; }, matrixOf(*target),
-            [this] { targetSurface = {}; }, weightOf(targetWeight)};
+    goal = {targetSurface.View(),   [this](std::size_t i) { return targetNormal[i]; },
+            matrixOf(*target),      [this] { targetSurface = {}; },
+            weightOf(targetWeight), {}};
 }
 
 std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const {

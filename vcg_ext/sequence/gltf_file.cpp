@@ -23,7 +23,7 @@ constexpr int vertices = 34962, indices = 34963, unsignedShort = 5123, unsignedI
 
 } // namespace
 
-GltfFile::GltfFile(WriteAt write, std::vector<GltfMesh> given, MorphAnimation animation)
+GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnimation animation)
     : write(std::move(write)), animation(std::move(animation)),
       isSparse(this->animation.weight.empty() && this->animation.time.size() > mostDense) {
     const std::size_t times = this->animation.time.size(), numbers = times * this->animation.target.size();

@@ -36,7 +36,7 @@ class GltfFile {
   public:
     /// \throw BadInput a file of 4 GB or more, or of more than 65536 frames with a shape each, which the format
     /// cannot hold
-    GltfFile(WriteAt write, std::vector<GltfMesh> meshes, MorphAnimation animation);
+    GltfFile(WriteAt write, const std::vector<GltfMesh> &meshes, MorphAnimation animation);
 
     /// The next target of a mesh. \param position, normal as those at rest
     void Add(std::size_t mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal);

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -104,10 +103,11 @@ class Morphs {
         }
         weight = animation.weight;
         std::vector<GltfMesh> meshes;
+        meshes.reserve(bodies.size());
         for (const auto &each : bodies)
             meshes.push_back({each->companion ? each->companion->name : output.name, each->packed, each->look,
                               each->rest.position, each->rest.normal});
-        file = std::make_unique<GltfFile>(output.gltf, std::move(meshes), std::move(animation));
+        file = std::make_unique<GltfFile>(output.gltf, meshes, std::move(animation));
     }
 
     /// \param position of the surface that is posed
@@ -230,8 +230,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;
-    std::optional<Carrier> carrier; // of the pose of these
-    Deformer::Pose farthest;        // of all, that with most of Eq. 2
+    std::unique_ptr<Carrier> carrier; // of the pose of these
+    Deformer::Pose farthest;          // of all, that with most of Eq. 2
     std::size_t done = 0;
     const bool posesFirst = bool(output.gltf) && output.shapes == SequenceOutput::EachPose;
     const std::size_t all = stops.size() + (posesFirst ? motions.size() : 0);
@@ -240,7 +240,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         ++done;
         const Deformer::Pose &pose = from.Go(weight, part.Slice(0, 0.5));
         position = surface.Positions();
-        carrier.emplace(deformer, pose, part.threads);
+        carrier = std::make_unique<Carrier>(deformer, pose, part.threads);
         carrier->Apply(position, nullptr, part.Slice(0.5, 0.8));
         report.converged = report.converged && pose.converged;
         report.jumps = report.jumps || pose.way.jumps;

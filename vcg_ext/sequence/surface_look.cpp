@@ -34,9 +34,13 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
         if (surface.IsFace(f))
             face.push_back(std::uint32_t(f));
     });
+    const auto placeBits = [&](std::uint32_t c) { // two numbers; one that is none is equal to itself
+        std::uint64_t bits;
+        std::memcpy(&bits, &look.place[2 * std::size_t(c)], sizeof bits);
+        return bits;
+    };
     const auto isAlike = [&](std::uint32_t a, std::uint32_t b) {
-        return (!hasPlaces || std::memcmp(&look.place[2 * std::size_t(a)], &look.place[2 * std::size_t(b)],
-                                          2 * sizeof(float)) == 0) &&
+        return (!hasPlaces || placeBits(a) == placeBits(b)) &&
                (!hasFaceColors || look.faceColor[a / 3] == look.faceColor[b / 3]);
     };
     wedge.assign(slot.size(), SurfaceView::none);
@@ -59,8 +63,9 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
     });
 
     // The triangles of each texture together, those without one first, in their order.
+    const auto placeOf = [&](std::uint32_t f) { return std::size_t(std::ptrdiff_t(look.TextureOf(f)) + 1); };
     std::vector<std::size_t> count(look.image.size() + 1, 0);
-    detail::ForItems(face.size(), progress, [&](std::size_t i) { ++count[std::size_t(look.TextureOf(face[i]) + 1)]; });
+    detail::ForItems(face.size(), progress, [&](std::size_t i) { ++count[placeOf(face[i])]; });
     range.clear();
     std::vector<std::size_t> to(count.size(), 0);
     for (std::size_t i = 0, first = 0; i < count.size(); first += 3 * count[i], ++i) {
@@ -72,7 +77,7 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
         return;
     std::vector<std::uint32_t> sorted(corner.size());
     detail::ForItems(face.size(), progress, [&](std::size_t i) {
-        std::size_t &at = to[std::size_t(look.TextureOf(face[i]) + 1)];
+        std::size_t &at = to[placeOf(face[i])];
         for (std::size_t k = 0; k < 3; ++k)
             sorted[at++] = corner[3 * i + k];
     });

@@ -257,7 +257,7 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
         text += "weights";
         for (const double percent : state.weights)
             text += " " + ToText(percent);
-        text += "\n";
+        text += '\n';
     }
     for (const BendLinePoint &each : state.line) {
         text += "line";

@@ -195,12 +195,12 @@ void BendTool::foresee() {
     QElapsedTimer watch;
     watch.start();
     std::shared_ptr<const BendExtent> found;
-    const double usualRadius = panel->radius() * session->diagonal();
+    const double worldRadius = panel->radius() * session->diagonal();
     if (session->model().influence.isLocal || !session->state().marks) { // else all that is free moves
         if (panel->mode() == BendPanel::Limb)
-            std::tie(tag, found) = session->glimpseLimb(tag, slot, usualRadius);
+            std::tie(tag, found) = session->glimpseLimb(tag, slot, worldRadius);
         else
-            found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, usualRadius) : nullptr;
+            found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, worldRadius) : nullptr;
     }
     foreseenPivot.reset();
     if (found) {

@@ -111,7 +111,7 @@ void FitPanel::addPairs(QBoxLayout &column) {
     column.addLayout(row);
 }
 
-QComboBox *FitPanel::choice(const char *name, const QStringList &texts, const QString &tip) {
+QComboBox *FitPanel::choice(const char *name, const QStringList &texts, const QString &tip) const {
     auto *made = new QComboBox;
     made->setObjectName(name);
     made->addItems(texts);

@@ -62,7 +62,7 @@ class FitPanel : public QDockWidget {
     void addPairs(QBoxLayout &column);
     void addShape(QBoxLayout &column);
     void addCommands(QBoxLayout &column);
-    QComboBox *choice(const char *name, const QStringList &texts, const QString &tip);
+    QComboBox *choice(const char *name, const QStringList &texts, const QString &tip) const;
     QPushButton *button(const char *name, const QString &text, const QString &tip, Command which);
 
     QComboBox *targets, *start, *weights, *targetWeights;
