@@ -184,19 +184,22 @@ class Window:
     def enter(self, window, x, y, text):
         """Types into a field. A busy machine loses a click at times, so it looks whether the text came: the field has it both times,
         and had not when it was empty."""
-        shown, clicks = None, self.clicks + 1
-        for _ in range(6):
-            self.x("windowactivate", "--sync", window)  # so that the keys go there
-            left, top, width, _ = self.place(window)
-            row = (left, top + y - 8, left + width, top + y + 8)
-            self.click(window, x, y, times=3)
-            self.keys("ctrl+a", "Delete")
-            empty = self.seen(row)
-            self.type(text)
-            before, shown = shown, self.seen(row)
-            if before is not None and alike(before, shown) and not alike(empty, shown):
-                self.clicks = clicks
-                return
+        clicks = self.clicks + 1
+        for down in (0, LINE):
+            shown = None
+            for _ in range(4):
+                self.x("windowactivate", "--sync", window)  # so that the keys go there
+                left, top, width, _ = self.place(window)
+                row = (left, top + y + down - 8, left + width, top + y + down + 8)
+                self.click(window, x, y + down, times=3)
+                self.keys("ctrl+a", "Delete")
+                empty = self.seen(row)
+                self.type(text)
+                before, shown = shown, self.seen(row)
+                if before is not None and alike(before, shown) and not alike(empty, shown):
+                    self.clicks = clicks
+                    return
+        self.picture("no field")
         raise AssertionError(f"'{text}' did not come into the field at {x}, {y}")
 
     def seen(self, box):
@@ -206,17 +209,27 @@ class Window:
         return set(self.x("search", "--onlyvisible", "--class", ".").split())
 
     def choose(self, window, x, y, *keys):
-        """From a list that opens on a click. A busy machine loses one at times."""
+        """From a list that opens on a click. A busy machine loses one at times, or is so slow that its end closes the list again; then
+        the field has the focus, and F4 opens it."""
         before = self.windows()
-        for _ in range(3):
-            self.x("windowactivate", "--sync", window)
-            self.click(window, x, y)
-            end = time.time() + 5
+
+        def opens():
+            end = time.time() + 3
             while not self.windows() - before and time.time() < end:
                 time.sleep(0.05)
-            if self.windows() - before:
+            return self.windows() - before
+
+        for down in (0, LINE, 0, LINE):
+            self.x("windowactivate", "--sync", window)
+            self.click(window, x, y + down)
+            if opens():
                 break
-        assert self.windows() - before, f"no list opens at {x}, {y}"
+            self.keys("F4")
+            if opens():
+                break
+        else:
+            self.picture("no list")
+            raise AssertionError(f"no list opens at {x}, {y}")
         self.keys(*keys, "Return")
         self.until("end of the list", lambda: not self.windows() - before)
 
@@ -293,7 +306,9 @@ class Window:
         self.wait_for_log(f"Saved Mesh {path}")
 
 
-# Where the fields of the dialogs are, from their left and upper, or lower, edge.
+# Where the fields of the dialogs are, from their left and upper, or lower, edge. They are a line of text lower, between two other
+# places, where the window has made the dialog narrower, so that the text above takes one more.
+LINE = 15
 PREVIEW_X, PREVIEW_BOX = (272, 239), -84
 MOVE_X, AXIS_Y, AXIS_Z, ANGLE, LIKE_LAYER = (272, 210), (318, 241), (364, 241), (400, 272), (400, 365)
 
