@@ -121,6 +121,14 @@ std::uint64_t contentsOf(const MeshModel &layer) {
     return all.hash(0);
 }
 
+std::vector<std::size_t> liveSlots(const CMeshO &mesh) {
+    std::vector<std::size_t> live;
+    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+        if (!mesh.vert[i].IsD())
+            live.push_back(i);
+    return live;
+}
+
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
     Eigen::Matrix3Xd position(3, Eigen::Index(mesh.vert.size()));

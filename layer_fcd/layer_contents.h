@@ -56,6 +56,9 @@ std::uint64_t sumOfVertices(const CMeshO &mesh, const Term &term) {
 /// four, each rounded, those of the matrix, too; and a person may turn a layer some times.
 constexpr double layerRounding = 32. * std::numeric_limits<Scalarm>::epsilon();
 
+/// The slots of the vertices that are not deleted, ascending.
+std::vector<std::size_t> liveSlots(const CMeshO &mesh);
+
 /// The positions of the vertices of \p layer, 3 x slots.
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer);
 

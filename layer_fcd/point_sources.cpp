@@ -46,11 +46,7 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m 
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
 
-    // Live vertices: a file counts them as MeshLab would save them.
-    std::vector<std::size_t> live;
-    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (!mesh.vert[i].IsD())
-            live.push_back(i);
+    const std::vector<std::size_t> live = liveSlots(mesh); // a file counts them as MeshLab would save them
 
     // To find the vertex nearest to a point.
     std::vector<std::size_t> slot;

@@ -1020,15 +1020,20 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
 
 
-def test_a_limb_follows_the_mouse(window, tmp_path):
-    """After J: the place under the mouse goes with it, what is beyond turns as a whole, what is before the limb stays, nothing is squeezed;
-    and later, further along, the limb turns where it did."""
-    x = np.linspace(-1, 1, 200)
-    points, faces = tube_of(x, 32, 0.08)
+def open_figure(window, tmp_path):
+    """A tube of which the half of x < 0 is three times as thick: a body with a limb. The window in the tool, points, faces, which are the body."""
+    points, faces = tube_of(np.linspace(-1, 1, 200), 32, 0.08)
     body = points[:, 0] < 0
     points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
     w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
     w.start_tool()
+    return w, points, faces, body
+
+
+def test_a_limb_follows_the_mouse(window, tmp_path):
+    """After J: the place under the mouse goes with it, what is beyond turns as a whole, what is before the limb stays, nothing is squeezed;
+    and later, further along, the limb turns where it did."""
+    w, points, faces, body = open_figure(window, tmp_path)
     said = lambda: w.text().rpartition("trace: says: ")[2]
     w.do("mousemove", X + 180, Y)
     w.key("j")
@@ -1066,12 +1071,7 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
 
 def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     """In the mode Turn limb, by its button or its key: as after J. What would turn is tinted before; Pull pulls the place alone."""
-    x = np.linspace(-1, 1, 200)
-    points, faces = tube_of(x, 32, 0.08)
-    body = points[:, 0] < 0
-    points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
-    w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
-    w.start_tool()
+    w, points, faces, body = open_figure(window, tmp_path)
     said = lambda: w.text().rpartition("trace: says: ")[2]
     foreseen = lambda: [int(found) for found in re.findall(r"trace: foreseen: \d+ vertices, (\d+) move", w.text())]
     w.click(w.place("mode1"))

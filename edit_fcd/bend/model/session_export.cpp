@@ -19,7 +19,8 @@ BendSession::Animation BendSession::animation(const AnimationExport &how) {
                         layer.label().toStdString(),
                         {},
                         {}};
-    animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
+    if (!how.isPointCache())
+        animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
     return animation;
 }
 

@@ -5,6 +5,7 @@
 #include "edit_fcd/bend/model/state_text.h"
 
 #include <layer_fcd/kept_tool.h>
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/rest_shape.h>
@@ -17,14 +18,6 @@
 // What the layer keeps of a session, for another one, and for files.
 
 namespace {
-
-std::vector<std::size_t> liveSlots(const CMeshO &mesh) {
-    std::vector<std::size_t> live;
-    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (!mesh.vert[i].IsD())
-            live.push_back(i);
-    return live;
-}
 
 bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<const BendTags> &b,
               const std::vector<std::size_t> &live) {

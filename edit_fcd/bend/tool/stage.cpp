@@ -13,6 +13,12 @@ const int restBeforeContact = 200;
 
 } // namespace
 
+BendStage::BendStage(QAction *action) : LayerTool(action) {
+    every(preparingTimer, [this] { refresh(); });
+    restingTimer.setSingleShot(true);
+    every(restingTimer, [this] { lookForContact(); });
+}
+
 MeshModel *BendStage::layer() const {
     if (!view || !view->md() || !session)
         return nullptr;
@@ -138,11 +144,8 @@ void BendStage::solve(bool full) {
     isLive = !full;
     if (full && isMoved(session->model()))
         showChanged();
-    if (full) {
-        every(restingTimer, [this] { lookForContact(); });
-        restingTimer.setSingleShot(true);
+    if (full)
         restingTimer.start(restBeforeContact);
-    }
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
     const double took = double(watch.nsecsElapsed()) / 1e6;
@@ -192,7 +195,6 @@ void BendStage::beside(const QString &what, const Job::Work &work, std::function
         });
     });
     view->setCursor(Qt::BusyCursor);
-    every(preparingTimer, [this] { refresh(); });
     preparingTimer.start(100);
     refresh();
     if (std::getenv("FCD_TRACE"))

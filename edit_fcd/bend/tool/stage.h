@@ -29,7 +29,7 @@ const int preparedAtOnce = 200000;
 /// that goes on. What begins when is the tool's.
 class BendStage : public LayerTool {
   public:
-    using LayerTool::LayerTool;
+    explicit BendStage(QAction *action);
 
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
     /// Whether there is a layer to work on; begins anew with one that something else has changed.
