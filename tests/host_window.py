@@ -183,7 +183,7 @@ class Window:
 
     def enter(self, window, x, y, text):
         """Types into a field. A busy machine loses a click at times, so it looks whether the text came: the field has it both times,
-        and had not when it was empty."""
+        and had not when it was empty. Not by Delete: where the click was lost, that key deletes what is selected and closes the dialog."""
         clicks = self.clicks + 1
         for down in (0, LINE):
             shown = None
@@ -192,7 +192,7 @@ class Window:
                 left, top, width, _ = self.place(window)
                 row = (left, top + y + down - 8, left + width, top + y + down + 8)
                 self.click(window, x, y + down, times=3)
-                self.keys("ctrl+a", "Delete")
+                self.keys("ctrl+a", "BackSpace")
                 empty = self.seen(row)
                 self.type(text)
                 before, shown = shown, self.seen(row)
