@@ -48,6 +48,8 @@ std::string describe(const SessionContents &contents, bool saved) {
         add(contents.poses == 1 ? std::string("a pose") : std::to_string(contents.poses) + " poses");
     if (contents.tool)
         add("handles and motions of 'FCD: Bend'");
+    if (contents.pairs > 0)
+        add("pairs of 'FCD: Fit': " + std::to_string(contents.pairs));
     std::string line = (saved ? "Saved: " : "Loaded: ") + has + ".";
     if (contents.moved > 0)
         line += " The layer was at rest, and has the pose of then now.";
@@ -63,7 +65,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterL
     const QString file = sessionFile(parameters, id == SaveSession);
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine(describe(contents, id == SaveSession));
-    return {{"marks", contents.marks},         {"colors", contents.colors}, {"rest_shape", contents.rest},
-            {"earlier", contents.earlier},     {"poses", contents.poses},   {"tool", contents.tool},
-            {"moved_vertices", contents.moved}};
+    return {{"marks", contents.marks},     {"colors", contents.colors},       {"rest_shape", contents.rest},
+            {"earlier", contents.earlier}, {"poses", contents.poses},         {"tool", contents.tool},
+            {"pairs", contents.pairs},     {"moved_vertices", contents.moved}};
 }

@@ -86,6 +86,8 @@ QString lostWithProjects(const MeshModel &layer) {
         all << "poses";
     if (toolOf(layer))
         all << "handles and motions";
+    if (state.pairs)
+        all << "pairs of landmarks";
     return all.join(", ");
 }
 
@@ -148,6 +150,22 @@ void forColumns(LayerState &state, const Body &body) {
         body(state.marks);
 }
 
+const std::size_t none = std::numeric_limits<std::size_t>::max();
+
+/// Each end of a pair goes to the vertex slotOf(its slot), or is left out.
+template <class SlotOf>
+void forPairs(LayerState &state, const SlotOf &slotOf) {
+    if (!state.pairs)
+        return;
+    auto pairs = std::make_shared<std::vector<FitPair>>(*state.pairs);
+    for (FitPair &each : *pairs)
+        if (const std::size_t slot = each.slot ? slotOf(*each.slot) : none; slot != none)
+            each.slot = slot;
+        else
+            each.slot.reset();
+    state.pairs = std::move(pairs);
+}
+
 } // namespace
 
 bool LayerState::isIts(const vcg::PointerToAttribute &attribute) {
@@ -196,7 +214,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 
 bool LayerState::isEmpty() const {
     return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
-           !result;
+           !pairs && !result;
 }
 
 void LayerState::tidy(MeshModel &layer) {
@@ -226,12 +244,12 @@ void LayerState::resize(std::size_t n) {
     }
     if (isCleared)
         forColumns(*this, [](auto &values) { values.clear(); });
+    forPairs(*this, [&](std::size_t slot) { return isCleared || slot >= n ? none : slot; });
     isCleared = false;
     forColumns(*this, [n](auto &values) { values.resize(n); });
 }
 
 void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
-    const std::size_t none = std::numeric_limits<std::size_t>::max();
     for (std::size_t i = 0; scan && i < scan->number.size() && i < newSlots.size(); ++i)
         if (newSlots[i] == none)
             leave(i);
@@ -240,6 +258,7 @@ void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
             if (newSlots[i] != none)
                 values[newSlots[i]] = values[i];
     });
+    forPairs(*this, [&](std::size_t slot) { return slot < newSlots.size() ? newSlots[slot] : slot; });
 }
 
 /// A vertex is deleted: another layer, into which it was copied, may ask for what is kept of it.

@@ -82,6 +82,18 @@ struct ToolState {
     Matrix44m matrix;        ///< of the layer then
 };
 
+/// A pair of landmarks of the tool FCD: Fit, of which one end may still be missing.
+struct FitPair {
+    std::string name;
+    std::optional<std::size_t> slot;      ///< of a vertex of the layer that is fitted
+    std::optional<Eigen::Vector3d> place; ///< on the target, world
+
+    bool isWhole() const { return slot && place; }
+    bool operator==(const FitPair &other) const {
+        return name == other.name && slot == other.slot && place == other.place;
+    }
+};
+
 /// What a layer was made from, and how it was then (results.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
@@ -102,7 +114,8 @@ struct LayerState {
     std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
-    std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
+    std::shared_ptr<const std::vector<FitPair>> pairs; ///< that the tool FCD: Fit has left; null: none
+    std::optional<ResultState> result;                 ///< none: it is no result of a filter in the window
 
     /// That of a layer, null where nothing is known of it.
     static LayerState *of(const CMeshO &mesh);

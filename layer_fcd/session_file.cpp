@@ -8,6 +8,7 @@
 #include "rest_shape.h"
 #include "save_files.h"
 #include "session_file.h"
+#include "session_tools.h"
 
 #include <vcg_ext/handles/handle_file.h>
 
@@ -125,38 +126,6 @@ double distanceFrom(const CMeshO &mesh, const Shape &shape) {
     return most;
 }
 
-QCborMap mapOf(const ToolState &tool) {
-    std::vector<double> matrix(16);
-    for (int k = 0; k < 16; ++k)
-        matrix[std::size_t(k)] = double(tool.matrix[k % 4][k / 4]);
-    return {{QString("state"), QString::fromStdString(tool.text)},
-            {QString("posed"), tool.isPosed},
-            {QString("matrix"), arrayOf(std::move(matrix))}};
-}
-
-/// The same, read, but for the shape. \throw vcg::fcd::Error the layer has another matrix
-ToolState readTool(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file) {
-    ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
-    const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
-    for (int k = 0; k < 16; ++k)
-        tool.matrix[k % 4][k / 4] = Scalarm(matrix[std::size_t(k)]);
-    Eigen::Affine3d then;
-    tool.matrix.ToEigenMatrix(then.matrix());
-    if (then.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !std::isnormal(then.linear().determinant()))
-        from.fail("matrix is none that a layer can have");
-    if (tool.isPosed && !hasRest)
-        from.fail("rest is missing");
-    const Eigen::Affine3d now = matrixOf(layer);
-    const double rounding = 1e-5; // a project has six digits
-    const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
-                        (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
-    if (!isSame && !now.matrix().isIdentity(0))
-        throw Error(file + " is of a layer with another matrix than " + inQuotes(layer) +
-                    " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
-                    "again, which brings the matrix of then.");
-    return tool;
-}
-
 SessionContents contentsOf(const LayerState &state) {
     SessionContents contents;
     contents.marks = !state.marks.empty();
@@ -165,6 +134,7 @@ SessionContents contentsOf(const LayerState &state) {
     contents.earlier = state.rest ? int(state.rest->earlier.size()) : 0;
     contents.poses = state.poses ? int(state.poses->pose.size()) : 0;
     contents.tool = state.tool != nullptr;
+    contents.pairs = state.pairs ? int(state.pairs->size()) : 0;
     return contents;
 }
 
@@ -174,9 +144,9 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     const CMeshO &mesh = layer.cm;
     const LayerState *state = LayerState::of(layer);
     const auto tool = toolOf(layer);
-    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !tool))
+    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !state->pairs && !tool))
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
-                    " that a session would keep. Tag, mark or pose it first.");
+                    " that a session would keep. Tag, mark, pose or fit it first.");
     const LiveVertices live(mesh);
     QCborMap map{{QString("vertices"), mesh.vn},
                  {QString("faces"), mesh.fn},
@@ -201,6 +171,8 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
         map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state->poses)));
     if (tool)
         map.insert(QString("tool"), mapOf(*tool));
+    if (state->pairs)
+        map.insert(QString("pairs"), arrayOf(*state->pairs, live));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
                                     {QString("version"), version},
@@ -273,10 +245,13 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
     std::shared_ptr<ToolState> tool;
     if (from.has("tool")) {
-        next.tool = tool = std::make_shared<ToolState>(readTool(from.in("tool"), from.has("rest"), layer, name));
+        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, name));
         if (checkTool)
             checkTool(tool->text);
     }
+
+    if (from.has("pairs"))
+        next.pairs = std::make_shared<const std::vector<FitPair>>(pairsOf(from, "pairs", live));
 
     // The layer may be at rest, as when its scan was opened again.
     Eigen::AlignedBox3d box;
@@ -345,5 +320,6 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     state.rest = std::move(next.rest);
     state.poses = std::move(next.poses);
     state.tool = std::move(next.tool);
+    state.pairs = std::move(next.pairs);
     return contents;
 }

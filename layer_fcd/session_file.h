@@ -32,6 +32,9 @@
 ///       tells;
 ///                            "posed": whether the layer has the pose of that, and not the shape that it begins from;
 ///                            "matrix": of the layer, column by column}
+///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the target,
+///       3
+///                            in the world; each only where that end is there}, ...]
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 
@@ -41,6 +44,7 @@ struct SessionContents {
     bool tool = false; ///< handles, motions and a line, as FCD: Bend knows them
     int earlier = 0;   ///< rest shapes
     int poses = 0;
+    int pairs = 0;          ///< of landmarks, as FCD: Fit knows them
     int moved = 0;          ///< vertices that have another position since it was loaded
     bool hasMatrix = false; ///< the layer has the matrix of then since
 };

@@ -9,7 +9,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_fit import answer
+from host_edit_fit import answer, on_target, open_two, place_pairs, save_pairs
 from host_edit_hands import keep_pose, tube_with_poses
 from host_edit_state import PULL, import_another
 
@@ -132,22 +132,49 @@ def test_a_session_goes_on_in_another_run(window, another, tmp_path):
     assert not np.array_equal(load(w.save("bent_on.ply"))[0], shape)
 
 
+def by_filter(filters, title, path, says):
+    dialog = filters.dialog(title)
+    filters.click(dialog, -60, -112) # of the file
+    filters.screen.shot(title)
+    asked = filters.screen.wait_for_title("", other_than=title)
+    filters.screen.do("type", "--delay", 5, str(path))
+    filters.screen.key("Return")
+    filters.screen.wait_for_title("FCD", "MeshLab", other_than=asked)
+    filters.apply(dialog)
+    filters.wait_for_log(says)
+    filters.finish(dialog)
+    filters.back()
+
+
+@the_dialogs_are_those_of_2020
+def test_pairs_of_a_fit_go_on_in_another_run(window, another, tmp_path):
+    """Those of which an end is missing, too."""
+    w, _, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    place_pairs(w)
+    pairs = save_pairs(w, "pairs.csv").read_bytes()
+    w.click(on_target(0.3)) # where the template is now
+    w.toggle_tool("FCD: Fit", is_on=True)
+    by_filter(Filters(w), "FCD: Save Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4.")
+    w = another(tmp_path / "scan.ply", tmp_path / "template.ply")
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4.")
+    w.start_tool("FCD: Fit")
+    w.shot("pairs_are_there")
+    w.click(w.place("save"))
+    w.wait("The pair '4' is on one layer only.")
+    w.click(on_target(0.3))
+    assert len(save_pairs(w, "four.csv").read_bytes()) > len(pairs)
+    w.key("ctrl+z", "ctrl+z") # the place, and what was loaded
+    w.click(w.place("save"))
+    w.wait("There is no pair of landmarks to be saved.")
+
+
 @the_dialogs_are_those_of_2020
 def test_the_tool_goes_on_with_what_the_filter_loads(window, another, tmp_path):
     _, shape, text, poses = full_session(window, tmp_path)
     w = another(tmp_path / "tube.ply")
     filters = Filters(w)
-    dialog = filters.dialog("FCD: Load Session")
-    filters.click(dialog, -60, -112) # of the file
-    w.shot("dialog")
-    asked = w.wait_for_title("", other_than="FCD: Load Session")
-    w.do("type", "--delay", 5, str(tmp_path / "all.fcd"))
-    w.key("Return")
-    w.wait_for_title("FCD", "MeshLab", other_than=asked)
-    filters.apply(dialog)
-    filters.wait_for_log("handles and motions of 'FCD: Bend'")
-    filters.finish(dialog)
-    filters.back()
+    by_filter(filters, "FCD: Load Session", tmp_path / "all.fcd", "handles and motions of 'FCD: Bend'")
     w.start_tool()
     check_whole(w, w.folder, shape, text, poses, load(tmp_path / "tube.ply")[0])
     filters.run("FCD: Clear Tags") # the tool is elsewhere meanwhile

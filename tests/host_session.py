@@ -10,7 +10,7 @@ from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_ret
 from host_tags import BEND, CLEAR, coloured, look, tag_ends
 
 SAVE, LOAD, SEQUENCE = "save_fcd_session", "load_fcd_session", "generate_fcd_pose_sequence"
-RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "moved_vertices": int}
+RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "pairs": int, "moved_vertices": int}
 
 
 def reopened(ms, folder, file="layer.ply"):
@@ -42,7 +42,7 @@ def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
     before = snapshot(ms.current_mesh())
     result = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
     check_returned(result, RETURNS)
-    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "moved_vertices": 0}
+    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "pairs": 0, "moved_vertices": 0}
     assert_unchanged(before, ms.current_mesh())
     shown = look(ms)
     if at_rest:  # the layer has its rest shape in the file
@@ -195,22 +195,57 @@ def test_a_file_that_was_changed_is_refused_or_harmless(tmp_path):
 def cbor(value):
     """As CBOR has it; an array as a typed one."""
     def head(kind, size):
-        return bytes([kind | size]) if size < 24 else bytes([kind | 24, size])
+        return bytes([kind | size]) if size < 24 else bytes([kind | 24, size]) if size < 256 else bytes([kind | 25, *size.to_bytes(2, "big")])
     if isinstance(value, bool):
         return b"\xf5" if value else b"\xf4"
     if isinstance(value, str):
-        return head(0x60, len(value)) + value.encode()
+        return head(0x60, len(value.encode())) + value.encode()
+    if isinstance(value, int):
+        return head(0, value) if value >= 0 else head(0x20, -1 - value)
+    if isinstance(value, list):
+        return head(0x80, len(value)) + b"".join(map(cbor, value))
     if isinstance(value, dict):
         return head(0xa0, len(value)) + b"".join(cbor(key) + cbor(each) for key, each in value.items())
-    return b"\xd8\x56" + head(0x40, 128) + np.asarray(value, "<f8").T.tobytes()
+    value = np.asarray(value, "<f8")
+    return b"\xd8\x56" + head(0x40, value.nbytes) + value.T.tobytes()
+
+
+def with_part(data, key, value):
+    """A session that has this, too."""
+    layer = contents(data)
+    assert 0xa0 < layer[0] < 0xb7
+    return with_layer(data, bytes([layer[0] + 1]) + layer[1:] + cbor(key) + cbor(value))
 
 
 def with_tool(data, posed=True, matrix=None, state="FCD bend 1\npose 50\n"):
     """A session in which the tool knows something, too."""
-    layer = contents(data)
-    assert 0xa0 < layer[0] < 0xb7
-    matrix = np.eye(4) if matrix is None else matrix
-    return with_layer(data, bytes([layer[0] + 1]) + layer[1:] + cbor("tool") + cbor({"state": state, "posed": posed, "matrix": matrix}))
+    return with_part(data, "tool", {"state": state, "posed": posed, "matrix": np.eye(4) if matrix is None else matrix})
+
+
+def test_pairs_of_a_fit_go_along(tmp_path):
+    """Each with what it has; a vertex that is deleted leaves its pair without that end."""
+    ms, _, _ = posed()
+    file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data, count = file.read_bytes(), ms.current_mesh().vertex_number()
+    pairs = [{"name": "nose", "vertex": count - 1, "place": np.array([0.1, -2, 1e-9])}, {"name": "ear", "vertex": 3}, {"name": "ö", "place": np.zeros(3)}]
+    file.write_bytes(with_part(data, "pairs", pairs))
+    again = reopened(ms, tmp_path)
+    assert again.apply_filter(LOAD, session_file=str(file))["pairs"] == 3
+    assert again.apply_filter(SAVE, session_file=str(again_file))["pairs"] == 3
+    assert cbor(pairs) in contents(again_file.read_bytes())
+    again.apply_filter("compute_selection_by_condition_per_vertex", condselect="vi == 3 || vi == 0")
+    again.apply_filter("meshing_remove_selected_vertices")
+    pairs[0]["vertex"] -= 2
+    del pairs[1]["vertex"]
+    assert again.apply_filter(SAVE, session_file=str(again_file))["pairs"] == 3
+    assert cbor(pairs) in contents(again_file.read_bytes())
+
+    for wrong, what in (([{"name": "a", "vertex": count}], "vertex is no number of a vertex"), ([{"name": "a", "vertex": -1}], "vertex is no number of a vertex"),
+                        ([{"name": "a", "vertex": 5}, {"name": "b", "vertex": 5}], "two pairs are at one vertex"), ([{"vertex": 5}], "name is no text"),
+                        ([5], "pairs is missing"), (5, "pairs is no list"), ([{"name": "a", "place": np.zeros(2)}], "place has not the values")):
+        file.write_bytes(with_part(data, "pairs", wrong))
+        refused(reopened(ms, tmp_path), what, session_file=str(file))
 
 
 def test_what_the_tool_knows_goes_through_filters(tmp_path):

@@ -2,25 +2,14 @@
 #ifndef FCD_FIT_PAIRS_H
 #define FCD_FIT_PAIRS_H
 
-#include <layer_fcd/parameters.h> // before Qt
+#include <layer_fcd/layer_state.h> // before Qt
+#include <layer_fcd/parameters.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <QStringList>
-
-/// A pair of landmarks, of which one end may still be missing.
-struct FitPair {
-    std::string name;
-    std::optional<std::size_t> slot;      ///< of a vertex of the layer that is fitted
-    std::optional<Eigen::Vector3d> place; ///< on the target, world
-
-    bool isWhole() const { return slot && place; }
-    bool operator==(const FitPair &other) const {
-        return name == other.name && slot == other.slot && place == other.place;
-    }
-};
 
 /// Pairs as 'landmarks_file' reads them: a .csv, or a .pp with both ends of each; or two .pp files with the same names,
 /// of which the one whose points are nearer to the layer is that of the layer.

@@ -50,6 +50,25 @@ void FitSession::resume(const FitState &state) {
     now.applies = 0;
 }
 
+void FitSession::takeKeptPairs() {
+    const LayerState *state = LayerState::of(layer);
+    const auto pairs = state ? state->pairs : nullptr;
+    if (!pairs || pairs == keptPairs)
+        return;
+    keptPairs = pairs;
+    if (*pairs == now.pairs)
+        return;
+    change();
+    setPairs(*pairs);
+}
+
+void FitSession::keepPairs() {
+    if (!now.pairs.empty())
+        LayerState::made(document, layer).pairs = keptPairs = std::make_shared<const std::vector<FitPair>>(now.pairs);
+    else if (LayerState *state = LayerState::of(layer))
+        state->pairs = keptPairs = nullptr;
+}
+
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
     return rest.world() * toVector(layer.cm.vert[slot].cP());
 }
@@ -99,6 +118,14 @@ void FitSession::setSource(std::size_t pair, std::size_t slot) {
 }
 
 void FitSession::setTarget(std::size_t pair, const Eigen::Vector3d &place) { now.pairs[pair].place = place; }
+
+void FitSession::setPairs(std::vector<FitPair> pairs) {
+    now.pairs = std::move(pairs);
+    const auto &vertices = layer.cm.vert;
+    for (FitPair &each : now.pairs)
+        if (each.slot && (*each.slot >= vertices.size() || vertices[*each.slot].IsD()))
+            each.slot.reset();
+}
 
 void FitSession::rename(std::size_t pair, const std::string &name) {
     if (!name.empty() && pair < now.pairs.size()) // it may be gone while its name is edited

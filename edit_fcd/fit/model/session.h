@@ -60,6 +60,10 @@ class FitSession {
     const FitState &state() const { return now; }
     /// Takes up a state of an earlier session of the same layer.
     void resume(const FitState &state);
+    /// The pairs that the layer keeps, where they are not those that this has left with it: undo takes that back.
+    void takeKeptPairs();
+    /// The layer keeps the pairs, for another session and for files.
+    void keepPairs();
     std::uint64_t restShape() const { return shapeAtRest; } ///< as shapeOf tells it
     double diagonal() const { return rest.diagonal(); }
 
@@ -78,7 +82,8 @@ class FitSession {
     void setTarget(std::size_t pair, const Eigen::Vector3d &place);
     void rename(std::size_t pair, const std::string &name);
     void remove(std::size_t pair);
-    void setPairs(std::vector<FitPair> pairs) { now.pairs = std::move(pairs); }
+    /// An end at a vertex that is not there is left out.
+    void setPairs(std::vector<FitPair> pairs);
     void setOptions(const FitOptions &options) { now.options = options; }
     void setShape(FitShape shape) { now.shape = shape; }
     /// \throw vcg::fcd::Error
@@ -139,8 +144,9 @@ class FitSession {
     bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
-    History<FitState> history{1000};    // each is some pairs
-    std::vector<std::uint64_t> applied; ///< the rest shapes of before each apply
+    std::shared_ptr<const std::vector<FitPair>> keptPairs; ///< that the layer got here, or that were taken from it
+    History<FitState> history{1000};                       // each is some pairs
+    std::vector<std::uint64_t> applied;                    ///< the rest shapes of before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;

@@ -55,10 +55,10 @@ void FitTool::open(MeshModel &newModel) {
         session = std::make_unique<FitSession>(*view->md(), newModel);
         if (before && before->isOfShape(session->restShape()))
             session->resume(before->state());
-        else if (before && !before->state().pairs.empty())
-            say("The layer '" + newModel.label().toStdString() +
-                "' was changed since it was left: its pairs are gone. 'Load pairs' brings those back that were saved.");
+        else if (before)
+            session->setPairs(before->state().pairs);
     }
+    session->takeKeptPairs();
     enterLayer(newModel);
     selected = -1;
 }
@@ -80,6 +80,7 @@ void FitTool::leave() {
         return;
     if (session->isUpToDate())
         guarded([&] {
+            session->keepPairs();
             if (session->leave())
                 say("The layer '" + model->label().toStdString() +
                     "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
@@ -121,11 +122,7 @@ bool FitTool::isReady() {
     MeshModel &same = *model;
     session.reset();
     open(same);
-    std::vector<FitPair> stay;
-    for (const FitPair &each : pairs)
-        if (!each.slot || (*each.slot < same.cm.vert.size() && !same.cm.vert[*each.slot].IsD()))
-            stay.push_back(each);
-    session->setPairs(stay);
+    session->setPairs(pairs);
     refresh();
     return true;
 }

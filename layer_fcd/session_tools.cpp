@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session_tools.h" // which includes others before Qt
+
+#include "layer_contents.h"
+#include "layer_matrix.h"
+
+using vcg::fcd::Error;
+
+QCborMap mapOf(const ToolState &tool) {
+    std::vector<double> matrix(16);
+    for (int k = 0; k < 16; ++k)
+        matrix[std::size_t(k)] = double(tool.matrix[k % 4][k / 4]);
+    return {{QString("state"), QString::fromStdString(tool.text)},
+            {QString("posed"), tool.isPosed},
+            {QString("matrix"), arrayOf(std::move(matrix))}};
+}
+
+ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file) {
+    ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
+    const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
+    for (int k = 0; k < 16; ++k)
+        tool.matrix[k % 4][k / 4] = Scalarm(matrix[std::size_t(k)]);
+    Eigen::Affine3d then;
+    tool.matrix.ToEigenMatrix(then.matrix());
+    if (then.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !std::isnormal(then.linear().determinant()))
+        from.fail("matrix is none that a layer can have");
+    if (tool.isPosed && !hasRest)
+        from.fail("rest is missing");
+    const Eigen::Affine3d now = matrixOf(layer);
+    const double rounding = 1e-5; // a project has six digits
+    const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
+                        (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
+    if (!isSame && !now.matrix().isIdentity(0))
+        throw Error(file + " is of a layer with another matrix than " + inQuotes(layer) +
+                    " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
+                    "again, which brings the matrix of then.");
+    return tool;
+}
+
+QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live) {
+    const std::vector<std::size_t> liveSlot = liveSlots(live.mesh);
+    QCborArray array;
+    for (const FitPair &pair : pairs) {
+        QCborMap map{{QString("name"), QString::fromStdString(pair.name)}};
+        if (pair.slot && !live.mesh.vert[*pair.slot].IsD())
+            map.insert(QString("vertex"),
+                       qint64(std::lower_bound(liveSlot.begin(), liveSlot.end(), *pair.slot) - liveSlot.begin()));
+        if (pair.place)
+            map.insert(QString("place"),
+                       arrayOf(std::vector<double>(pair.place->data(), pair.place->data() + pair.place->size())));
+        array.append(map);
+    }
+    return array;
+}
+
+std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live) {
+    const std::vector<std::size_t> liveSlot = liveSlots(live.mesh);
+    std::vector<FitPair> pairs;
+    for (const auto value : from.list(key)) {
+        const Reader each = from.in(QCborValue(value), key);
+        FitPair &pair = pairs.emplace_back();
+        pair.name = each.text("name");
+        if (each.has("vertex")) {
+            const double vertex = each.number("vertex");
+            if (!(vertex >= 0 && vertex < double(liveSlot.size())) || vertex != std::floor(vertex))
+                each.fail("vertex is no number of a vertex");
+            pair.slot = liveSlot[std::size_t(vertex)];
+        }
+        const auto isThere = [&](const FitPair &other) {
+            return &other != &pair && pair.slot && other.slot == pair.slot;
+        };
+        if (std::any_of(pairs.begin(), pairs.end(), isThere))
+            each.fail("two pairs are at one vertex");
+        if (each.has("place"))
+            pair.place = Eigen::Map<const Eigen::Vector3d>(each.array<double>("place", 3, 1).data());
+    }
+    return pairs;
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_SESSION_TOOLS_H
+#define FCD_SESSION_TOOLS_H
+
+#include "session_format.h"
+
+/// \file
+/// What the tools know of a layer, in a session (session_file.h).
+
+QCborMap mapOf(const ToolState &tool);
+/// The same, read, but for the shape. \param hasRest the session has a rest shape \param file what messages call it
+/// \throw vcg::fcd::Error what is wrong with the file; or the layer has another matrix
+ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file);
+
+/// The pairs of FCD: Fit; an end at a deleted vertex is left out.
+QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
+/// The same, read. \throw vcg::fcd::Error what is wrong with the file
+std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live);
+
+#endif
