@@ -13,8 +13,8 @@
 #include <vector>
 
 /// \file
-/// What to make so that it becomes what is wanted: the warp of a printed, sintered or pressed part, as its scan tells
-/// it, turned round.
+/// What to make so that what is wanted comes out: turns round the warp of a printed, sintered or pressed part, as its
+/// scan tells it.
 
 namespace vcg::fcd {
 

@@ -35,23 +35,23 @@ class Deformer : public MovingSurface {
     HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
     /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest. A region
-    /// whose motions are the same in it, or without it in the last pose that SolveAlong found from rest, stays as it is
-    /// there.
+    /// with the same motions there stays as it is there. Without \p last, the last pose that SolveAlong found from rest
+    /// counts.
     /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
-    /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, as a
-    /// fraction of the diagonal of the box of the nodes; NaN where it cannot be told. \param solver as the pose was
-    /// solved with
+    /// Estimates how far \p pose is from the limit of more and more nodes: root mean square over the free surface, as
+    /// a fraction of the diagonal of the nodes' box; NaN where it cannot be told. \param solver as the pose was solved
+    /// with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
-    /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
-    /// holds a region turns by more than 60 degrees against another.
+    /// In how many steps \p motions are reached from \p begin, or from rest. In each step, what holds a region turns by
+    /// at most 60 degrees against what else holds it.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
     /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps, or in as many as
-    /// each region needs. It is what grows out of the surface as it is, be it stable or not (SolverParam::follow).
+    /// each region needs. It grows out of the surface as it is, stable or not (SolverParam::follow).
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
     /// The motions at one of so many steps of a way, from 1. Called from several threads, one at a time.
@@ -157,7 +157,7 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
                                      const Progress &progress = {},
                                      const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity());
 
-/// What in a pose of a surface is probably not meant.
+/// Finds what is probably not meant in a pose.
 /// \param mesh the surface at rest that \p deformer was prepared from, with \p handles
 /// \param position 3 x vertex slots, mesh units: that of the pose \throw Cancelled
 DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
@@ -169,9 +169,9 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress = {});
 
-/// The most percent of a motion, in hundredths of \p param.pose, at which the surface does not pass through itself: all
-/// of \p param.pose where that does not; 0 is rest. Found by bisection: where the surface passes through itself on the
-/// way and comes out again, it is the end of one of the free parts.
+/// The most percent of a motion without contact, in hundredths of \p param.pose; 0 is rest. It is all of \p param.pose
+/// if there is no contact. Found by bisection: if contact begins and ends on the way, it is the end of one of the free
+/// parts.
 /// \param solve of a pose, of so many percent of the motion \param param that \p deformer was prepared with
 /// \throw Cancelled, and what \p solve throws
 double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,

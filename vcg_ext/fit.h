@@ -54,24 +54,24 @@ struct FitParam : DeformationParam {
     FitParam();
 
     double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
-    /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible; at 0,
-    /// each node's map is affine and only how it changes between neighbours costs, so that what is stretched, sheared
-    /// or scaled all over is as free as in a thin-plate spline.
+    /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible. At 0,
+    /// each node's map is affine, and only its change between neighbours costs: what is stretched, sheared or scaled
+    /// all over is as free as in a thin-plate spline.
     double rigidity = 1;
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
     int samples = 6000;                  ///< places of the source that are matched, >= 100
-    /// Places of the target that none of the source is near draw the nearest one; false: where too many are left, that
-    /// is tried as well, and taken where it fits better.
+    /// Places of the target with none of the source near draw the nearest one. false: that is only tried if too many
+    /// are left, and taken if it fits better.
     bool bothWays = false;
-    double landmarkTolerance = 0; ///< world units, >= 0: as near a landmark comes at least; 0 = to rounding
+    double landmarkTolerance = 0; ///< world units, >= 0: how far off a landmark may stay; 0 = rounding
     bool judgesLandmarks =
         true; ///< looks for those that the others contradict; false: leaves that out, which is faster
 
-    /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Nothing has to be matched
-    /// step by step then, and the surface comes to rest in far fewer steps.
+    /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Without matching, the
+    /// surface comes to rest in far fewer steps.
     FitParam LandmarksAlone() const;
     /// \throw BadInput naming the value that is out of range
     void ValidateFit() const;
@@ -79,9 +79,9 @@ struct FitParam : DeformationParam {
 
 /// How well a surface fits, over its samples.
 struct FitReport {
-    /// Whether a place at this distance from the target, world units, lies on it. Beside an open border, what is
-    /// farther than it mostly is where it is matched is beyond the border; elsewhere, what is three times as far as
-    /// nineteen in twenty of these are is not the target's noise.
+    /// Whether a place at this distance from the target, world units, lies on it. Nineteen in twenty matched places are
+    /// as near as \p nearest. What is farther is past the border, beside an open one. Elsewhere, the target's noise
+    /// reaches three times as far.
     bool LiesOn(double distance, bool onBorder) const { return distance <= (onBorder ? nearest : 3 * nearest); }
 
     double nearest = 0;                           ///< world units
@@ -138,8 +138,8 @@ class Fitter {
     Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
            const Progress &progress = {}, const WeightOf &weight = {});
 
-    /// Prepares what it is fitted to, for Solve and Compare. \param goal is not needed after it
-    /// What is not finite is left out. \throw BadInput a goal without vertices, or of a point or a line \throw
+    /// Prepares what it is fitted to, for Solve and Compare. What is not finite is left out.
+    /// \param goal is not needed after it \throw BadInput a goal without vertices, or of a point or a line \throw
     /// Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
@@ -149,8 +149,8 @@ class Fitter {
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 
-    /// How far each landmark is from where it belongs if it is left out: what the target and the others say of it,
-    /// world units. As many fits as there are landmarks. \throw as Solve
+    /// How far each landmark is from where it belongs in a fit without it, by the target and the others, world units.
+    /// As many fits as there are landmarks. \throw as Solve
     std::vector<double> LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
                                     const Progress &progress = {}) const;
 
@@ -174,8 +174,8 @@ class Fitter {
 
     const Deformer &Surface() const { return *deformer; }
 
-    /// Puts vertices with landmarks where these are, to the last bit, in positions that a pose was carried to, which
-    /// are single precision from there; those at the same place, too. What the graph is too coarse for stays.
+    /// Puts vertices with landmarks, and those at the same place, where these belong: to the last bit, from single
+    /// precision, in positions that a pose was carried to. What the graph is too coarse for stays.
     /// \param position 3 x vertex slots, mesh units
     void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 

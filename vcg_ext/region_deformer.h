@@ -76,8 +76,8 @@ struct ReadRegion {
 /// solved from the motions alone.
 ///
 /// Where neither the number of patches nor their radius is given, there are as many as the region is worth
-/// (PatchesFor), as a rough graph of few tells: how far it is off when what moves turns by 60 degrees (TurnError). That
-/// is decided once for all poses, so that each is part of the way to the others.
+/// (PatchesFor). A rough graph of few patches tells that, by its error when what moves turns by 60 degrees (TurnError).
+/// It is decided once for all poses: each is part of the way to the others.
 class RegionDeformer : public MovingRegion {
   public:
     using Pose = RegionPose;
@@ -94,23 +94,23 @@ class RegionDeformer : public MovingRegion {
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
-    /// In how many steps \p motions are followed from \p begin, or from rest, so that in each of them nothing that
-    /// holds the free surface turns by more than 60 degrees against another.
+    /// In how many steps \p motions are reached from \p begin, or from rest. In each step, what holds the free surface
+    /// turns by at most 60 degrees against what else holds it.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
     /// The motions, as OwnOf gives them, at one of so many steps of a way, from 1.
     using Way = std::function<HeldMotions(int step, int steps)>;
 
-    /// The pose at the end of a way, in at least \p steps, or in as many as it needs. The last one from rest is kept,
-    /// and given again where it is asked for again. \param begin the pose that it begins at, null for rest
+    /// The pose at the end of a way, in \p steps, or in more if it needs more. The last one from rest is kept, and
+    /// given when asked for again. \param begin the pose that it begins at, null for rest
     Pose SolveAlong(const Way &way, const SolverParam &solver, int steps, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
     /// The last pose that SolveAlong has found from rest, if its motions are these; else null.
     std::shared_ptr<const Pose> Kept(const HeldMotions &motions) const;
 
-    /// How far \p pose is from that of more and more nodes, about: root mean square over the free surface, frame units;
-    /// NaN where it cannot be told. \param solver as the pose was solved with
+    /// Estimates how far \p pose is from the limit of more and more nodes: root mean square over the free surface,
+    /// frame units; NaN where it cannot be told. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with

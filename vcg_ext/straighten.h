@@ -10,9 +10,8 @@
 #include <vector>
 
 /// \file
-/// Straightens a surface along a line, or bends it along another one. The nodes of its deformation graph go with the
-/// cross-sections of the line that they lie in; where these would fold it, or tear it apart, it follows as rigidly as
-/// possible instead.
+/// Straightens a surface along a line, or bends it along another one. The nodes of its deformation graph go with
+/// their cross-sections of the line. Where these would fold it or tear it apart, it follows as rigidly as possible.
 
 namespace vcg::fcd {
 
@@ -55,8 +54,8 @@ LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine
 Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
-/// The place of each vertex slot along a line, of the world, in its units; 0 at its beginning, beyond its ends less
-/// than that, or more than its length. \param deformer as of LineOf
+/// How far along a line of the world each vertex slot lies, world units: 0 at its beginning, less before it, more than
+/// its length beyond its end. \param deformer as of LineOf
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 
