@@ -2,6 +2,7 @@
 // What libFuzzer comes up with goes through every reader: each returns a valid value, or throws an Error that says
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
+#include "../../edit_fcd/bend/model/state_text.h"
 #include "../../layer_fcd/picked_points.h"
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/field/deformation_file.h>
@@ -10,6 +11,7 @@
 #include <vcg_ext/line/line_points.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -107,6 +109,17 @@ static void Poses(const std::string &text) {
     REQUIRE(sequence.WeightsAt(sequence.key.back().time) == sequence.key.back().weight);
 }
 
+static void Tool(const std::string &text) {
+    const std::vector<std::size_t> live = {0, 1, 3, 4}; // 2 is deleted
+    const auto [state, options] = readBendText(text, "input", live, 5);
+    for (const auto &[tag, point] : state.points)
+        REQUIRE(tag >= 2 && std::find(live.begin(), live.end(), point.slot) != live.end());
+    REQUIRE(!state.marks || state.marks->size() == 5);
+    const std::string written = bendText(state, options, live);
+    const auto [again, sameOptions] = readBendText(written, "written", live, 5);
+    REQUIRE(bendText(again, sameOptions, live) == written);
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
     const std::string text(reinterpret_cast<const char *>(data), size);
     Try("'input', line ", [&] { Tags(text); });
@@ -116,6 +129,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
     Try("'input', line ", [&] { Line(text); });
     Try("'input'", [&] { Poses(text); });
     Try("input, character ", [&] { Motions(text); });
+    Try("'input', line ", [&] { Tool(text); });
     Try("'input' ", [&] { SavedDeformation(text); });
     return 0;
 }
