@@ -51,8 +51,8 @@ void FitSession::resume(const FitState &state) {
 }
 
 void FitSession::takeKeptPairs() {
-    const LayerState *state = LayerState::of(layer);
-    const auto pairs = state ? state->pairs : nullptr;
+    const LayerState *its = LayerState::of(layer);
+    const auto pairs = its ? its->pairs : nullptr;
     if (!pairs || pairs == keptPairs)
         return;
     keptPairs = pairs;
@@ -65,8 +65,8 @@ void FitSession::takeKeptPairs() {
 void FitSession::keepPairs() {
     if (!now.pairs.empty())
         LayerState::made(document, layer).pairs = keptPairs = std::make_shared<const std::vector<FitPair>>(now.pairs);
-    else if (LayerState *state = LayerState::of(layer))
-        state->pairs = keptPairs = nullptr;
+    else if (LayerState *its = LayerState::of(layer))
+        its->pairs = keptPairs = nullptr;
 }
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
