@@ -1178,6 +1178,17 @@ def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):
     w.key("ctrl+z", "ctrl+z")
     assert np.array_equal(shape("at_rest"), np.float32(points))
 
+    stroke((X - 150, Y), (X - 70, Y)) # on the body: about half way through it, as far as the stroke is long
+    w.do("mouseup", 1)
+    w.key("y", "3", "0", "Return")
+    w.shot("body")
+    bulge = shape("body")
+    core = np.linalg.norm(points - [-70 / 300, 0, 0.24], axis=1) < 0.1 # nearer to the eye
+    turn = np.array([[np.cos(np.pi / 6), 0, np.sin(np.pi / 6)], [0, 1, 0], [-np.sin(np.pi / 6), 0, np.cos(np.pi / 6)]])
+    about = np.linalg.lstsq(np.eye(3) - turn, bulge[core].mean(0) - turn @ points[core].mean(0), rcond=None)[0]
+    assert turned_by(points[core], bulge[core]) == pytest.approx(30, abs=2) and np.abs(about - [-150 / 266, 0, 0]).max() < 0.03 # in the middle a unit is smaller
+    assert np.array_equal(bulge[points[:, 0] > 0.1], np.float32(points[points[:, 0] > 0.1]))
+
 
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
     """The next one bends as far as its place says, whatever the wheel did."""

@@ -30,9 +30,8 @@ void checkToolText(const std::string &text, const std::string &name, const MeshM
 
 /// A stroke along a limb, from its joint towards its end; slots of vertices.
 struct BendStroke {
-    std::size_t from = 0, to = 0;
-    Eigen::Vector3d through =
-        Eigen::Vector3d::Zero(); ///< the middle of what the eye sees at its begin, world: where it turns on no limb
+    std::size_t from, to;
+    Eigen::Vector3d through; ///< the middle of what is seen at its begin, world: where it turns on no limb
 };
 
 /// A layer while it is bent: its rest shape, a BendModel, and the deformer that is prepared for that. Knows nothing of

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/bend/model/session.h"
 
 #include <algorithm>
@@ -15,9 +16,9 @@ BendSession::Turned BendSession::turnedBy(BendReach &from, const BendStroke &str
     const auto [extent, isLimb] = from.beyond(stroke.from, stroke.to, usual, usualGap(rest.diagonal()));
     const std::size_t slot = extent ? extent->vertices.front() : 0;
     const bool isNew = extent && canBecomePoint(data, slot);
-    if (!extent || (!isNew && tags()[slot] < 2))
-        return {};
     const int tag = isNew ? 0 : tags()[slot];
+    if (!extent || (!isNew && tag < 2) || handleOf(state(), tag).isLocked)
+        return {};
     return {tag, extent, isLimb ? seenAt(rest.world() * *extent->bends, stroke.from) : stroke.through};
 }
 

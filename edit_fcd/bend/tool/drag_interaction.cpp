@@ -8,18 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace {
-
-void expectUnlocked(const BendState &state, int tag) {
-    if (handleOf(state, tag).isLocked)
-        throw vcg::fcd::Error(nameOf(state, tag) + " is locked: the list of handles unlocks it.");
-}
-
-} // namespace
-
 void DragInteraction::begin(const Grip &what) {
     BendSession &session = *stage.session;
-    expectUnlocked(session.state(), what.tag);
     session.change();
     if (session.model().options.pose != 100) { // a drag says where that is
         setPose(session.edit(), 100);
@@ -48,7 +38,6 @@ void DragInteraction::begin(const Grip &what) {
                 grip.tag =
                     isLimb ? stage.session->limbAt(grip.slot, radius) : stage.session->strokeAt(*grip.stroke, radius);
                 grip.isNew = !before.isHandle(grip.tag);
-                expectUnlocked(stage.session->state(), grip.tag);
             }
             if (!grip.tag)
                 grip.tag = stage.session->addPoint(grip.slot, radius);
@@ -291,9 +280,8 @@ void DragInteraction::beforeDraw() {
 
 QString DragInteraction::text() const {
     if (stroke)
-        return stroke->turned.extent
-                   ? "Drag along the limb: what is tinted turns where you began. Release: turn it; Esc."
-                   : "Drag from the joint along the limb, towards its end. Esc.";
+        return turned.extent ? "Drag along the limb: what is tinted turns where you began. Release: turn it; Esc."
+                             : "Drag from the joint along the limb, towards its end. Esc.";
     if (!now)
         return {};
     const BendSession &session = *stage.session;

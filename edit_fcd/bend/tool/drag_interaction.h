@@ -37,15 +37,8 @@ class DragInteraction : public BendInteraction {
     QString text() const override;
 
   private:
-    /// Begun by a press while a turn waits, which it takes back.
-    struct Stroke {
-        Eigen::Vector3d pressed; ///< window
-        BendStroke way;
-        BendSession::Turned turned; ///< by it
-    };
-
     bool beginStroke(const QMouseEvent &event);
-    bool isShort(const Eigen::Vector3d &from) const;
+    bool isNear() const;
     void showStroke();
     void endStroke();
     void beginPrepared();
@@ -55,10 +48,11 @@ class DragInteraction : public BendInteraction {
     void stop(bool keep);
     void end(bool keep);
 
-    std::unique_ptr<BendDrag> now; ///< once the layer is prepared
-    std::optional<Stroke> stroke;
+    std::unique_ptr<BendDrag> now;    ///< once the layer is prepared
+    std::optional<BendStroke> stroke; ///< in its place, since the button was pressed while a turn waited
+    BendSession::Turned turned;       ///< by that
     Grip grip;
-    Eigen::Vector3d held;       ///< where its vertex was then, world
+    Eigen::Vector3d held;       ///< where its vertex was then, or the mouse is with a stroke; world
     int asked = 0;              ///< the tag of what was to be dragged
     Eigen::Vector3d gripped;    ///< where the mouse was then, window
     double tookToPrepare = 0;   ///< milliseconds

@@ -247,6 +247,8 @@ bool BendTool::grab() {
 }
 
 void BendTool::beginDrag(const DragInteraction::Grip &grip) {
+    if (grip.tag && handleOf(session->state(), grip.tag).isLocked)
+        throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
     foreseenPivot.reset();
     colors->preview(nullptr); // the drag shows what it moves
     DragInteraction &begun = goOn<DragInteraction>();
