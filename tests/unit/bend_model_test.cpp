@@ -267,6 +267,24 @@ TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
     }
 }
 
+TEST(BendModel, AStrokeAtAWristTakesTheWiderHandAlong) {
+    Shape arm = Limb(0.06, 300, {0, 0, 0}, 1, 40);
+    for (Eigen::Vector3d &p : arm.position) // a hand of twice the width, which is flat
+        p = {p[0], p[1] * (p[0] < 0.6 ? 1 : std::min(2.0, 1 + 8 * (p[0] - 0.6))), p[2] * (p[0] < 0.6 ? 1 : 0.7)};
+    Bent bent(arm);
+    for (const double y : {0.0, 0.06}) { // on the back of the hand, and at its edge
+        const auto [is, isLimb] =
+            bent.reach.beyond(bent.nearest({0.55, y, 0.06 - y}), bent.nearest({0.85, 2 * y, 0.04}), 0.3, 0.01);
+        ASSERT_TRUE(is && isLimb);
+        EXPECT_LT((*is->bends - Eigen::Vector3d(0.55, 0, 0)).norm(), 0.04) << is->bends->transpose();
+        bent.model.state.points[2] = {is->vertices.front(), is->radius, true};
+        bent.update();
+        EXPECT_EQ(is->shareOf(bent.nearest({0.95, 0.12, 0})), 1);
+        EXPECT_EQ(is->shareOf(bent.nearest({0.95, -0.12, 0})), 1);
+        EXPECT_EQ(bent.tagAt({0.3, 0, 0.06}), 0);
+    }
+}
+
 TEST(BendModel, AStrokeOnNoLimbReachesAsFarAsItIsLong) {
     const Shape thick = Limb(0.5, 120, {0, 0, 0}, 1, 64);
     Bent bent(Join(thick, Limb(0.02, 9, {0, 5, 0}, 0.05)));
