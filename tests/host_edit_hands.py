@@ -1114,6 +1114,82 @@ def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     assert np.abs((load(w.save("back.ply"))[0] - points)[hand].mean(0)[:2]).max() < 0.05
 
 
+def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):
+    """Where R was pressed: what lies beyond turns about the middle of the limb there, what lies before it stays, and all of it is one step
+    of undo. Esc, a click, and a stroke towards the body change nothing."""
+    w, points, faces, body = open_figure(window, tmp_path)
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    shape = lambda name: load(w.save(name + ".ply"))[0]
+
+    def stroke(start, end):
+        w.do("mousemove", *start)
+        w.key("r")
+        w.settle()
+        w.press_and_move(start, end)
+
+    scale = 285 # pixels a unit, at the side that is seen
+    joint, end = (X + round(0.4 * scale), Y), (X + round(0.8 * scale), Y + 5)
+    stroke(joint, end)
+    assert said().startswith("Drag along the limb: what is tinted turns where you began.")
+    w.shot("drawn")
+    tint = yellow(w)
+    assert tint[270 + 114 + 60:270 + 240].min() > 40 and tint[:270 + 60].max() < 15 # beyond, and the body
+    w.key("Escape")
+    w.do("mouseup", 1)
+    w.shot("cancelled")
+    assert yellow(w).max() < 15 and np.array_equal(shape("cancelled"), np.float32(points))
+    stroke(joint, (joint[0] + 3, Y))
+    w.do("mouseup", 1)
+    w.do("mousemove", X, Y - 100)
+    assert np.array_equal(shape("clicked"), np.float32(points)) and not said().startswith("Handle")
+    stroke((X + 180, Y), (X + 60, Y))
+    w.do("mouseup", 1)
+    w.wait("Beyond this stroke lies no limb that is free to turn: draw it from a joint towards the end of the limb.")
+    assert np.array_equal(shape("refused"), np.float32(points))
+
+    stroke(joint, end)
+    w.do("mouseup", 1)
+    assert said().startswith("Handle 2: turn: move the mouse")
+    w.key("z", "3", "0")
+    w.shot("turning")
+    w.key("Return")
+    turned = shape("turned")
+    beyond, before = points[:, 0] > 0.4 + 0.16, points[:, 0] < 0.4 - 0.16
+    assert np.abs(turned[before] - points[before]).max() < 1e-6
+    assert turned_by(points[beyond], turned[beyond]) == pytest.approx(30, abs=0.5)
+    pivot = np.array([0.4, 0, 0])
+    turn = np.array([[np.cos(np.pi / 6), np.sin(np.pi / 6), 0], [-np.sin(np.pi / 6), np.cos(np.pi / 6), 0], [0, 0, 1]])
+    assert np.abs((points - pivot) @ turn + pivot - turned)[beyond].max() < 0.03
+    assert most_stretched(points, turned, faces) < 1.8
+    w.key("ctrl+z")
+    assert np.array_equal(shape("undone"), np.float32(points))
+    w.key("ctrl+shift+z")
+    assert np.array_equal(shape("redone"), turned)
+
+    hand = X + round(scale * 0.75), Y - round(scale * 0.2) # of what is turned, another joint, which goes with it
+    stroke(hand, (hand[0] + 50, hand[1] - 29))
+    w.do("mouseup", 1)
+    assert said().startswith("Handle 3: turn: move the mouse")
+    w.key("z", "minus", "3", "0", "Return")
+    w.shot("hand")
+    again = shape("hand")
+    tip = points[:, 0] > 0.97
+    assert turned_by(points[tip], again[tip]) == pytest.approx(0, abs=1.5) and np.abs(again - turned)[points[:, 0] < 0.6].max() < 1e-3
+    w.key("ctrl+z", "ctrl+z")
+    assert np.array_equal(shape("at_rest"), np.float32(points))
+
+    stroke((X - 150, Y), (X - 70, Y)) # on the body: about half way through it, as far as the stroke is long
+    w.do("mouseup", 1)
+    w.key("y", "3", "0", "Return")
+    w.shot("body")
+    bulge = shape("body")
+    core = np.linalg.norm(points - [-70 / 300, 0, 0.24], axis=1) < 0.1 # nearer to the eye
+    turn = np.array([[np.cos(np.pi / 6), 0, np.sin(np.pi / 6)], [0, 1, 0], [-np.sin(np.pi / 6), 0, np.cos(np.pi / 6)]])
+    about = np.linalg.lstsq(np.eye(3) - turn, bulge[core].mean(0) - turn @ points[core].mean(0), rcond=None)[0]
+    assert turned_by(points[core], bulge[core]) == pytest.approx(30, abs=2) and np.abs(about - [-150 / 266, 0, 0]).max() < 0.03 # in the middle a unit is smaller
+    assert np.array_equal(bulge[points[:, 0] > 0.1], np.float32(points[points[:, 0] > 0.1]))
+
+
 def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
     """The next one bends as far as its place says, whatever the wheel did."""
     w, points = tip_of_a_limb(window, tmp_path)

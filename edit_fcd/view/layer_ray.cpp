@@ -42,8 +42,8 @@ Nearest nearestOf(std::size_t n, const Depth &depthOf) {
 }
 
 /// Where a ray meets a triangle, in lengths of the way, as T. Moeller and B. Trumbore (1997) find it; infinity where it
-/// does not.
-double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3]) {
+/// does not, or before \p least.
+double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3], double least) {
     const double none = std::numeric_limits<double>::infinity();
     const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = way.cross(b);
     const double volume = a.dot(across);
@@ -51,12 +51,13 @@ double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eige
         return none;
     const Eigen::Vector3d off = from - corner[0], other = off.cross(a);
     const double u = off.dot(across) / volume, v = way.dot(other) / volume, t = b.dot(other) / volume;
-    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t <= 1 ? t : none;
+    return u >= 0 && v >= 0 && u + v <= 1 && t >= least && t <= 1 ? t : none;
 }
 
 } // namespace
 
-std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window) {
+std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window,
+                                 double behind) {
     const double none = std::numeric_limits<double>::infinity();
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
@@ -66,12 +67,12 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
             if (mesh.vert[i].IsD())
                 return none;
             const Eigen::Vector3d at = seen.toWindow(world * toVector(mesh.vert[i].cP()));
-            return (at.head<2>() - window).norm() <= reach && at[2] >= 0 && at[2] <= 1 ? at[2] : none;
+            return (at.head<2>() - window).norm() <= reach && at[2] >= behind && at[2] <= 1 ? at[2] : none;
         });
         if (!hit.isFound())
             return {};
         const std::size_t slot = hit.element;
-        return LayerHit{world * toVector(mesh.vert[slot].cP()), slot, {slot, slot, slot}, {1, 0, 0}};
+        return LayerHit{world * toVector(mesh.vert[slot].cP()), hit.depth, slot, {slot, slot, slot}, {1, 0, 0}};
     }
     const Eigen::Affine3d toLayer = world.inverse();
     const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
@@ -81,7 +82,7 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
         if (face.IsD())
             return none;
         const Eigen::Vector3d corner[3] = {toVector(face.cP(0)), toVector(face.cP(1)), toVector(face.cP(2))};
-        return meets(from, way, corner);
+        return meets(from, way, corner, behind);
     });
     if (!hit.isFound())
         return {};
@@ -90,6 +91,7 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
                           a = toVector(face.cP(1)) - origin, b = toVector(face.cP(2)) - origin, normal = a.cross(b);
     LayerHit found;
     found.place = world * place;
+    found.depth = hit.depth;
     found.weight[1] = (place - origin).cross(b).dot(normal) / normal.squaredNorm();
     found.weight[2] = a.cross(place - origin).dot(normal) / normal.squaredNorm();
     found.weight[0] = 1 - found.weight[1] - found.weight[2];
@@ -103,6 +105,15 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
         }
     }
     return found;
+}
+
+std::optional<Eigen::Vector3d> middleBehind(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window) {
+    const std::optional<LayerHit> front = hitLayer(layer, seen, window);
+    if (!front)
+        return {};
+    const double beside = 1e-9; // of the ray: another triangle at an edge that it meets
+    const std::optional<LayerHit> back = hitLayer(layer, seen, window, front->depth + beside);
+    return back ? Eigen::Vector3d((front->place + back->place) / 2) : front->place;
 }
 
 std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const MeshModel &but, const Camera &seen,

@@ -226,6 +226,83 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({1, 0, 0}), usual, 0.01)) << "beyond its tip nothing is";
 }
 
+TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
+    // A limb of 0.16 on a body three times as thick, at an angle; and with many vertices, as one sees before.
+    const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+    const double usual = 0.3, hair = 0.01, thickness = 0.16;
+    for (const bool isFine : {false, true}) {
+        Shape figure = isFine ? Limb(0.08, 500, {0, 0, 0}, 1, 64) : Limb(0.08, 200, {0, 0, 0}, 1, 24);
+        for (Eigen::Vector3d &p : figure.position) {
+            const double thick = p[0] < 0 ? 3 : p[0] < 0.05 ? 3 - 40 * p[0] : 1;
+            p = turned * Eigen::Vector3d(p[0], thick * p[1], thick * p[2]);
+        }
+        Bent bent(figure);
+        bent.reach.begin();
+        const auto slotAt = [&](double x, double y, double z) {
+            return bent.nearest(turned * Eigen::Vector3d(x, y, z));
+        };
+        for (const double x : {0.3, 0.45, 0.6})
+            for (const double end : {x + 0.1, x + 0.2, 0.95}) { // shorter and longer than the limb is thick
+                SCOPED_TRACE(testing::Message() << isFine << " from " << x << " to " << end);
+                const std::size_t from = slotAt(x, 0, 0.08), to = slotAt(end, 0.05, 0.06);
+                const auto [is, isLimb] = bent.reach.beyond(from, to, usual, hair);
+                const auto [seems, seemsLimb] = bent.reach.glance().beyond(from, to, usual, hair);
+                ASSERT_TRUE(is && isLimb && seems && seemsLimb);
+                EXPECT_LT((*seems->bends - *is->bends).norm(), 0.3 * thickness);
+                const Eigen::Vector3d bends = turned.inverse() * *is->bends;
+                EXPECT_NEAR(bends[0], x, 0.2 * thickness);
+                EXPECT_LT(std::hypot(bends[1], bends[2]), 0.15 * thickness);
+                EXPECT_NEAR(is->radius, 2 * thickness, 0.4 * thickness) << "half of it bends: the thickness";
+                EXPECT_NEAR(seems->radius, is->radius, 0.2 * is->radius);
+                bent.model.state.points[2] = {is->vertices.front(), is->radius, true};
+                bent.update();
+                const BendExtent &extent = *bent.model.influence.extents.at(2);
+                EXPECT_EQ(extent.shareOf(slotAt(0.98, 0, 0.08)), 1);
+                EXPECT_EQ(extent.shareOf(slotAt(x - 1.2 * thickness, 0, 0.08)), 0);
+                EXPECT_EQ((*bent.model.influence.tags)[slotAt(x + 1.2 * thickness, 0, 0.08)], 2);
+                EXPECT_EQ((*bent.model.influence.tags)[slotAt(x - 1.2 * thickness, 0, 0.08)], 0);
+            }
+        EXPECT_FALSE(bent.reach.beyond(slotAt(0.5, 0, 0.08), slotAt(-0.5, 0, 0.24), usual, hair).first)
+            << "what lies beyond is the body";
+    }
+}
+
+TEST(BendModel, AStrokeAtAWristTakesTheWiderHandAlong) {
+    Shape arm = Limb(0.06, 300, {0, 0, 0}, 1, 40);
+    for (Eigen::Vector3d &p : arm.position) // a hand of twice the width, which is flat
+        p = {p[0], p[1] * (p[0] < 0.6 ? 1 : std::min(2.0, 1 + 8 * (p[0] - 0.6))), p[2] * (p[0] < 0.6 ? 1 : 0.7)};
+    Bent bent(arm);
+    for (const double y : {0.0, 0.06}) { // on the back of the hand, and at its edge
+        const auto [is, isLimb] =
+            bent.reach.beyond(bent.nearest({0.55, y, 0.06 - y}), bent.nearest({0.85, 2 * y, 0.04}), 0.3, 0.01);
+        ASSERT_TRUE(is && isLimb);
+        EXPECT_LT((*is->bends - Eigen::Vector3d(0.55, 0, 0)).norm(), 0.04) << is->bends->transpose();
+        bent.model.state.points[2] = {is->vertices.front(), is->radius, true};
+        bent.update();
+        EXPECT_EQ(is->shareOf(bent.nearest({0.95, 0.12, 0})), 1);
+        EXPECT_EQ(is->shareOf(bent.nearest({0.95, -0.12, 0})), 1);
+        EXPECT_EQ(bent.tagAt({0.3, 0, 0.06}), 0);
+    }
+}
+
+TEST(BendModel, AStrokeOnNoLimbReachesAsFarAsItIsLong) {
+    const Shape thick = Limb(0.5, 120, {0, 0, 0}, 1, 64);
+    Bent bent(Join(thick, Limb(0.02, 9, {0, 5, 0}, 0.05)));
+    const double x = -0.1, length = 0.3, hair = 0.01;
+    const std::size_t end = bent.nearest({x + length, 0, 0.5});
+    const auto [extent, isLimb] = bent.reach.beyond(bent.nearest({x, 0, 0.5}), end, 0.2, hair);
+    ASSERT_TRUE(extent);
+    EXPECT_FALSE(isLimb);
+    EXPECT_EQ(extent->vertices, std::vector<std::size_t>{end});
+    bent.model.state.points[2] = {end, extent->radius, true};
+    bent.update();
+    EXPECT_EQ(bent.tagAt({x + 0.5 * length, 0, 0.5}), 2) << "turns";
+    EXPECT_EQ(bent.tagAt({x, 0, 0.5}), 1) << "in the middle of what bends";
+    EXPECT_EQ(bent.tagAt({x - 0.5 * length, 0, 0.5}), 0) << "stays";
+    EXPECT_FALSE(bent.reach.beyond(end, bent.nearest({0, 5, 0}), 0.2, hair).first) << "another part";
+    EXPECT_FALSE(bent.reach.beyond(end, end, 0.2, hair).first) << "leads nowhere";
+}
+
 TEST(BendModel, AHandleBendsAsFarAsItsLimbIsThick) {
     for (const double thickness : {0.06, 0.12, 0.16}) {
         Bent bent(Limb(thickness / 2));

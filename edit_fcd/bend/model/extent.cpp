@@ -190,7 +190,15 @@ void BendReach::findShares(BendExtent &made) const {
     for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
             place += graph.position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
-    made.joint.reset();
+    if (area > 0)
+        made.bends = surface->frame.FromFrame(sum / area);
     if (!made.beyond.empty() && area > 0 && (sum / area - place).norm() > nearestJoint * radius)
-        made.joint = surface->frame.FromFrame(sum / area);
+        made.joint = made.bends;
+}
+
+float BendExtent::shareOf(std::size_t slot) const {
+    const auto found = std::lower_bound(around.begin(), around.end(), slot);
+    if (found != around.end() && *found == slot)
+        return share[std::size_t(found - around.begin())];
+    return std::binary_search(beyond.begin(), beyond.end(), slot) ? 1.f : 0.f;
 }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-// Where a limb begins.
+// Where a limb begins, and where one bends that someone points out.
 
 namespace {
 
@@ -69,6 +69,79 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         return slot;
     const auto there = std::find_if(fromHere.begin(), fromHere.end(),
                                     [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
-    const auto found = std::find(surface->nodeOf.begin(), surface->nodeOf.end(), *there);
-    return std::size_t(found - surface->nodeOf.begin());
+    return slotOf(*there);
+}
+
+namespace {
+
+// Of the radius: so far is what bends before a handle, in the middle, since half of it is between the radius and half
+// of that (see BendExtent::core). On a limb it is nearer at the other side; how far is found out there.
+const double toJoint = 0.75;
+
+// From one radius to the next, where one does not reach around what is beyond a joint, and how much larger one may be:
+// a hand is wider than its wrist, but hardly twice as wide.
+const double wider = 1.2, widest = 2;
+
+const int roundsToJoint = 3; // each leaves a part of what the joint is off, which is a tenth of the thickness then
+
+} // namespace
+
+/// The node on the way from another one that is so far from there; beyond what the way leads to, too. \param left of
+/// each node: how far it is from where the way ends \return -1: the surface ends before
+vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const {
+    const vcg::fcd::Graph &graph = surface->graph;
+    const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead);
+    std::vector<char> isIn(left.size(), 0);
+    for (const vcg::fcd::Index u : ball)
+        isIn[std::size_t(u)] = 1;
+    vcg::fcd::Index found = -1;
+    for (const vcg::fcd::Index u : ball) {
+        const auto near = graph.adjacency[u];
+        const bool isEdge =
+            std::any_of(near.begin(), near.end(), [&](vcg::fcd::Index v) { return !isIn[std::size_t(v)]; });
+        if (isEdge && (found < 0 || left[std::size_t(u)] < left[std::size_t(found)]))
+            found = u;
+    }
+    // What is as far away on the other side is that much farther from the end.
+    return found >= 0 && left[std::size_t(found)] < std::max(ahead, left[std::size_t(from)]) ? found : -1;
+}
+
+std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t from, std::size_t to, double usual,
+                                                                     double hair) {
+    wait();
+    from = carrierOf(from, hair);
+    to = carrierOf(to, hair);
+    const vcg::fcd::Index begin = surface->nodeOf[from], end = surface->nodeOf[to];
+    const double scale = surface->frame.scale, none = std::numeric_limits<double>::infinity();
+    std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
+    if (begin < 0 || end < 0)
+        return {};
+    const std::vector<vcg::fcd::Index> fromEnd = vcg::fcd::NodesWithin(surface->graph, {end}, none, &distances);
+    for (std::size_t k = 0; k < fromEnd.size(); ++k)
+        left[std::size_t(fromEnd[k])] = distances[k];
+    const double length = scale * left[std::size_t(begin)], least = radiusAt(from, usual);
+    if (length == 0 || length == none)
+        return {};
+    const bool isLimb = extent({from}, usual)->cut > 0; // of which that radius is twice the thickness
+    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
+    std::shared_ptr<const BendExtent> found;
+    for (double radius = least; isLimb && !found && radius <= widest * least; radius *= wider) {
+        double ahead = toJoint * radius / scale;
+        for (int k = 0; k < roundsToJoint; ++k) {
+            const vcg::fcd::Index node = along(begin, ahead, left);
+            const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
+            if (!made || !made->bends || made->shareOf(to) == 0)
+                break; // it does not reach around
+            const Eigen::Vector3d way = placeOf(node) - placeOf(begin),
+                                  off = surface->frame.ToFrame(*made->bends) - placeOf(begin);
+            if (off.dot(way) >= way.squaredNorm())
+                break; // it holds what is on the other side
+            found = made;
+            ahead -= off.dot(way.normalized());
+        }
+    }
+    if (found || (isLimb && length > least)) // else all that lies beyond is near
+        return {found, true};
+    found = whole({to}, length / toJoint, hair);
+    return {found->shareOf(from) < 1 ? found : nullptr, false};
 }

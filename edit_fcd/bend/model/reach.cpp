@@ -56,6 +56,11 @@ std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) c
     return all;
 }
 
+/// One of the vertices of a node.
+std::size_t BendReach::slotOf(vcg::fcd::Index node) const {
+    return std::size_t(std::find(surface->nodeOf.begin(), surface->nodeOf.end(), node) - surface->nodeOf.begin());
+}
+
 /// Which nodes have one of the vertices.
 std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
@@ -180,8 +185,7 @@ std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
             nearest = u;
         }
     }
-    const auto found = std::find(surface->nodeOf.begin(), surface->nodeOf.end(), nearest);
-    return nearest < 0 ? slot : std::size_t(found - surface->nodeOf.begin());
+    return nearest < 0 ? slot : slotOf(nearest);
 }
 
 std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {

@@ -26,8 +26,10 @@ struct BendExtent {
     bool isWhole = false;            ///< the next ones are known, too
     std::vector<std::size_t> core;   ///< within half the radius
     std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
-    std::optional<Eigen::Vector3d> joint; ///< of a limb: the middle of what bends between the core and what stays,
-                                          ///< layer units
+    std::optional<Eigen::Vector3d> bends; ///< the middle of what bends between the core and what stays, layer units
+    std::optional<Eigen::Vector3d> joint; ///< the same of a limb
+
+    float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, from 0 to 1
 };
 
 /// What lies within some way of vertices, along the surface of the rest shape.
@@ -62,6 +64,13 @@ class BendReach {
     /// \param hair as looseAmong() has it
     std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair);
 
+    /// What belongs to the handle of what lies beyond a vertex, on the way to another one: it bends at the first one,
+    /// as wide as the limb is thick there. On no limb it is around the other one, and the first one in the middle of
+    /// what bends. Null where what lies beyond is the larger part, or no surface leads there. \param usual, hair as
+    /// rootOfLimb() has them \return and whether that is of a limb
+    std::pair<std::shared_ptr<const BendExtent>, bool> beyond(std::size_t from, std::size_t to, double usual,
+                                                              double hair);
+
     /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
     /// vertex among them
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
@@ -91,6 +100,8 @@ class BendReach {
     std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
                                  const std::vector<double> &distances, double &cut) const;
     void findShares(BendExtent &made) const;
+    std::size_t slotOf(vcg::fcd::Index node) const;
+    vcg::fcd::Index along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const;
     std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
     std::vector<char> nodesOf(const std::vector<char> &isIn) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,

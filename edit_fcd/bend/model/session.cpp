@@ -213,7 +213,11 @@ void BendSession::clearMarks() {
 int BendSession::addPoint(std::size_t slot, double usual) {
     if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
         slot = carrier;
-    const double radius = reach.radiusAt(slot, usual);
+    return addAt(slot, reach.radiusAt(slot, usual));
+}
+
+/// A new handle around a vertex, and its twin.
+int BendSession::addAt(std::size_t slot, double radius) {
     const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
         assert(canBecomePoint(data, at));
         const int tag = data.influence.unusedTag();

@@ -28,6 +28,12 @@ vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
 /// \param text as a session of \p layer has it \throw vcg::fcd::Error it cannot be read
 void checkToolText(const std::string &text, const std::string &name, const MeshModel &layer);
 
+/// A stroke along a limb, from its joint towards its end; slots of vertices.
+struct BendStroke {
+    std::size_t from, to;
+    Eigen::Vector3d through; ///< the middle of what is seen at its begin, world: where it turns on no limb
+};
+
 /// A layer while it is bent: its rest shape, a BendModel, and the deformer that is prepared for that. Knows nothing of
 /// mouse and screen.
 ///
@@ -76,6 +82,15 @@ class BendSession {
     /// The same of the limb that limbAt() would turn, of a vertex or a handle. \return with its handle, 0: a new one
     std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
                                                                   double usual);
+    /// The same of what strokeAt() would turn, and where that turns now, world.
+    struct Turned {
+        int tag = 0;                              ///< 0: a new handle
+        std::shared_ptr<const BendExtent> extent; ///< null: there is nothing
+        Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
+    };
+    Turned glimpseStroke(const BendStroke &stroke, double usual);
+    /// Where a place at rest is seen now, by a vertex that it goes with; world.
+    Eigen::Vector3d seenAt(const Eigen::Vector3d &place, std::size_t slot) const;
     /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
     /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
     void beginBeside();
@@ -110,6 +125,10 @@ class BendSession {
     /// on, or else a new one where the limb begins. \pre as addPoint() \return its tag
     /// \throw vcg::fcd::Error there is no limb
     int limbAt(std::size_t slot, double usual);
+    /// The handle that turns what lies beyond the begin of a stroke, about the middle of the limb there: one that holds
+    /// that place, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error it leads along
+    /// no limb, or to what is fixed
+    int strokeAt(const BendStroke &stroke, double usual);
     /// How far a handle, and its twin, bend what is around them where nothing is marked as fixed, world units; within
     /// what the panel has room for.
     void setRadius(int tag, double radius);
@@ -205,6 +224,8 @@ class BendSession {
     std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
     int turnedLimb(std::size_t slot) const;
     std::optional<std::size_t> newLimb(std::size_t slot, double usual);
+    int addAt(std::size_t slot, double radius);
+    Turned turnedBy(BendReach &from, const BendStroke &stroke, double usual) const;
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const;
     void readSurface();
     void writeMarks();

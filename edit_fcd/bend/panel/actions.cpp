@@ -19,7 +19,7 @@ const ActionTable &bendActions() {
         {BendAction::Outside, "O", "ignored: outside of the region of influence"},
         {BendAction::Through, "T", "mark only what is seen, or through the mesh"},
         {BendAction::Move, "G", "move what is under the mouse, a handle or a place, or else the selected handle"},
-        {BendAction::Turn, "R", "turn it"},
+        {BendAction::Turn, "R", "turn it; then drag from there along a limb: what lies beyond turns about that place"},
         {BendAction::Scale, "S", "scale it"},
         {BendAction::Limb, "J",
          "turn the limb under the mouse so that this place follows: at the last joint that was turned, or where it "

@@ -66,9 +66,9 @@ void BendTool::drawOverlay() const {
             circle[i] +=
                 radius * Eigen::Vector2d(std::cos(double(i) * 9 * oneDegree), std::sin(double(i) * 9 * oneDegree));
         drawOutline(seen, circle);
-    } else if (going) {
-        going->draw();
     }
+    if (going)
+        going->draw();
 }
 
 // --- what the panel says ---
@@ -113,13 +113,13 @@ QString BendTool::stateText() const {
     QString text;
     const bool isLimb = panel->mode() == BendPanel::Limb;
     const std::size_t inContact = session->contact().face.size();
-    if (!panel->isBending())
+    if (const QString doing = going ? going->text() : QString(); !doing.isEmpty())
+        text = doing;
+    else if (!panel->isBending())
         text = markingText();
     else if (session->model().influence.handles().empty() && !isLimb)
         text = session->state().marks ? "Mark a handle (red), then drag it."
                                       : "Drag a point of the surface, or mark what is fixed and what is a handle.";
-    else if (drag)
-        text = going->text();
     else if (lit && !(isLimb && lit->axis < 0))
         text = QString::fromStdString(nameOf(session->state(), selected())) +
                (lit->axis < 0

@@ -193,7 +193,8 @@ std::string BendDrag::text(const Camera &view) const {
     if (isBeginning(view))
         return what == Limb ? "turn the limb: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
                : what == Move ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
-               : what == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
+               : what == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns; or "
+                                "drag from here along a limb, which turns about here"
                               : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
     const auto added = step(view);
     const auto digits = [](double x) {

@@ -33,9 +33,10 @@ void DragInteraction::begin(const Grip &what) {
     stage.beside(
         "Preparing the layer",
         [this, radius, isLimb](const vcg::fcd::Progress &progress) {
-            if (isLimb) {
+            if (isLimb || grip.stroke) {
                 const BendInfluence before = stage.session->model().influence;
-                grip.tag = stage.session->limbAt(grip.slot, radius);
+                grip.tag =
+                    isLimb ? stage.session->limbAt(grip.slot, radius) : stage.session->strokeAt(*grip.stroke, radius);
                 grip.isNew = !before.isHandle(grip.tag);
             }
             if (!grip.tag)
@@ -158,17 +159,24 @@ void DragInteraction::end(bool keep) {
 }
 
 void DragInteraction::cancel() {
-    if (now && stage.layer())
+    if (now && stage.layer()) {
         end(false);
-    else
-        stage.ended();
+        return;
+    }
+    if (stroke && stage.colors->preview(nullptr) && stage.layer())
+        stage.showOverlay();
+    stage.ended();
 }
 
 void DragInteraction::move(QMouseEvent &event) {
-    if (!now)
+    if (!now && !stroke)
         return;
-    if (!now->modal && !(event.buttons() & Qt::LeftButton)) { // it was released elsewhere, over a question of the host
-        end(true);
+    if (!(now && now->modal) && !(event.buttons() & Qt::LeftButton)) { // it was released elsewhere, over a question of
+        release();                                                     // the host
+        return;
+    }
+    if (stroke) {
+        stage.requestStep();
         return;
     }
     const Eigen::Vector3d window = stage.mouseInWindow();
@@ -181,20 +189,34 @@ void DragInteraction::move(QMouseEvent &event) {
 }
 
 void DragInteraction::release() {
-    if (!now)
+    if (stroke)
+        endStroke();
+    else if (!now)
         isReleased = true;
     else if (!now->modal)
         end(true);
 }
 
 bool DragInteraction::press(QMouseEvent &event) {
+    if (stroke) {
+        if (event.button() == Qt::RightButton)
+            cancel();
+        return true;
+    }
     if (!now)
         return false; // what it was to do is not done
+    if (beginStroke(event))
+        return true;
     end(event.button() == Qt::LeftButton);
     return true;
 }
 
 bool DragInteraction::pressKey(QKeyEvent &event) {
+    if (stroke) {
+        if (event.key() == Qt::Key_Escape)
+            cancel();
+        return true;
+    }
     const QString typed = event.text();
     switch (const int key = event.key()) {
     case Qt::Key_Escape:
@@ -224,7 +246,7 @@ bool DragInteraction::pressKey(QKeyEvent &event) {
 
 bool DragInteraction::turnWheel(double steps) {
     if (!now)
-        return false;
+        return stroke.has_value();
     BendSession &session = *stage.session;
     session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
     isRadiusShown = true;
@@ -237,7 +259,11 @@ bool DragInteraction::turnWheel(double steps) {
 }
 
 void DragInteraction::step() {
-    if (!now || !stage.layer())
+    if (!stage.layer())
+        return;
+    if (stroke)
+        showStroke();
+    if (!now)
         return;
     setMotion(stage.session->edit(), now->motions(stage.seen));
     stage.solve(false);
@@ -253,6 +279,9 @@ void DragInteraction::beforeDraw() {
 }
 
 QString DragInteraction::text() const {
+    if (stroke)
+        return turned.extent ? "Drag along the limb: what is tinted turns where you began. Release: turn it; Esc."
+                             : "Drag from the joint along the limb, towards its end. Esc.";
     if (!now)
         return {};
     const BendSession &session = *stage.session;

@@ -4,7 +4,7 @@
 
 #include "edit_fcd/bend/tool/stage.h"
 
-/// A handle is dragged, by the mouse or after a key.
+/// A handle is dragged, by the mouse or after a key. A turn that waits is begun anew by a stroke along a limb.
 class DragInteraction : public BendInteraction {
   public:
     /// What is going to be dragged, once the layer is prepared for it.
@@ -13,8 +13,9 @@ class DragInteraction : public BendInteraction {
         std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
         GizmoPart part;
         bool modal = false;
-        bool isNew = false;  ///< what is at \p tag was made of \p slot
-        bool isHeld = false; ///< a limb is to follow by \p slot, which \p tag holds
+        bool isNew = false;                    ///< what is at \p tag was made of \p slot
+        bool isHeld = false;                   ///< a limb is to follow by \p slot, which \p tag holds
+        std::optional<BendStroke> stroke = {}; ///< tells what is turned, and where, in the place of \p tag
     };
     using BendInteraction::BendInteraction;
 
@@ -27,14 +28,19 @@ class DragInteraction : public BendInteraction {
     bool press(QMouseEvent &event) override;
     bool pressKey(QKeyEvent &event) override;
     bool turnWheel(double steps) override;
-    bool takesAllKeys() const override { return now != nullptr; }
-    bool holdsPanel() const override { return now != nullptr; }
+    bool takesAllKeys() const override { return now || stroke; }
+    bool holdsPanel() const override { return now || stroke; }
     const BendDrag *drag() const override { return now.get(); }
     void step() override;
     void beforeDraw() override;
+    void draw() const override;
     QString text() const override;
 
   private:
+    bool beginStroke(const QMouseEvent &event);
+    bool isNear() const;
+    void showStroke();
+    void endStroke();
     void beginPrepared();
     void showInfluence();
     void placePivot();
@@ -42,9 +48,11 @@ class DragInteraction : public BendInteraction {
     void stop(bool keep);
     void end(bool keep);
 
-    std::unique_ptr<BendDrag> now; ///< once the layer is prepared
+    std::unique_ptr<BendDrag> now;    ///< once the layer is prepared
+    std::optional<BendStroke> stroke; ///< in its place, since the button was pressed while a turn waited
+    BendSession::Turned turned;       ///< by that
     Grip grip;
-    Eigen::Vector3d held;       ///< where its vertex was then, world
+    Eigen::Vector3d held;       ///< where its vertex was then, or the mouse is with a stroke; world
     int asked = 0;              ///< the tag of what was to be dragged
     Eigen::Vector3d gripped;    ///< where the mouse was then, window
     double tookToPrepare = 0;   ///< milliseconds

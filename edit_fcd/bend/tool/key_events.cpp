@@ -148,10 +148,8 @@ void BendTool::pressKey(QKeyEvent *event) {
             preparing.cancel();
         return;
     }
-    if (drag()) {
-        going->pressKey(*event);
+    if (going && going->takesAllKeys() && going->pressKey(*event))
         return;
-    }
     const ActionTable::Row *key = keyOf(*event);
     if (!key)
         event->ignore();

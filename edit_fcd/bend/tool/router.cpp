@@ -208,10 +208,7 @@ void BendTool::foresee() {
         const BendModel &model = session->model();
         const Eigen::Vector3d rest = model.ground.world * model.ground.at(at),
                               pivot = found->joint ? Eigen::Vector3d(model.ground.world * *found->joint) : rest;
-        const int holder = tag ? tag : session->tags()[at];
-        foreseenPivot = tag           ? pivotOf(model, tag)
-                        : holder >= 2 ? Eigen::Vector3d(motionAt(model, holder) * pivot)
-                                      : Eigen::Vector3d(pivot + session->positionOf(at) - rest);
+        foreseenPivot = tag ? pivotOf(model, tag) : session->seenAt(pivot, at);
     }
     if (!colors->preview(found))
         return;

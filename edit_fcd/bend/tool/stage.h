@@ -73,6 +73,7 @@ class BendStage : public LayerTool {
         std::optional<std::size_t> held; ///< the vertex there that the handle holds
     };
     Place placeAtMouse() const;
+    std::optional<std::size_t> slotAtMouse() const; ///< none where there is nothing, or another layer
     /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
     std::optional<GizmoPart> partAtMouse() const;
     int selected() const;               ///< the handle that keys move where none is under the mouse, 0: there is none
@@ -126,7 +127,6 @@ class BendStage : public LayerTool {
 
   private:
     int pointAt(const Eigen::Vector2d &window, double least = 12) const;
-    std::optional<std::size_t> slotAtMouse() const;
     void lookForContact();
     void whenDone();
     void restFromPreparing();

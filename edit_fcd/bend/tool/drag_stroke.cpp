@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/bend/tool/drag_interaction.h"
+
+#include "edit_fcd/view/layer_ray.h"
+
+// A stroke along a limb tells where a turn is, and of what.
+
+/// Whether the mouse is where it began.
+bool DragInteraction::isNear() const {
+    return (stage.mouseInWindow() - gripped).head<2>().norm() < 5; // pixels: a hand moves less while it clicks
+}
+
+/// It begins where R was pressed, before the mouse has turned anything: there is nothing yet that a press would keep.
+bool DragInteraction::beginStroke(const QMouseEvent &event) {
+    const bool isWaiting = now->modal && now->kind == BendDrag::Turn && now->axis < 0 && now->typed.empty();
+    const auto slot = isWaiting && isNear() && stage.isPlain(event) ? stage.slotAtMouse() : std::nullopt;
+    if (!slot)
+        return false;
+    gripped = stage.mouseInWindow();
+    const auto through = middleBehind(*stage.model, stage.seen, gripped.head<2>());
+    stop(false);
+    stage.comeToRest();
+    stroke = BendStroke{*slot, *slot, through.value_or(stage.session->positionOf(*slot))};
+    turned = {};
+    held = stroke->through;
+    return true;
+}
+
+/// What would turn if it ended here: at what is nearest to the mouse, also beside the layer.
+void DragInteraction::showStroke() {
+    BendSession &session = *stage.session;
+    Eigen::Vector3d window = stage.mouseInWindow();
+    window[2] = stage.seen.toWindow(stroke->through)[2];
+    held = stage.seen.toWorld(window);
+    double distance = 0;
+    stroke->to = session.nearest(stage.pick().value_or(held), distance).value();
+    turned = session.glimpseStroke(*stroke, stage.panel->radius() * session.diagonal());
+    if (stage.colors->preview(turned.tag ? session.glimpseOf(turned.tag) : turned.extent))
+        stage.showOverlay();
+    stage.refresh();
+    stage.view->update();
+}
+
+void DragInteraction::endStroke() {
+    if (!stage.layer() || isNear()) {
+        cancel();
+        return;
+    }
+    showStroke();
+    stage.colors->preview(nullptr); // the turn shows what it moves
+    const BendStroke drawn = *stroke;
+    stroke.reset();
+    begin({0, drawn.to, {BendDrag::Turn, -1}, true, false, false, drawn});
+    stage.refresh();
+}
+
+void DragInteraction::draw() const {
+    if (!stroke)
+        return;
+    Eigen::Matrix3Xd line(3, 2);
+    line << (turned.extent ? turned.pivot : stroke->through), held;
+    drawLine(line, line);
+}
