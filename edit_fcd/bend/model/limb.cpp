@@ -111,34 +111,36 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     wait();
     from = carrierOf(from, hair);
     to = carrierOf(to, hair);
-    const vcg::fcd::Index begin = surface->nodeOf[from], end = surface->nodeOf[to];
+    const vcg::fcd::Index first = surface->nodeOf[from], last = surface->nodeOf[to];
     const double scale = surface->frame.scale, none = std::numeric_limits<double>::infinity();
     std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
-    if (begin < 0 || end < 0)
+    if (first < 0 || last < 0)
         return {};
-    const std::vector<vcg::fcd::Index> fromEnd = vcg::fcd::NodesWithin(surface->graph, {end}, none, &distances);
+    const std::vector<vcg::fcd::Index> fromEnd = vcg::fcd::NodesWithin(surface->graph, {last}, none, &distances);
     for (std::size_t k = 0; k < fromEnd.size(); ++k)
         left[std::size_t(fromEnd[k])] = distances[k];
-    const double length = scale * left[std::size_t(begin)], least = radiusAt(from, usual);
+    const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
     const bool isLimb = extent({from}, usual)->cut > 0; // of which that radius is twice the thickness
     const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
-    for (double radius = least; isLimb && !found && radius <= widest * least; radius *= wider) {
+    double radius = isLimb ? least : none;
+    while (!found && radius <= widest * least) {
         double ahead = toJoint * radius / scale;
         for (int k = 0; k < roundsToJoint; ++k) {
-            const vcg::fcd::Index node = along(begin, ahead, left);
+            const vcg::fcd::Index node = along(first, ahead, left);
             const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
             if (!made || !made->bends || made->shareOf(to) == 0)
                 break; // it does not reach around
-            const Eigen::Vector3d way = placeOf(node) - placeOf(begin),
-                                  off = surface->frame.ToFrame(*made->bends) - placeOf(begin);
+            const Eigen::Vector3d way = placeOf(node) - placeOf(first),
+                                  off = surface->frame.ToFrame(*made->bends) - placeOf(first);
             if (off.dot(way) >= way.squaredNorm())
                 break; // it holds what is on the other side
             found = made;
             ahead -= off.dot(way.normalized());
         }
+        radius *= wider;
     }
     if (found || (isLimb && length > least)) // else all that lies beyond is near
         return {found, true};

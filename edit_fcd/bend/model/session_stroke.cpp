@@ -19,7 +19,7 @@ BendSession::Turned BendSession::turnedBy(BendReach &from, const BendStroke &str
     const int tag = isNew ? 0 : tags()[slot];
     if (!extent || (!isNew && tag < 2) || handleOf(state(), tag).isLocked)
         return {};
-    return {tag, extent, isLimb ? seenAt(rest.world() * *extent->bends, stroke.from) : stroke.through};
+    return {tag, extent, isLimb && extent->bends ? seenAt(rest.world() * *extent->bends, stroke.from) : stroke.through};
 }
 
 BendSession::Turned BendSession::glimpseStroke(const BendStroke &stroke, double usual) {

@@ -262,7 +262,7 @@ void DragInteraction::step() {
     if (!stage.layer())
         return;
     if (stroke)
-        showStroke();
+        showStroke(*stroke);
     if (!now)
         return;
     setMotion(stage.session->edit(), now->motions(stage.seen));

@@ -13,9 +13,9 @@ class DragInteraction : public BendInteraction {
         std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
         GizmoPart part;
         bool modal = false;
-        bool isNew = false;                    ///< what is at \p tag was made of \p slot
-        bool isHeld = false;                   ///< a limb is to follow by \p slot, which \p tag holds
-        std::optional<BendStroke> stroke = {}; ///< tells what is turned, and where, in the place of \p tag
+        bool isNew = false;                              ///< what is at \p tag was made of \p slot
+        bool isHeld = false;                             ///< a limb is to follow by \p slot, which \p tag holds
+        std::optional<BendStroke> stroke = std::nullopt; ///< tells what is turned, and where, in the place of \p tag
     };
     using BendInteraction::BendInteraction;
 
@@ -39,7 +39,7 @@ class DragInteraction : public BendInteraction {
   private:
     bool beginStroke(const QMouseEvent &event);
     bool isNear() const;
-    void showStroke();
+    void showStroke(BendStroke &drawn);
     void endStroke();
     void beginPrepared();
     void showInfluence();

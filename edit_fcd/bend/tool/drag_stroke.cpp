@@ -27,14 +27,14 @@ bool DragInteraction::beginStroke(const QMouseEvent &event) {
 }
 
 /// What would turn if it ended here: at what is nearest to the mouse, also beside the layer.
-void DragInteraction::showStroke() {
+void DragInteraction::showStroke(BendStroke &drawn) {
     BendSession &session = *stage.session;
     Eigen::Vector3d window = stage.mouseInWindow();
-    window[2] = stage.seen.toWindow(stroke->through)[2];
+    window[2] = stage.seen.toWindow(drawn.through)[2];
     held = stage.seen.toWorld(window);
     double distance = 0;
-    stroke->to = session.nearest(stage.pick().value_or(held), distance).value();
-    turned = session.glimpseStroke(*stroke, stage.panel->radius() * session.diagonal());
+    drawn.to = session.nearest(stage.pick().value_or(held), distance).value_or(drawn.from);
+    turned = session.glimpseStroke(drawn, stage.panel->radius() * session.diagonal());
     if (stage.colors->preview(turned.tag ? session.glimpseOf(turned.tag) : turned.extent))
         stage.showOverlay();
     stage.refresh();
@@ -42,13 +42,13 @@ void DragInteraction::showStroke() {
 }
 
 void DragInteraction::endStroke() {
-    if (!stage.layer() || isNear()) {
+    if (!stroke || !stage.layer() || isNear()) {
         cancel();
         return;
     }
-    showStroke();
+    BendStroke drawn = *stroke;
+    showStroke(drawn);
     stage.colors->preview(nullptr); // the turn shows what it moves
-    const BendStroke drawn = *stroke;
     stroke.reset();
     begin({0, drawn.to, {BendDrag::Turn, -1}, true, false, false, drawn});
     stage.refresh();
