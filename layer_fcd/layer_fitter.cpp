@@ -109,6 +109,7 @@ std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const 
 
 void LayerFit::addCurves(const Fitter &fitter, FittedSurface &fitted) {
     std::vector<std::vector<Eigen::Vector3d>> lines;
+    lines.reserve(curves.size());
     for (const CurvePair &curve : curves)
         lines.push_back(curve.source);
     const std::vector<vcg::fcd::AlongLine> along = fitter.Along(lines);

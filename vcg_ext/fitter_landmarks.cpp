@@ -109,17 +109,18 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
         }
         along.isElsewhere = isElsewhere(along.farthest);
         // No more places than there are vertices, however often it goes to and fro.
-        const double spacing = std::max(surface.averageEdge, length / double(slot.size()));
+        const double spacing =
+            std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
         for (std::size_t k = 0; k + 1 < line.size() && !along.isElsewhere; ++k) {
             const Eigen::Vector3d way = line[k + 1] - line[k];
-            const double parts = std::ceil((toFrame.linear() * way).norm() / spacing);
-            for (double part = 1; part < parts; ++part)
-                add(line[k] + part / parts * way, k);
+            const auto parts = std::size_t(std::ceil((toFrame.linear() * way).norm() / spacing));
+            for (std::size_t part = 1; part < parts; ++part)
+                add(line[k] + double(part) / double(parts) * way, k);
         }
         along.isElsewhere = isElsewhere(along.farthest);
         for (const auto &[vertex, place] : nearestTo) {
             along.vertex.push_back(vertex);
-            along.offset.push_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));
+            along.offset.emplace_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));
         }
         along.farthest *= surface.frame.scale;
     }

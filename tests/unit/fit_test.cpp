@@ -607,6 +607,7 @@ TEST(Fit, KnowsWhatLiesAlongALine) {
     EXPECT_GE(bent.farthest, 1.999 * std::hypot(0.3, 0.2, 0.1));
     EXPECT_LE(bent.farthest, 2 * std::hypot(0.3, 0.2, 0.6)); // half of the way to the next
     expect(along({{9.3, 3.1, 0}}), {slot(9, 3)});
+    expect(along({{9.3, 3.1, 0}, {9.3, 3.1, 0}}), {slot(9, 3)});
     EXPECT_EQ(fitter.Along({world({{9.3, 3.1, 0}}), world({{1, 1, 0}, {3, 1, 0}})})[1].vertex.size(), 0u);
 
     // Its box, turned, is at least 18 across and at most 31, times 2.

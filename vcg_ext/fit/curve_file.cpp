@@ -49,8 +49,8 @@ std::vector<CurvePair> ReadCurveText(const std::string &text, const std::string 
             reader.Fail("expected source or target as the surface, found " +
                         detail::Excerpt(cell[1], 0, cell[1].size()));
         Eigen::Vector3d corner;
-        for (int d = 0; d < 3; ++d)
-            corner[d] = reader.Number(std::size_t(2 + d), "a finite number, with a point for decimals");
+        for (std::size_t d = 0; d < 3; ++d)
+            corner[Eigen::Index(d)] = reader.Number(2 + d, "a finite number, with a point for decimals");
         const auto [found, isNew] = number.emplace(cell[0], curves.size());
         if (isNew) {
             curves.push_back({cell[0], {}, {}, {}});
