@@ -6,6 +6,18 @@ using host::Shown;
 
 namespace {
 
+void addCurves(RichParameterList &list, const FitMeshParam &param) {
+    if (host::firstMayBeLacking()) // meshlabserver 2020.09 ends where a script lacks a parameter
+        return;
+    addParameter<host::RichFileParam>(
+        list, Shown::Advanced, "curves_file", param.curveFile, QStringList() << "*.csv", "Curves (.csv)",
+        "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a tooth's "
+        "margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a line: the name "
+        "of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world coordinates, in "
+        "order along the line. It is closed where its last corner is its first. The vertices along the source's line "
+        "are drawn to that of the target. <b>Empty</b> (the default): none.");
+}
+
 /// Pairs that a fit is judged by.
 void addChecks(RichParameterList &list, const FitMeshParam &param) {
     if (host::firstMayBeLacking()) // meshlabserver 2020.09 ends where a script lacks a parameter
@@ -66,6 +78,7 @@ RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument
         "If the landmark file is picked points of the current layer: those of the target, with the same names. "
         "<b>Empty</b> (the default): the landmark file holds both ends.");
     addLandmarkTolerance(list, fit);
+    addCurves(list, param);
     addChecks(list, param);
     addParameter<RichBool>(
         list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
@@ -125,6 +138,8 @@ FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &doc
     param.targetFile = list.getOpenFileName("target_landmarks_file");
     param.fit.bothWays = list.getBool("both_ways");
     param.landmarksOnly = list.getBool("landmarks_only");
+    if (list.hasParameter("curves_file"))
+        param.curveFile = list.getOpenFileName("curves_file");
     if (list.hasParameter("check_file")) {
         param.checkFile = list.getOpenFileName("check_file");
         param.checkTargetFile = list.getOpenFileName("target_check_file");

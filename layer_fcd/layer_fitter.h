@@ -2,6 +2,8 @@
 #ifndef FCD_LAYER_FITTER_H
 #define FCD_LAYER_FITTER_H
 
+#include <vcg_ext/fit/curve_file.h> // before Qt
+
 #include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
@@ -19,6 +21,9 @@ struct FittedSurface {
     vcg::fcd::FitReport report;
     double diagonal = 0;         ///< of what bends, world units
     std::size_t landmarks = 0;   ///< how many there are
+    std::size_t curves = 0;      ///< that vertices slide along
+    std::size_t onCurves = 0;    ///< how many vertices do
+    double fromCurves = 0;       ///< of the curves as they are given, from the layer's vertices at most, world units
     bool landmarksOnly = false;  ///< nothing else of the target counted
     std::vector<double> check;   ///< how far pairs that were kept back are off, world units
     std::vector<double> leftOut; ///< where FitMeshParam asks for it: so does each landmark without itself
@@ -48,10 +53,13 @@ class LayerFit {
     const vcg::fcd::Handles &regions() const { return handles; }
 
   private:
+    void addCurves(const vcg::fcd::Fitter &fitter, FittedSurface &fitted);
+
     const FitMeshParam param;
     std::string name, targetName; ///< of the layers, in quotation marks
     vcg::fcd::Handles handles;
     std::vector<vcg::fcd::Landmark> landmarks, checks;
+    std::vector<vcg::fcd::CurvePair> curves;
     vcg::fcd::SurfaceArrays surface;
     vcg::fcd::SurfaceArrays targetSurface; ///< until it is prepared
     vcg::fcd::NormalOf normal;

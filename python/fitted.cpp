@@ -6,6 +6,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -104,11 +105,14 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         goal.normal = normalsOf(normals);
         weights = nb::cast<std::optional<Weights>>(given["weights"]);
         goal.weight = weightsOf(weights);
-        for (const auto &[points, corners] : nb::cast<std::vector<std::pair<Numbers, Rows>>>(given["curves"])) {
+        for (const auto &[points, corners, offsets] :
+             nb::cast<std::vector<std::tuple<Numbers, Rows, Rows>>>(given["curves"])) {
             vcg::fcd::Curve curve;
             curve.vertex.assign(points.data(), points.data() + points.shape(0));
             for (std::size_t k = 0; k < corners.shape(0); ++k)
                 curve.target.emplace_back(rowOf(corners.data(), k));
+            for (std::size_t k = 0; k < offsets.shape(0); ++k)
+                curve.offset.emplace_back(rowOf(offsets.data(), k));
             goal.curves.push_back(std::move(curve));
         }
     }

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fitting a layer to another one, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import re
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -12,14 +14,14 @@ FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
            "rotation_angle", "rotation_center", "rotation_point", "transformmatrix", "handle_layer"]
 FIT_DEFAULTS = {
-    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "rigidity": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
+    "target_layer": 0, "landmarks_file": "", "target_landmarks_file": "", "landmark_tolerance": 0, "curves_file": "", "check_file": "", "target_check_file": "", "leave_one_out": False, "landmarks_only": False, "start": 0, "stiffness": 1, "rigidity": 1, "largest_distance": 0, "largest_angle": 70, "both_ways": False, "weights": 0, "target_weights": 0, "weight_attribute": "fcd_weight",
     "initial_patches": 150, "smoothness": 0.0058, "random_seed": 1, "samples": 6000, "fit_steps": 50, "graph_layers": True, "fit_quality": 0,
     **{name: DEFORM_DEFAULTS[name] for name in HANDLES}}
 FIT_RETURNS = {
     **SURFACE_RETURNS, "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "rms": float,
     "median": float, "percentile_95": float, "matched": float, "counted": float, "moved": float, "moved_most": float, "guessed": float, "guess_error": float, "check_rms": float, "check_largest": float,
     "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
-    "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
+    "curves": int, "curve_residual": float, "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
 PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
@@ -215,6 +217,78 @@ def test_what_is_wrong_with_landmarks_and_target_is_logged(capfd, tmp_path):
     result, log = fit_logged(ms, capfd, target_layer=2)
     assert result["from_afar"] and "did not overlap" in log and "raise fit_steps" not in log
     assert rms(ms.current_mesh().vertex_matrix(), truth + [900, 0, 0]) < 0.5
+
+
+TURN = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 0], [0, 0, 1]])
+
+
+def round_tubes():
+    """Round ones, which slide about their axis; the target, layer 0, is turned: (set, where the tube's vertices belong)."""
+    def made(*how):
+        points, faces = tube(*how)
+        return points * np.stack([0.4 / np.hypot(points[:, 0], points[:, 1])] * 2 + [np.ones(len(points))], 1), faces
+
+    (points, faces), (target, target_faces) = made(), made(97, 53)
+    ms = new_set()
+    ms.add_mesh(mesh_of(target @ TURN.T, target_faces), "target")
+    ms.add_mesh(mesh_of(points, faces), "tube")
+    return ms, points @ TURN.T
+
+
+def curve_file(path, **curves):
+    """Of names, each with the corners on the source and on the target."""
+    path.write_text("curve,surface,x,y,z\n" + "".join(
+        f"{name},{surface},{x!r},{y!r},{z!r}\n" for name, sides in curves.items()
+        for surface, corners in zip(("source", "target"), sides) for x, y, z in np.asarray(corners, float).tolist()))
+    return str(path)
+
+
+def line_along(end=3.9, count=2):
+    return np.stack([np.full(count, 0.4), np.zeros(count), np.linspace(0.1, end, count)], 1)
+
+
+@pytest.mark.parametrize("placed", [False, True], ids=["as it lies", "with matrices"])
+def test_curves_lead_what_slides(capfd, tmp_path, placed):
+    """A round tube slides about its axis; a line along it, and one around it, tell how far, though no corner has its counterpart."""
+    around = 0.3 + np.linspace(0, 2 * np.pi, 41)
+    around[-1] = around[0]
+    ring = np.stack([0.4 * np.cos(around), 0.4 * np.sin(around), np.full(41, 2.0)], 1)
+    seam, scale, matrix = line_along(), 1, np.eye(4)
+    curves = {"seam": (seam, line_along(count=9) @ TURN.T), "the ring": (ring, ring[::-1])}
+    ms, truth = round_tubes()
+    start = ms.current_mesh().vertex_matrix()
+    if placed:
+        scale, matrix = 2, PLACED @ OWN
+        for layer in (0, 1):
+            ms.set_current_mesh(layer)
+            ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
+        curves = {name: [transformed(matrix, side) for side in sides] for name, sides in curves.items()}
+    file = curve_file(tmp_path / "curves.csv", **curves)
+    result, log = fit_logged(ms, capfd, graph_layers=False, curves_file=file)
+    led = ms.current_mesh().vertex_matrix()
+    assert result["curves"] == 2 and 0 < result["curve_residual"] < 1e-3 * scale * DIAGONAL
+    on, far, off = re.search(r" (\d+) vertices lie along the 2 curves, at most (\S+) away on this layer; on the target, none is off by more than (\S+)\. ", log).groups()
+    assert 60 + 80 < int(on) < 60 + 114 and 0 < float(far) < 0.03 * scale and float(off) == pytest.approx(result["curve_residual"], rel=1e-4)
+    assert "flipped" not in log
+    ms.set_current_mesh(1)
+    without, log = fit_logged(ms, capfd, graph_layers=False)
+    assert without["curves"] == without["curve_residual"] == 0 and "curve" not in log
+    assert rms(led, truth) < 0.2 * rms(ms.current_mesh().vertex_matrix(), truth)
+    beside = (np.abs(start[:, 1]) < 1e-9) & (start[:, 0] > 0) & (start[:, 2] > 0.1) & (start[:, 2] < 3.9)
+    goes = np.hypot(*(led[beside] @ TURN)[:, :2].T - [[0.4], [0]])  # the target's line, turned back
+    assert beside.sum() == 114 and goes.max() < 1e-3 * DIAGONAL
+
+
+def test_what_is_held_is_not_drawn_to_a_curve(capfd, tmp_path):
+    file = curve_file(tmp_path / "curves.csv", seam=(line_along(), line_along()))
+    on = []
+    for least in (0, 2):
+        ms, _ = round_tubes()
+        set_quality(ms, f"z < {least} ? 0 : 1")
+        result, log = fit_logged(ms, capfd, graph_layers=False, curves_file=file)
+        assert result["curves"] == 1 and result["fixed_vertices"] == 60 * 60 * (least == 2)
+        on.append(int(re.search(r" (\d+) vertices lie along the 1 curve, at most ", log)[1]))
+    assert on[0] > 70 and on[1] == pytest.approx(on[0] / 2, abs=1)
 
 
 @pytest.mark.parametrize("degrees", [60.0, 110.0])
@@ -478,6 +552,31 @@ def test_landmarks_that_make_no_sense(tmp_path, text, word):
     set_quality(ms, "z < 0.3 ? 0 : 1")
     (tmp_path / "p.csv").write_text(text)
     check_error(ms, word, landmarks_file=str(tmp_path / "p.csv"))
+
+
+@pytest.mark.parametrize("text, word", [
+    ("lips,source,0,0,0\n", "line 1: expected the first row 'curve,surface,x,y,z'"), ("curve,surface,x,y,z\n", "the file holds no curves"),
+    ("curve,surface,x,y,z\nlips,scan,0,0,0\n", "line 2: expected source or target as the surface, found 'scan'"),
+    ("curve,surface,x,y,z\nlips,source,0,0\n", "line 2: found 4 cells"), ("curve,surface,x,y,z\n,source,0,0,0\n", "expected the name of a curve in the first cell"),
+    ("curve;surface;x;y;z\nlips;source;0,5;0;0\n", "line 2: expected a finite number, with a point for decimals, found '0,5'"),
+    ("curve,surface,x,y,z\nlips,source,0,0,0\nlips,source,1,0,0\n", "line 2: the curve 'lips' needs corners at two places of the target at least")])
+def test_curves_that_make_no_sense(tmp_path, text, word):
+    ms, _ = pair()
+    (tmp_path / "c.csv").write_text(text)
+    check_error(ms, word, curves_file=str(tmp_path / "c.csv"))
+
+
+def test_curves_that_lie_elsewhere(tmp_path):
+    ms, _ = pair()
+    file = lambda line: curve_file(tmp_path / "c.csv", a=(line_along(), line_along()), b=(line, line_along()))
+    for line, where in [(line_along() + [0, 0, 40], 7), ([[0.4, 0, 1], [0.4, 0, 2], [0.4, 0, 80]], 8), ([[0.4, 0, 1], [0.4, 0, 1e300]], 7)]:
+        check_error(ms, f"c.csv', line {where}: the curve 'b' is ", curves_file=file(line))
+    check_error(ms, "from the vertices of 'tube' there, more than a tenth of its diagonal. Give the rows with 'source'", curves_file=file(line))
+    check_error(ms, "Curves lead onto the target", curves_file=file(line_along()), landmarks_only=True,
+                landmarks_file=point_file(tmp_path / "p.csv", "index", [5], None, np.zeros((1, 3))))
+    set_quality(ms, "z < 3 ? 0 : 1")
+    check_error(ms, "line 6: the curve 'b' lies where nothing of 'tube' is free", curves_file=file(line_along(end=2)))
+    check_error(ms, "/no/such.csv", curves_file="/no/such.csv")
 
 
 def test_a_layer_that_is_fixed_everywhere_and_one_without_vertices():

@@ -41,6 +41,15 @@ struct FitGoal {
     std::vector<Curve> curves;    ///< that vertices of the source slide along, in the world; may be empty
 };
 
+/// What of a surface lies along a polyline.
+struct AlongLine {
+    std::vector<std::size_t> vertex;     ///< slots of free vertices, each once, ascending
+    std::vector<Eigen::Vector3d> offset; ///< from each to the place that it is nearest to, world units
+    double farthest = 0;                 ///< of the places along it from the vertex nearest to each, world units
+    std::size_t corner = 0;              ///< that place is at it, or between it and the next
+    bool isElsewhere = false;            ///< it is farther than a tenth of the diagonal and than the longest edge
+};
+
 /// From where a fit begins.
 enum class FitStart {
     AsItLies,  ///< where the layers lie
@@ -94,7 +103,7 @@ struct FitReport {
     std::size_t carried = 0; ///< separate parts that others carried, as nothing of the target leads them
     double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
     double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
-    double curves = 0;       ///< largest distance of a vertex from its curve, world units
+    double curves = 0;       ///< largest distance of what lies on a curve from that, world units
     double pull = 0;         ///< how far nodes had to give way so that all landmarks are there, world units
     std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
     bool leftOut = false;                  ///< these were not followed, as there is a tolerance
@@ -142,6 +151,11 @@ class Fitter {
     /// \param goal is not needed after it \throw BadInput a goal without vertices, or of a point or a line \throw
     /// Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
+
+    /// What lies along polylines: the vertices nearest to their corners, and to places between these, no farther apart
+    /// than the surface's mean edge is long; of places with the same one, the nearest counts. Vertices that are not
+    /// free are left out. \param line one or more corners each, in the world
+    std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line, unsigned threads = 0) const;
 
     /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place; a curve
     /// with a vertex that is none or not free, or with fewer than two points

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit begins with and ends with: its target, how that lies, and the landmarks.
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -28,6 +29,18 @@ constexpr double otherUnits = 2.2, smallPart = 0.2, astray = 0.1;
 // So many times as much as the landmarks are off, nodes may give way: one that few nodes lead takes twice to three
 // times; two that are close and go apart, more. Or so much of the diagonal, in which no ripple is seen.
 constexpr double mostGivingWay = 10, unseen = 0.01;
+// Of the diagonal: a line on a surface is no farther from its vertices than its edges are long, and one on a copy of
+// it, thinned or posed a little, hardly; in other units, or of another layer, it is.
+constexpr double farFromAll = 0.1;
+
+/// Frame units.
+double LongestEdge(const Graph &graph) {
+    float most = 0;
+    for (Index u = 0; u < graph.Size(); ++u)
+        for (const Index v : graph.adjacency[u])
+            most = std::max(most, (graph.position.col(u) - graph.position.col(v)).squaredNorm());
+    return double(std::sqrt(most));
+}
 
 } // namespace
 
@@ -46,10 +59,72 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
                        "points all over one; where points are meant one by one, give them as landmarks.");
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
-    for (Curve &curve : target->curves)
+    for (Curve &curve : target->curves) {
         for (Eigen::Vector3d &corner : curve.target)
             corner = toFrame * corner;
+        for (Eigen::Vector3d &offset : curve.offset)
+            offset = toFrame.linear() * offset;
+    }
     return target;
+}
+
+std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector3d>> &lines, unsigned threads) const {
+    const RegionDeformer &region = deformer->Whole();
+    const SurfaceGraph &surface = region.surface;
+    std::vector<std::size_t> slot;
+    std::vector<Eigen::Vector3d> position;
+    for (std::size_t i = 0; i < source.vertexSlots; ++i) {
+        const Eigen::Vector3d p = surface.frame.ToFrame(Eigen::Vector3d(source.At(i)));
+        if (source.IsDeleted(i) || !p.allFinite())
+            continue;
+        slot.push_back(i);
+        position.push_back(p);
+    }
+    const PointTree<double> tree(position, threads);
+    const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
+    const auto isElsewhere = [&](double far) { return !(far <= farFromAll || far <= LongestEdge(surface.graph)); };
+    std::vector<AlongLine> all;
+    for (const std::vector<Eigen::Vector3d> &line : lines) {
+        AlongLine &along = all.emplace_back();
+        std::map<std::size_t, std::pair<double, Eigen::Vector3d>> nearestTo; // of vertices, with its distance
+        const auto add = [&](const Eigen::Vector3d &place, std::size_t corner) {
+            double far = 0;
+            const std::size_t nearest = slot[std::size_t(tree.Nearest(toFrame * place, &far))];
+            if (!(far <= along.farthest)) { // or it is too far for a number
+                along.farthest = far;
+                along.corner = corner;
+            }
+            const Index node = deformer->nodeOf[nearest];
+            if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+                return;
+            const auto [found, isNew] = nearestTo.try_emplace(nearest, far, place);
+            if (!isNew && far < found->second.first)
+                found->second = {far, place};
+        };
+        double length = 0;
+        for (std::size_t k = 0; k < line.size(); ++k) {
+            add(line[k], k);
+            if (k > 0)
+                length += (toFrame.linear() * (line[k] - line[k - 1])).norm();
+        }
+        along.isElsewhere = isElsewhere(along.farthest);
+        // No more places than there are vertices, however often it goes to and fro.
+        const double spacing =
+            std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
+        for (std::size_t k = 0; k + 1 < line.size() && !along.isElsewhere; ++k) {
+            const Eigen::Vector3d way = line[k + 1] - line[k];
+            const auto parts = std::size_t(std::ceil((toFrame.linear() * way).norm() / spacing));
+            for (std::size_t part = 1; part < parts; ++part)
+                add(line[k] + double(part) / double(parts) * way, k);
+        }
+        along.isElsewhere = isElsewhere(along.farthest);
+        for (const auto &[vertex, place] : nearestTo) {
+            along.vertex.push_back(vertex);
+            along.offset.emplace_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));
+        }
+        along.farthest *= surface.frame.scale;
+    }
+    return all;
 }
 
 /// Adds a sample for each landmark. \return where it belongs, frame units

@@ -61,7 +61,7 @@ class FitInfo(PoseInfo):
     landmark_residual: float
     """The largest distance of a landmark from where it belongs."""
     curve_residual: float
-    """The largest distance of a vertex of `curves` from its curve; 0 without any."""
+    """The largest distance of a vertex or place of `curves` from its curve; 0 without any."""
     landmark_pull: float
     """The remaining stretch at landmarks: large where they contradict each other."""
     both_ways: bool
@@ -292,8 +292,8 @@ class Fitter(Unchanging):
             Also fits without each of the landmarks, which takes as many fits, and tells where these would be (`FitInfo.leave_one_out`).
         curves : Sequence[Sequence[array_like]], optional
             Pairs of curves that belong together and may slide along each other, such as lips, a ridge or a tooth's margin: for each, numbers
-            of free vertices (or places, of which the nearest vertices are taken) in any order, and the k x 3 corners of a polyline on the
-            target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks.
+            of free vertices (or places, which go with the vertices nearest to them) in any order, and the k x 3 corners of a polyline on
+            the target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -376,8 +376,8 @@ class Fitter(Unchanging):
     def _nearest(self, places: Points) -> NDArray[np.int64]:
         return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)
 
-    def _curves(self, curves: Sequence[Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points]]:
-        """Of each, numbers of vertices, and corners."""
+    def _curves(self, curves: Sequence[Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
+        """Of each, numbers of vertices, corners, and from the vertices to the places."""
         found = []
         for k, curve in enumerate(() if curves is None else curves):
             if not isinstance(curve, (tuple, list)) or len(curve) != 2:
@@ -387,7 +387,12 @@ class Fitter(Unchanging):
             corners = _inputs.finite(second, _inputs.rows(second, curve[1]))
             if len(corners) < 2:
                 raise ValueError(f"{second} has {len(corners)} corners; give two at least, in order")
-            found.append((np.asarray(given, np.int64) if given.ndim == 1 else self._nearest(np.asarray(given, np.float64)), corners))
+            if given.ndim == 1:
+                found.append((np.asarray(given, np.int64), corners, np.zeros((0, 3))))
+                continue
+            places = np.asarray(given, np.float64)
+            nearest = self._nearest(places)
+            found.append((nearest, corners, places - self._deformer.vertices[nearest]))
         return found
 
     def __repr__(self) -> str:

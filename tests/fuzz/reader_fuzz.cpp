@@ -6,6 +6,7 @@
 #include "../../layer_fcd/picked_points.h"
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/field/deformation_file.h>
+#include <vcg_ext/fit/curve_file.h>
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/line/line_points.h>
@@ -101,6 +102,28 @@ static void Line(const std::string &text) {
     REQUIRE(points.cols() > 0 && points.allFinite());
 }
 
+static void Curves(const std::string &text) {
+    const std::vector<CurvePair> curves = ReadCurveText(text, "input");
+    REQUIRE(!curves.empty());
+    std::string written = "curve,surface,x,y,z\n";
+    for (const CurvePair &curve : curves) {
+        REQUIRE(!curve.name.empty() && curve.source.size() == curve.sourceLine.size());
+        for (const auto *side : {&curve.source, &curve.target}) {
+            REQUIRE(side->size() >= 2);
+            for (const Eigen::Vector3d &corner : *side) {
+                written += detail::ToText(&curve - curves.data()) + (side == &curve.source ? ",source" : ",target");
+                for (int d = 0; d < 3; ++d)
+                    written += "," + detail::ToText(corner[d]);
+                written += "\n";
+            }
+        }
+    }
+    const std::vector<CurvePair> again = ReadCurveText(written, "written");
+    REQUIRE(again.size() == curves.size());
+    for (std::size_t c = 0; c < curves.size(); ++c)
+        REQUIRE(again[c].source == curves[c].source && again[c].target == curves[c].target);
+}
+
 static void Poses(const std::string &text) {
     const PoseSequence sequence = ReadPoseSequence(text, "input");
     REQUIRE(!sequence.pose.empty() && !sequence.key.empty());
@@ -127,6 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
     Try("'input', line ", [&] { Points(ReadPointHandleText(text, "input")); });
     Try("'input'", [&] { Points(readPickedPoints(QByteArray::fromStdString(text), "'input'")); });
     Try("'input', line ", [&] { Line(text); });
+    Try("'input', line ", [&] { Curves(text); });
     Try("'input'", [&] { Poses(text); });
     Try("input, character ", [&] { Motions(text); });
     Try("'input', line ", [&] { Tool(text); });

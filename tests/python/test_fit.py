@@ -356,19 +356,37 @@ def test_without_rigidity_what_is_sheared_all_over_is_found():
     assert 20 * far[2] < far[1] < far[0]
 
 
-@pytest.mark.parametrize("alone", [False, True])
-def test_the_same_bits_as_the_filter(tmp_path, alone):
+@pytest.mark.parametrize("kind", ["plain", "alone", "curves"])
+def test_the_same_bits_as_the_filter(tmp_path, kind):
     pymeshlab = with_filters()
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(TARGET, TARGET_FACES))
     ms.add_mesh(pymeshlab.Mesh(VERTICES, FACES))
-    given, file = {}, ""
-    if alone:
-        given, file = {"landmarks": (CHOSEN, TRUTH[CHOSEN]), "landmarks_only": True, "rigidity": 0.3}, str(tmp_path / "landmarks.csv")
-        np.savetxt(file, np.column_stack([CHOSEN, TRUTH[CHOSEN]]), ["%d"] + ["%.17g"] * 3)
-    ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"],
-                    samples=QUICK["samples"], fit_steps=QUICK["steps"], landmarks_file=file, landmarks_only=alone, rigidity=given.get("rigidity", 1))
+    given, files = {}, {}
+    if kind == "alone":
+        given, files = {"landmarks": (CHOSEN, TRUTH[CHOSEN]), "landmarks_only": True, "rigidity": 0.3}, {"landmarks_file": str(tmp_path / "landmarks.csv")}
+        np.savetxt(files["landmarks_file"], np.column_stack([CHOSEN, TRUTH[CHOSEN]]), ["%d"] + ["%.17g"] * 3)
+    if kind == "curves":
+        lines = [(VERTICES[[610, 640, 641]], TRUTH[[610, 640, 641, 642]]), (VERTICES[5:906:90] + 0.001, TRUTH[5:906:30])]
+        files = {"curves_file": str(tmp_path / "curves.csv")}
+        with open(files["curves_file"], "w", encoding="ascii") as file:
+            file.write("curve,surface,x,y,z\n" + "".join(f"{k},{surface},{x!r},{y!r},{z!r}\n" for k, line in enumerate(lines)
+                                                        for surface, side in zip(("source", "target"), line) for x, y, z in side.tolist()))
+        given = {"curves": [(places_along(line[0]), line[1]) for line in lines]}
+    ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"], samples=QUICK["samples"],
+                    fit_steps=QUICK["steps"], landmarks_only=kind == "alone", rigidity=given.get("rigidity", 1), **files)
     assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **given, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
+
+
+def places_along(corners):
+    """As the filter takes them: the corners, and places between them no farther apart than the mean edge; one for each nearest vertex."""
+    edges = np.unique(np.sort(np.concatenate([FACES[:, [0, 1]], FACES[:, [1, 2]], FACES[:, [2, 0]]]), axis=1), axis=0)
+    edge = np.linalg.norm(VERTICES[edges[:, 0]] - VERTICES[edges[:, 1]], axis=1).mean()
+    parts = np.ceil(np.linalg.norm(np.diff(corners, axis=0), axis=1) / edge).astype(int)
+    places = np.array([*(a + t * (b - a) for a, b, n in zip(corners, corners[1:], parts) for t in np.arange(n) / n), corners[-1]])
+    far = np.linalg.norm(VERTICES[None] - places[:, None], axis=2)
+    nearest, far = far.argmin(1), far.min(1)
+    return np.array([places[nearest == v][far[nearest == v].argmin()] for v in np.unique(nearest)])
 
 
 FIXED = np.where(VERTICES[:, 2] < 0.3, 0, 1)

@@ -547,9 +547,23 @@ TEST(Fit, CurvesLeadWhatSlides) {
         EXPECT_TRUE(fitted.report.converged);
     }
     EXPECT_EQ(fit({}).report.curves, 0);
+    // Beside it, what goes with its vertices: they do not go there themselves, and turn it with them.
+    Curve beside = meridian;
+    for (const std::size_t vertex : beside.vertex) {
+        const Vector3d p = from.position[vertex];
+        beside.offset.emplace_back(Eigen::AngleAxisd(0.1, Vector3d::UnitZ()) * p - p);
+    }
+    for (Vector3d &corner : beside.target)
+        corner = Eigen::AngleAxisd(0.1, Vector3d::UnitZ()) * corner;
+    const Fitted fitted = fit({beside});
+    EXPECT_LT(Rms(fitted, belongs), 0.2 * without);
+    EXPECT_LT(fitted.report.curves, 0.01);
     std::vector<int> tag(from.position.size(), 1);
     tag[meridian.vertex[0]] = 0;
     ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); }, "is none or is not free");
+    meridian.offset.resize(2);
+    ExpectError([&] { fit({meridian}); }, "Curve 1 has 2 offsets. Give one for each vertex");
+    meridian.offset.clear();
     ring.target.resize(1);
     ExpectError([&] { fit({meridian, ring}); }, "Curve 2 has fewer than two points");
     meridian.target[3][1] = std::nan("");
@@ -557,6 +571,64 @@ TEST(Fit, CurvesLeadWhatSlides) {
     meridian.vertex.push_back(from.position.size());
     meridian.target.erase(meridian.target.begin() + 3);
     ExpectError([&] { fit({meridian}); }, "which is none");
+}
+
+// Of a sheet of squares whose sides are 1, in a layer that is turned and twice as large.
+TEST(Fit, KnowsWhatLiesAlongALine) {
+    const Shape sheet = Grid(21, 11);
+    const MeshD mesh(sheet);
+    const Arrays arrays = Read(mesh);
+    Handles handles;
+    for (const Vector3d &p : sheet.position)
+        handles.tag.push_back(p[0] < 1.5 ? -1 : p[0] < 5.5 ? 0 : 1);
+    handles.world =
+        Eigen::Translation3d(7, 8, 9) * Eigen::AngleAxisd(1, Vector3d(1, 2, 3).normalized()) * Eigen::Scaling(2.0);
+    const Fitter fitter(arrays.View(), {}, handles, Small());
+    const auto world = [&](std::vector<Vector3d> line) {
+        for (Vector3d &p : line)
+            p = handles.world * p;
+        return line;
+    };
+    const auto along = [&](const std::vector<Vector3d> &line) { return fitter.Along({world(line)}, 1)[0]; };
+    const auto slot = [](int x, int y) { return std::size_t(y * 21 + x); };
+    const auto expect = [](const AlongLine &found, std::vector<std::size_t> vertices) {
+        std::sort(vertices.begin(), vertices.end());
+        EXPECT_EQ(found.vertex, vertices);
+        EXPECT_FALSE(found.isElsewhere);
+    };
+    // Round a corner, and back again. What is nearest to it is free from the sixth column on.
+    const AlongLine bent = along({{0.1, 2.2, 0.3}, {8.1, 2.2, 0.3}, {8.1, 5.1, 0}, {8.1, 2.2, 0.3}});
+    expect(bent, {slot(6, 2), slot(7, 2), slot(8, 2), slot(8, 3), slot(8, 4), slot(8, 5)});
+    for (std::size_t k = 0; k < bent.vertex.size(); ++k) { // to the line, where that is nearest
+        const Vector3d at = handles.world.inverse() * (handles.world * sheet.position[bent.vertex[k]] + bent.offset[k]);
+        EXPECT_NEAR(bent.vertex[k] < slot(0, 3) ? at[1] - 2.2 : at[0] - 8.1, 0, 1e-9);
+        EXPECT_LE(bent.offset[k].norm(), bent.farthest + 1e-9);
+    }
+    EXPECT_GE(bent.farthest, 1.999 * std::hypot(0.3, 0.2, 0.1));
+    EXPECT_LE(bent.farthest, 2 * std::hypot(0.3, 0.2, 0.6)); // half of the way to the next
+    expect(along({{9.3, 3.1, 0}}), {slot(9, 3)});
+    expect(along({{9.3, 3.1, 0}, {9.3, 3.1, 0}}), {slot(9, 3)});
+    EXPECT_EQ(fitter.Along({world({{9.3, 3.1, 0}}), world({{1, 1, 0}, {3, 1, 0}})})[1].vertex.size(), 0u);
+
+    // Its box, turned, is at least 18 across and at most 31, times 2.
+    const AlongLine over = along({{8, 2, 0}, {8, 8, 1.5}, {10, 8, 0}}), far = along({{8, 2, 0}, {8, 8, 4}, {9, 9, 0}});
+    EXPECT_FALSE(over.isElsewhere);
+    EXPECT_TRUE(far.isElsewhere);
+    EXPECT_EQ(far.corner, 1u);
+    EXPECT_NEAR(far.farthest, 8, 1e-9);
+    for (double huge : {1e9, 1e200, 1e308})
+        EXPECT_TRUE(along({{8, 2, 0}, {huge, -huge, huge}}).isElsewhere) << huge;
+}
+
+// A line on a sheet of two triangles is far from their corners, and on it all the same.
+TEST(Fit, KnowsWhatLiesAlongALineOfFewTriangles) {
+    const MeshD mesh(Grid(2, 2, 10));
+    const Arrays arrays = Read(mesh);
+    Handles handles;
+    handles.tag.assign(4, 1);
+    const Fitter fitter(arrays.View(), {}, handles, Small());
+    EXPECT_FALSE(fitter.Along({{{5, 5, 0}, {5, 9, 0}}})[0].isElsewhere);
+    EXPECT_TRUE(fitter.Along({{{5, 5, 0}, {5, 40, 0}}})[0].isElsewhere);
 }
 
 Shape Together(Shape a, const Shape &b) {

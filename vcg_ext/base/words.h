@@ -86,9 +86,11 @@ class TextReader {
         return true;
     }
 
-    [[noreturn]] void Fail(const std::string &what) const {
-        throw BadInput("'" + name + "', line " + std::to_string(line) + ": " + what + ".");
+    [[noreturn]] void Fail(const std::string &what) const { Fail(what, line); }
+    [[noreturn]] void Fail(const std::string &what, std::size_t inLine) const {
+        throw BadInput("'" + name + "', line " + std::to_string(inLine) + ": " + what + ".");
     }
+    std::size_t Line() const { return line; } ///< from 1
 
   protected:
     bool StartsWith(const std::string &mark) const { return text.compare(0, mark.size(), mark) == 0; }

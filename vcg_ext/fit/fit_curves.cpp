@@ -49,13 +49,18 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
         for (const Eigen::Vector3d &corner : curves[c].target)
             if (!corner.allFinite())
                 throw BadInput(name + " has a point that is not finite.");
-        for (const std::size_t vertex : curves[c].vertex) {
+        const std::vector<Eigen::Vector3d> &offset = curves[c].offset;
+        if (!offset.empty() && offset.size() != curves[c].vertex.size())
+            throw BadInput(name + " has " + std::to_string(offset.size()) +
+                           " offsets. Give one for each vertex, or none at all.");
+        for (std::size_t v = 0; v < curves[c].vertex.size(); ++v) {
+            const std::size_t vertex = curves[c].vertex[v];
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
             if (node < 0 || deformer.held.tag[std::size_t(node)] != 1)
                 throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
             if (std::exchange(hasSample[std::size_t(node)], char(1)))
                 continue;
-            samples.Add(deformer, pose, node);
+            samples.Add(deformer, pose, node, offset.empty() ? Eigen::Vector3d::Zero() : offset[v]);
             curveOf.push_back(c);
         }
     }

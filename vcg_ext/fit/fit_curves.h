@@ -15,6 +15,9 @@ namespace vcg::fcd {
 struct Curve {
     std::vector<std::size_t> vertex;     ///< slots of free vertices, in any order
     std::vector<Eigen::Vector3d> target; ///< two corners at least of a polyline; closed where the last is the first
+    /// Of each vertex, from it to the place of the source, at rest, that lies on the curve and goes with it; empty: the
+    /// vertices themselves. World units.
+    std::vector<Eigen::Vector3d> offset;
 };
 
 /// Of curves, what draws samples of a surface to them.
@@ -23,7 +26,8 @@ class FitCurves {
     /// Adds samples for the vertices of the curves, but for those at a node that has one.
     /// \param curves with places in the frame \param nodeOf of each vertex slot, -1 where it has none
     /// \param hasSample flags of the surface's nodes, to which these are added
-    /// \throw BadInput a vertex that is none or not free, less than two corners, or one that is not finite
+    /// \throw BadInput a vertex that is none or not free, less than two corners, one that is not finite, or offsets
+    /// that are not one for each vertex
     FitCurves(const std::vector<Curve> &curves, const std::vector<Index> &nodeOf, const RegionDeformer &deformer,
               const RegionPose &pose, std::vector<char> &hasSample, FitSamples &samples);
 

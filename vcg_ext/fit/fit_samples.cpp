@@ -9,10 +9,11 @@
 
 namespace vcg::fcd {
 
-void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Index node) {
+void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Index node,
+                     const Eigen::Vector3d &offset) {
     GraphMapping::Influences influences;
     deformer.mapping->InfluencesAt(node, influences);
-    const Eigen::Vector3d p = deformer.surface.graph.position.col(node).cast<double>();
+    const Eigen::Vector3d p = deformer.surface.graph.position.col(node).cast<double>() + offset;
     const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
     double sum = 0;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();

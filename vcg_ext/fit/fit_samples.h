@@ -35,8 +35,10 @@ struct FitSamples {
     /// Those from number \p first on.
     FitSamples From(std::size_t first) const;
 
-    /// \param pose gives the motions of what is held
-    void Add(const RegionDeformer &deformer, const RegionPose &pose, Index node);
+    /// \param pose gives the motions of what is held \param offset at rest, frame units: of a place that goes with the
+    /// surface at the node
+    void Add(const RegionDeformer &deformer, const RegionPose &pose, Index node,
+             const Eigen::Vector3d &offset = Eigen::Vector3d::Zero());
     Eigen::Vector3d At(std::size_t s, const GraphPose &pose) const;
     /// Those of the first \p count.
     std::vector<Eigen::Vector3d> Places(std::size_t count, const GraphPose &pose) const;

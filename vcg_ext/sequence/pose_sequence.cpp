@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/table_reader.h>
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
@@ -15,98 +16,7 @@ namespace {
 
 const std::array<const char *, 3> easingNames = {"linear", "smooth", "hold"}; // in the order of Easing
 
-/// The rows of a table, as RFC 4180 has them, with comments.
-class TableReader : public detail::TextReader {
-  public:
-    using TextReader::TextReader;
-
-    /// What stands between cells; the first of these in the text until it is known.
-    std::string separators = ",;\t";
-
-    /// The next row that is not empty, without what is empty at its end. \return false at the end of the text
-    bool Next() {
-        do {
-            cell.clear();
-            if (at >= text.size())
-                return false;
-            line = next;
-            if (text[at] == '#')
-                SkipLine();
-            else
-                ReadRow();
-            while (!cell.empty() && cell.back().empty()) // programs for tables make all rows equally long
-                cell.pop_back();
-        } while (cell.empty());
-        return true;
-    }
-
-    std::vector<std::string> cell;
-
-    /// A cell as a number. \throw BadInput when it is none, or not finite
-    double Number(std::size_t i, const std::string &what) const {
-        double value = 0;
-        if (!detail::ToNumber(cell[i].data(), cell[i].data() + cell[i].size(), value) || !std::isfinite(value))
-            Fail("expected " + what + ", found " + detail::Excerpt(cell[i], 0, cell[i].size()));
-        return value;
-    }
-
-  private:
-    void SkipLine() {
-        at = std::min(text.find_first_of("\r\n", at), text.size());
-        EndLine();
-    }
-
-    void EndLine() {
-        if (at < text.size())
-            at += text.compare(at, 2, "\r\n") == 0 ? 2 : 1;
-        ++next;
-    }
-
-    void ReadRow() {
-        for (bool more = true; more;) {
-            cell.push_back(ReadCell());
-            more = at < text.size() && separators.find(text[at]) != std::string::npos;
-            if (more)
-                separators = text[at++];
-        }
-        EndLine();
-    }
-
-    std::string ReadCell() {
-        const auto skip = [this] {
-            while (at < text.size() && text[at] == ' ')
-                ++at;
-        };
-        skip();
-        std::string found;
-        if (at < text.size() && text[at] == '"') {
-            for (++at;; ++at) {
-                if (at >= text.size())
-                    Fail("a quotation mark has no end");
-                if (text[at] == '"' && text.compare(at, 2, "\"\"") != 0)
-                    break;
-                at += text[at] == '"';
-                next += text[at] == '\n';
-                found += text[at];
-            }
-            ++at;
-            skip();
-            if (at < text.size() && !IsEnd(text[at]))
-                Fail("expected the end of a cell after its quotation marks");
-        } else {
-            while (at < text.size() && !IsEnd(text[at]))
-                found += text[at++];
-            found.erase(found.find_last_not_of(' ') + 1);
-        }
-        return found;
-    }
-
-    bool IsEnd(char c) const { return c == '\n' || c == '\r' || separators.find(c) != std::string::npos; }
-
-    std::size_t next = 1; // the line that comes after the row
-};
-
-SurfaceMark ReadMark(const TableReader &reader, const std::string &text) {
+SurfaceMark ReadMark(const detail::TableReader &reader, const std::string &text) {
     std::istringstream words(text);
     words.imbue(std::locale::classic());
     SurfaceMark mark;
@@ -213,7 +123,7 @@ void PoseSequence::ExpectSurface(const SurfaceMark &other) const {
 }
 
 PoseSequence ReadPoseSequence(const std::string &text, const std::string &name) {
-    TableReader reader(text, name);
+    detail::TableReader reader(text, name);
     PoseSequence sequence;
     if (!reader.Next() || reader.cell[0] != "time" || reader.cell.size() < 3 || reader.cell[1] != "easing")
         reader.Fail("expected a first row 'time, easing' with the name of a pose in each further cell");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compiled as one: most of the time that each takes goes to Eigen, which they all include. The path does not depend on
 // where it is built, so that a compiler cache knows it anywhere.
+#include <vcg_ext/fit/curve_file.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_contradictions.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_curves.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_gaps.cpp>           // NOLINT(bugprone-suspicious-include)
