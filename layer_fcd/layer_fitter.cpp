@@ -113,7 +113,7 @@ void LayerFit::addCurves(const Fitter &fitter, FittedSurface &fitted) {
     for (const CurvePair &curve : curves)
         lines.push_back(curve.source);
     const std::vector<vcg::fcd::AlongLine> along = fitter.Along(lines);
-    for (std::size_t c = 0; c < curves.size(); ++c) {
+    for (std::size_t c = 0; c < along.size(); ++c) {
         const std::string where = inQuotes(param.curveFile) + ", line " +
                                   std::to_string(curves[c].sourceLine[along[c].corner]) + ": the curve " +
                                   vcg::fcd::detail::Excerpt(curves[c].name, 0, curves[c].name.size());

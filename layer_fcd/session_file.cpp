@@ -251,7 +251,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     }
 
     if (from.has("pairs"))
-        next.pairs = std::make_shared<const std::vector<FitPair>>(pairsOf(from, "pairs", live));
+        if (auto pairs = pairsOf(from, "pairs", live); !pairs.empty())
+            next.pairs = std::make_shared<const std::vector<FitPair>>(std::move(pairs));
 
     // The layer may be at rest, as when its scan was opened again.
     Eigen::AlignedBox3d box;

@@ -66,11 +66,6 @@ std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVert
                 each.fail("vertex is no number of a vertex");
             pair.slot = liveSlot[std::size_t(vertex)];
         }
-        const auto isThere = [&](const FitPair &other) {
-            return &other != &pair && pair.slot && other.slot == pair.slot;
-        };
-        if (std::any_of(pairs.begin(), pairs.end(), isThere))
-            each.fail("two pairs are at one vertex");
         if (each.has("place"))
             pair.place = Eigen::Map<const Eigen::Vector3d>(each.array<double>("place", 3, 1).data());
     }

@@ -572,6 +572,10 @@ def test_curves_that_lie_elsewhere(tmp_path):
     for line, where in [(line_along() + [0, 0, 40], 7), ([[0.4, 0, 1], [0.4, 0, 2], [0.4, 0, 80]], 8), ([[0.4, 0, 1], [0.4, 0, 1e300]], 7)]:
         check_error(ms, f"c.csv', line {where}: the curve 'b' is ", curves_file=file(line))
     check_error(ms, "from the vertices of 'tube' there, more than a tenth of its diagonal. Give the rows with 'source'", curves_file=file(line))
+    check_error(ms, "from the target at the least, more than a tenth of its diagonal. Give its line there in world coordinates",
+                curves_file=curve_file(tmp_path / "c.csv", a=(line_along(), line_along() + [0, 3, 0])))
+    check_error(ms, "Curve 1 has all its points on the target at one place",
+                curves_file=curve_file(tmp_path / "c.csv", a=(line_along(), [[0.4, 0, 1], [0.4, 1e-300, 1]])))
     check_error(ms, "Curves lead onto the target", curves_file=file(line_along()), landmarks_only=True,
                 landmarks_file=point_file(tmp_path / "p.csv", "index", [5], None, np.zeros((1, 3))))
     set_quality(ms, "z < 3 ? 0 : 1")

@@ -154,7 +154,8 @@ class Fitter {
 
     /// What lies along polylines: the vertices nearest to their corners, and to places between these, no farther apart
     /// than the surface's mean edge is long; of places with the same one, the nearest counts. Vertices that are not
-    /// free are left out. \param line one or more corners each, in the world
+    /// free are left out. \param line one or more corners each, in the world \return of each, up to the first one that
+    /// lies elsewhere
     std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line, unsigned threads = 0) const;
 
     /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place; a curve

@@ -134,7 +134,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     const std::vector<char> isAnyFree = isFree;
     const bool isAlone = FollowsAlone();
     FitSamples drawn = samples; // behind those that are matched are the landmarks, and then what lies on curves
-    const FitCurves curves(target.curves, deformer->nodeOf, region, pose, hasSample, drawn);
+    const FitCurves curves(target.curves, deformer->nodeOf, region, pose, drawn);
     const bool isLed = drawn.Size() > matched;
     FitParts parts(region, isAlone ? drawn.From(matched) : drawn, isAlone ? 0 : matched);
     isFree = parts.Led(std::move(isFree));

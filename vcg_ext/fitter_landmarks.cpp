@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -60,8 +61,20 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     for (Curve &curve : target->curves) {
-        for (Eigen::Vector3d &corner : curve.target)
+        double nearest = std::numeric_limits<double>::infinity();
+        for (Eigen::Vector3d &corner : curve.target) {
             corner = toFrame * corner;
+            if (corner.allFinite())
+                nearest = std::min(nearest, (target->Nearest(corner).point - corner).norm());
+        }
+        const double far = farFromAll * target->Box().diagonal().norm();
+        if (std::isfinite(nearest) && nearest > far) {
+            std::ostringstream text;
+            text << "Curve " << &curve - target->curves.data() + 1 << " is " << deformer->frame.scale * nearest
+                 << " from the target at the least, more than a tenth of its diagonal. Give its line there in world "
+                    "coordinates, as the target lies.";
+            throw BadInput(text.str());
+        }
         for (Eigen::Vector3d &offset : curve.offset)
             offset = toFrame.linear() * offset;
     }
@@ -118,6 +131,10 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
                 add(line[k] + double(part) / double(parts) * way, k);
         }
         along.isElsewhere = isElsewhere(along.farthest);
+        if (along.isElsewhere) {
+            along.farthest *= surface.frame.scale;
+            break;
+        }
         for (const auto &[vertex, place] : nearestTo) {
             along.vertex.push_back(vertex);
             along.offset.emplace_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));

@@ -558,12 +558,30 @@ TEST(Fit, CurvesLeadWhatSlides) {
     const Fitted fitted = fit({beside});
     EXPECT_LT(Rms(fitted, belongs), 0.2 * without);
     EXPECT_LT(fitted.report.curves, 0.01);
+    // Of many corners, a few are looked at.
+    Curve fine = meridian;
+    fine.target.clear();
+    for (int k = 0; k <= 2000; ++k)
+        fine.target.push_back(onBall(turned, 0.2 + k * 0.055 / 40));
+    EXPECT_NEAR(Rms(fit({fine}), belongs), Rms(fit({meridian}), belongs), 0.01);
+    // Two that contradict each other pull to the middle, and that is told.
+    Curve above = ring;
+    above.target.clear();
+    for (int k = 0; k <= 90; ++k)
+        above.target.push_back(onBall(0.01 + 2 * detail::pi * (k % 90) / 90, height - 0.1));
+    for (const std::vector<Curve> &both : {std::vector<Curve>{ring, above}, {above, ring}})
+        EXPECT_NEAR(fit(both).report.curves, 5 * 0.1 / 2, 0.05);
     std::vector<int> tag(from.position.size(), 1);
     tag[meridian.vertex[0]] = 0;
     ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); }, "is none or is not free");
     meridian.offset.resize(2);
     ExpectError([&] { fit({meridian}); }, "Curve 1 has 2 offsets. Give one for each vertex");
     meridian.offset.clear();
+    for (Vector3d &corner : above.target)
+        corner += Vector3d(0, 0, 100);
+    ExpectError([&] { fit({meridian, above}); }, "Curve 2 is ");
+    above.target.assign(9, meridian.target[9]);
+    ExpectError([&] { fit({above}); }, "Curve 1 has all its points on the target at one place");
     ring.target.resize(1);
     ExpectError([&] { fit({meridian, ring}); }, "Curve 2 has fewer than two points");
     meridian.target[3][1] = std::nan("");

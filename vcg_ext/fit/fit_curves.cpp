@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <string>
-#include <utility>
 
 namespace vcg::fcd {
 
@@ -14,16 +14,35 @@ namespace {
 // All curves together count as much as all landmarks together do: ten times as much as all matches.
 constexpr double curvesCount = 10;
 
+// Of the frame, whose size is that of the surface: shorter, a line is less than a float tells places apart by.
+constexpr double noLength = 1e-6;
+
+Eigen::AlignedBox3d BoxOf(const std::vector<Eigen::Vector3d> &line) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d &corner : line)
+        box.extend(corner);
+    return box;
+}
+
 struct Foot {
     Eigen::Vector3d place, along; // the direction of the curve, of length 1; 0 beyond an end
 };
 
-/// The place of a polyline that is nearest to a point.
-Foot NearestOn(const std::vector<Eigen::Vector3d> &line, const Eigen::Vector3d &x) {
-    Foot best{line[0], Eigen::Vector3d::Zero()};
-    double least = std::numeric_limits<double>::infinity();
+// A step looks at one box for so many segments: of n segments at some n / 64, and at the 64 of one or two boxes.
+constexpr std::size_t boxed = 64;
+
+std::vector<Eigen::AlignedBox3d> BoxesOf(const std::vector<Eigen::Vector3d> &line) {
+    std::vector<Eigen::AlignedBox3d> boxes((line.size() + boxed - 2) / boxed);
+    for (std::size_t k = 0; k + 1 < line.size(); ++k)
+        boxes[k / boxed].extend(line[k]).extend(line[k + 1]);
+    return boxes;
+}
+
+/// Looks at some segments of a polyline for a place that is nearer to a point. \param least square of the distance
+void LookAt(const std::vector<Eigen::Vector3d> &line, std::size_t begin, std::size_t end, const Eigen::Vector3d &x,
+            double &least, Foot &best) {
     const bool isClosed = line.front() == line.back();
-    for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+    for (std::size_t k = begin; k < end; ++k) {
         const Eigen::Vector3d way = line[k + 1] - line[k];
         const double square = way.squaredNorm(), at = square > 0 ? way.dot(x - line[k]) / square : 0,
                      t = std::clamp(at, 0.0, 1.0);
@@ -34,13 +53,31 @@ Foot NearestOn(const std::vector<Eigen::Vector3d> &line, const Eigen::Vector3d &
             best = {place, isBeyond || square == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(way.normalized())};
         }
     }
+}
+
+/// The place of a polyline that is nearest to a point.
+Foot NearestOn(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::AlignedBox3d> &boxes,
+               const Eigen::Vector3d &x) {
+    Foot best{line[0], Eigen::Vector3d::Zero()};
+    double least = std::numeric_limits<double>::infinity();
+    const auto nearer = [&x](const Eigen::AlignedBox3d &a, const Eigen::AlignedBox3d &b) {
+        return a.squaredExteriorDistance(x) < b.squaredExteriorDistance(x);
+    };
+    const auto first = std::size_t(std::min_element(boxes.begin(), boxes.end(), nearer) - boxes.begin());
+    const auto look = [&](std::size_t b) {
+        LookAt(line, b * boxed, std::min((b + 1) * boxed, line.size() - 1), x, least, best);
+    };
+    look(first);
+    for (std::size_t b = 0; b < boxes.size(); ++b)
+        if (b != first && boxes[b].squaredExteriorDistance(x) < least)
+            look(b);
     return best;
 }
 
 } // namespace
 
 FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> &nodeOf, const RegionDeformer &deformer,
-                     const RegionPose &pose, std::vector<char> &hasSample, FitSamples &samples)
+                     const RegionPose &pose, FitSamples &samples)
     : curves(curves), first(samples.Size()) {
     for (std::size_t c = 0; c < curves.size(); ++c) {
         const std::string name = "Curve " + std::to_string(c + 1);
@@ -49,6 +86,13 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
         for (const Eigen::Vector3d &corner : curves[c].target)
             if (!corner.allFinite())
                 throw BadInput(name + " has a point that is not finite.");
+        const Eigen::AlignedBox3d box = BoxOf(curves[c].target);
+        if (!(box.diagonal().norm() > noLength))
+            throw BadInput(
+                name +
+                " has all its points on the target at one place. Give more of the line, or that place as a landmark.");
+        boxes.push_back(BoxesOf(curves[c].target));
+        std::set<Index> taken;
         const std::vector<Eigen::Vector3d> &offset = curves[c].offset;
         if (!offset.empty() && offset.size() != curves[c].vertex.size())
             throw BadInput(name + " has " + std::to_string(offset.size()) +
@@ -58,7 +102,7 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
             if (node < 0 || deformer.held.tag[std::size_t(node)] != 1)
                 throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
-            if (std::exchange(hasSample[std::size_t(node)], char(1)))
+            if (!taken.insert(node).second)
                 continue;
             samples.Add(deformer, pose, node, offset.empty() ? Eigen::Vector3d::Zero() : offset[v]);
             curveOf.push_back(c);
@@ -69,7 +113,7 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
 void FitCurves::Find(const FitSamples &samples, const GraphPose &pose, std::vector<FitSystem::Pull> &pull) const {
     for (std::size_t s = 0; s < curveOf.size(); ++s) {
         const Eigen::Vector3d x = samples.At(first + s, pose);
-        const Foot foot = NearestOn(curves[curveOf[s]].target, x);
+        const Foot foot = NearestOn(curves[curveOf[s]].target, boxes[curveOf[s]], x);
         FitSystem::Pull &each = pull[first + s];
         each.form =
             curvesCount / double(curveOf.size()) * (Eigen::Matrix3d::Identity() - foot.along * foot.along.transpose());
@@ -81,7 +125,7 @@ double FitCurves::Farthest(const FitSamples &samples, const GraphPose &pose) con
     double most = 0;
     for (std::size_t s = 0; s < curveOf.size(); ++s) {
         const Eigen::Vector3d x = samples.At(first + s, pose);
-        most = std::max(most, (x - NearestOn(curves[curveOf[s]].target, x).place).norm());
+        most = std::max(most, (x - NearestOn(curves[curveOf[s]].target, boxes[curveOf[s]], x).place).norm());
     }
     return most;
 }

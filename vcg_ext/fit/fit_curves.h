@@ -6,6 +6,7 @@
 #include <vcg_ext/fit/fit_system.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 
@@ -23,13 +24,12 @@ struct Curve {
 /// Of curves, what draws samples of a surface to them.
 class FitCurves {
   public:
-    /// Adds samples for the vertices of the curves, but for those at a node that has one.
+    /// Adds samples for the vertices of each curve, one at a node.
     /// \param curves with places in the frame \param nodeOf of each vertex slot, -1 where it has none
-    /// \param hasSample flags of the surface's nodes, to which these are added
-    /// \throw BadInput a vertex that is none or not free, less than two corners, one that is not finite, or offsets
-    /// that are not one for each vertex
+    /// \throw BadInput a vertex that is none or not free, less than two corners, all at one place, one that is not
+    /// finite, or offsets that are not one for each vertex
     FitCurves(const std::vector<Curve> &curves, const std::vector<Index> &nodeOf, const RegionDeformer &deformer,
-              const RegionPose &pose, std::vector<char> &hasSample, FitSamples &samples);
+              const RegionPose &pose, FitSamples &samples);
 
     /// What draws the samples that were added, each across its curve to the nearest place there. Along the curve it is
     /// free, but for the end of an open one, which none leaves. (Drawn along as matches are, they would hold each other
@@ -41,8 +41,9 @@ class FitCurves {
 
   private:
     const std::vector<Curve> &curves;
-    std::size_t first;                ///< sample
-    std::vector<std::size_t> curveOf; ///< of each sample from there on
+    std::vector<std::vector<Eigen::AlignedBox3d>> boxes; ///< of each curve, of some segments each
+    std::size_t first;                                   ///< sample
+    std::vector<std::size_t> curveOf;                    ///< of each sample from there on
 };
 
 } // namespace vcg::fcd

@@ -128,8 +128,8 @@ QString BendTool::stateText() const {
                           .arg("xyz"[lit->axis])) +
                (lit->axis < 0 ? QString() : ". G, R, S: " + textOfKeys() + ".");
     else if (isLimb)
-        text = lit || hovered || keysBegin ? "Drag this: its limb turns so that it follows."
-                                           : "Drag a point of a limb: the limb turns so that it follows.";
+        text = foreseenPivot ? "Drag this: its limb turns so that it follows."
+                             : "Drag a point of a limb: the limb turns so that it follows.";
     else if (hovered)
         text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)

@@ -210,6 +210,7 @@ void BendTool::foresee() {
                               pivot = found->joint ? Eigen::Vector3d(model.ground.world * *found->joint) : rest;
         foreseenPivot = tag ? pivotOf(model, tag) : session->seenAt(pivot, at);
     }
+    panel->showState(stateText());
     if (!colors->preview(found))
         return;
     showOverlay();

@@ -53,16 +53,19 @@ void FitSession::resume(const FitState &state) {
 void FitSession::takeKeptPairs() {
     const LayerState *its = LayerState::of(layer);
     const auto pairs = its ? its->pairs : nullptr;
-    if (!pairs || pairs == keptPairs)
+    if (pairs == keptPairs)
         return;
     keptPairs = pairs;
-    if (*pairs == now.pairs)
+    const std::vector<FitPair> taken = pairs ? *pairs : std::vector<FitPair>();
+    if (taken == now.pairs)
         return;
     change();
-    setPairs(*pairs);
+    setPairs(taken);
 }
 
 void FitSession::keepPairs() {
+    if (keptPairs ? *keptPairs == now.pairs : now.pairs.empty())
+        return;
     if (!now.pairs.empty())
         LayerState::made(document, layer).pairs = keptPairs = std::make_shared<const std::vector<FitPair>>(now.pairs);
     else if (LayerState *its = LayerState::of(layer))

@@ -127,6 +127,8 @@ void FitTool::refresh() {
     panel->showProgress(work ? work.percent() : -1);
     panel->showState(stateText());
     panel->showShape(session->state().shape);
+    if (layer())
+        session->keepPairs();
     std::vector<FitPairRow> rows;
     const std::vector<FitPair> &pairs = session->state().pairs;
     rows.reserve(pairs.size());

@@ -80,7 +80,6 @@ void FitTool::leave() {
         return;
     if (session->isUpToDate())
         guarded([&] {
-            session->keepPairs();
             if (session->leave())
                 say("The layer '" + model->label().toStdString() +
                     "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
@@ -118,11 +117,9 @@ bool FitTool::isReady() {
     say("Something else has changed the layer '" + model->label().toStdString() +
             "': it is fitted from what it is now.",
         true);
-    const std::vector<FitPair> pairs = session->state().pairs;
     MeshModel &same = *model;
     session.reset();
     open(same);
-    session->setPairs(pairs);
     refresh();
     return true;
 }
