@@ -206,7 +206,8 @@ class Window:
     def save(self, name, by_menu=False):
         path = self.folder / name
         if by_menu:
-            self.click((36, 29), (110, 230)) # File, Export Mesh As
+            self.do("mousemove", 36, 29, "click", 1, "sleep", 1) # File: a busy machine takes a while to open it
+            self.click((110, 230)) # Export Mesh As
         else:
             self.key("ctrl+shift+e")
         asked = self.wait_for_title("Save")
