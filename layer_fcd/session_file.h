@@ -33,8 +33,8 @@
 ///                            "posed": whether the layer has the pose of that, and not the shape that it begins from;
 ///                            "matrix": of the layer, column by column}
 ///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the target,
-///       3
-///                            in the world; each only where that end is there}, ...]
+///       in
+///                            the world, 3; each only where that end is there}, ...]
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 

@@ -68,6 +68,9 @@ class LiveVertices {
                 {QString("normal"), points([&](std::size_t i) -> auto & { return shape.normal[i]; })}};
     }
 
+    /// The number of a live vertex among these, from its slot.
+    std::size_t numberOf(std::size_t slot) const { return packing(slot); }
+
     /// A number for the live faces, in hexadecimal digits.
     QByteArray corners() const {
         std::vector<std::uint32_t> corner;

@@ -38,13 +38,11 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
 }
 
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live) {
-    const std::vector<std::size_t> liveSlot = liveSlots(live.mesh);
     QCborArray array;
     for (const FitPair &pair : pairs) {
         QCborMap map{{QString("name"), QString::fromStdString(pair.name)}};
         if (pair.slot && !live.mesh.vert[*pair.slot].IsD())
-            map.insert(QString("vertex"),
-                       qint64(std::lower_bound(liveSlot.begin(), liveSlot.end(), *pair.slot) - liveSlot.begin()));
+            map.insert(QString("vertex"), qint64(live.numberOf(*pair.slot)));
         if (pair.place)
             map.insert(QString("place"),
                        arrayOf(std::vector<double>(pair.place->data(), pair.place->data() + pair.place->size())));

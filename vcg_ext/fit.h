@@ -205,7 +205,7 @@ class Fitter {
     std::size_t CountOn(const FitMatches &matches, const FitReport &report) const;
     double CountedShare() const;
     std::vector<Eigen::Vector3d> Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
-                                      std::vector<char> &hasSample, FitSamples &samples) const;
+                                      FitSamples &samples) const;
     void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
                       const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;
     FitTarget NoTarget(const std::vector<Landmark> &landmark) const;

@@ -125,8 +125,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
     for (std::size_t s = 0; s < matched && !nodeWeight.empty(); ++s)
         samples.weight[s] = double(nodeWeight[std::size_t(sample[s])]);
     report.counted = CountedShare();
-    std::vector<char> hasSample(std::size_t(surface.graph.Size()), 0);
-    const std::vector<Eigen::Vector3d> place = Lead(landmark, pose, hasSample, samples);
+    const std::vector<Eigen::Vector3d> place = Lead(landmark, pose, samples);
 
     std::vector<char> isFree(std::size_t(region.graph.Size()));
     for (Index j = 0; j < region.graph.Size(); ++j)

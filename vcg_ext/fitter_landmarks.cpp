@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -61,13 +62,13 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     for (Curve &curve : target->curves) {
+        const double far = farFromAll * target->Box().diagonal().norm();
         double nearest = std::numeric_limits<double>::infinity();
         for (Eigen::Vector3d &corner : curve.target) {
             corner = toFrame * corner;
-            if (corner.allFinite())
+            if (nearest > far && corner.allFinite()) // one that is near is enough
                 nearest = std::min(nearest, (target->Nearest(corner).point - corner).norm());
         }
-        const double far = farFromAll * target->Box().diagonal().norm();
         if (std::isfinite(nearest) && nearest > far) {
             std::ostringstream text;
             text << "Curve " << &curve - target->curves.data() + 1 << " is " << deformer->frame.scale * nearest
@@ -95,7 +96,7 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
     }
     const PointTree<double> tree(position, threads);
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
-    const auto isElsewhere = [&](double far) { return !(far <= farFromAll || far <= LongestEdge(surface.graph)); };
+    const double most = std::max(farFromAll, LongestEdge(surface.graph));
     std::vector<AlongLine> all;
     for (const std::vector<Eigen::Vector3d> &line : lines) {
         AlongLine &along = all.emplace_back();
@@ -120,7 +121,7 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
             if (k > 0)
                 length += (toFrame.linear() * (line[k] - line[k - 1])).norm();
         }
-        along.isElsewhere = isElsewhere(along.farthest);
+        along.isElsewhere = !(along.farthest <= most);
         // No more places than there are vertices, however often it goes to and fro.
         const double spacing =
             std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
@@ -130,23 +131,22 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
             for (std::size_t part = 1; part < parts; ++part)
                 add(line[k] + double(part) / double(parts) * way, k);
         }
-        along.isElsewhere = isElsewhere(along.farthest);
-        if (along.isElsewhere) {
-            along.farthest *= surface.frame.scale;
+        along.isElsewhere = !(along.farthest <= most);
+        along.farthest *= surface.frame.scale;
+        if (along.isElsewhere)
             break;
-        }
         for (const auto &[vertex, place] : nearestTo) {
             along.vertex.push_back(vertex);
             along.offset.emplace_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));
         }
-        along.farthest *= surface.frame.scale;
     }
     return all;
 }
 
 /// Adds a sample for each landmark. \return where it belongs, frame units
 std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
-                                          std::vector<char> &hasSample, FitSamples &samples) const {
+                                          FitSamples &samples) const {
+    std::set<Index> taken;
     const RegionDeformer &region = deformer->Whole();
     std::vector<Eigen::Vector3d> place;
     for (const Landmark &each : landmark) {
@@ -156,7 +156,7 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || region.held.tag[std::size_t(node)] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
-        if (std::exchange(hasSample[std::size_t(node)], char(1)))
+        if (!taken.insert(node).second)
             throw BadInput("Landmark " + std::to_string(place.size()) +
                            " is at the place of another one. Leave one of the two out.");
         samples.Add(region, pose, node);

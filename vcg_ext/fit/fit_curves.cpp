@@ -17,13 +17,6 @@ constexpr double curvesCount = 10;
 // Of the frame, whose size is that of the surface: shorter, a line is less than a float tells places apart by.
 constexpr double noLength = 1e-6;
 
-Eigen::AlignedBox3d BoxOf(const std::vector<Eigen::Vector3d> &line) {
-    Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d &corner : line)
-        box.extend(corner);
-    return box;
-}
-
 struct Foot {
     Eigen::Vector3d place, along; // the direction of the curve, of length 1; 0 beyond an end
 };
@@ -86,12 +79,14 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
         for (const Eigen::Vector3d &corner : curves[c].target)
             if (!corner.allFinite())
                 throw BadInput(name + " has a point that is not finite.");
-        const Eigen::AlignedBox3d box = BoxOf(curves[c].target);
+        boxes.push_back(BoxesOf(curves[c].target));
+        Eigen::AlignedBox3d box;
+        for (const Eigen::AlignedBox3d &each : boxes.back())
+            box.extend(each);
         if (!(box.diagonal().norm() > noLength))
             throw BadInput(
                 name +
                 " has all its points on the target at one place. Give more of the line, or that place as a landmark.");
-        boxes.push_back(BoxesOf(curves[c].target));
         std::set<Index> taken;
         const std::vector<Eigen::Vector3d> &offset = curves[c].offset;
         if (!offset.empty() && offset.size() != curves[c].vertex.size())
