@@ -57,8 +57,20 @@ void addSmoothness(RichParameterList &list, Shown shown, double smoothness) {
         "stiffen the surface. <b>Lower it</b> to keep lengths better; bends may then be sharp near handles.");
 }
 
+void addFalloff(RichParameterList &list, vcg::fcd::Falloff falloff) {
+    if (!host::scriptsMayLackParameters)
+        return;
+    const ParameterText text = falloffText();
+    addParameter<RichEnum>(list, Shown::Advanced, "falloff", int(falloff), text.values, text.label, text.help);
+}
+
+vcg::fcd::Falloff falloff(const RichParameterList &list) {
+    return vcg::fcd::Falloff(list.hasParameter("falloff") ? enumValue(list, "falloff", 4) : 0);
+}
+
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
     addSmoothness(list, Shown::Always, deformation.smoothness);
+    addFalloff(list, deformation.falloff);
     addParameter<RichInt>(list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
                           "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log "
                           "says that it did not converge. A converged result does not change.");
@@ -110,6 +122,7 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     vcg::fcd::DeformationParam deformation;
     deformation.graph = graphParam(list);
     deformation.smoothness = asTyped(list.getFloat("smoothness"));
+    deformation.falloff = falloff(list);
     deformation.maxIterations = list.getInt("max_iterations");
     deformation.tolerance = asTyped(list.getFloat("tolerance"));
     using vcg::fcd::GraphWeights;

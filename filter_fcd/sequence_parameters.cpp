@@ -57,6 +57,7 @@ RichParameterList toRichParameters(const SequenceParam &param, const MeshDocumen
         "is an error. An existing file is replaced. <b>Empty</b> (the default): none is written.");
     addInitialPatches(list, param.deformation.graph.initialPatches);
     addSmoothness(list, Shown::Always, param.deformation.smoothness);
+    addFalloff(list, param.deformation.falloff);
     addRandomSeed(list, param.deformation.graph.randomSeed);
     RichParameterList handles;
     addHandles(handles, param.handles, document);
@@ -83,6 +84,7 @@ SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &d
     param.deformation.graph.initialPatches = list.getInt("initial_patches");
     param.deformation.graph.randomSeed = unsigned(list.getInt("random_seed"));
     param.deformation.smoothness = asTyped(list.getFloat("smoothness"));
+    param.deformation.falloff = falloff(list);
     param.deformation.Validate();
     param.deformation = asHandedOver(param.deformation); // so that what is prepared is that of the other filters
     param.validate();

@@ -88,6 +88,15 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
     return param;
 }
 
+ParameterText falloffText() {
+    return {
+        "Falloff",
+        {"Smooth", "Linear", "Sharp", "Constant"},
+        "How the motion of a handle fades towards what else is held. <i>Smooth</i>: evenly. <i>Linear</i>: straight, "
+        "with the bends near both ends. <i>Sharp</i>: to a peak at the handle. <i>Constant</i>: what is around the "
+        "handle goes along, and the bend is far from it."};
+}
+
 ParameterText weightsText() {
     return {"Distances",
             {"Along the surface", "Euclidean"},

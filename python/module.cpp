@@ -43,6 +43,8 @@ vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
     param.graph.randomSeed = nb::cast<unsigned>(given["seed"]);
     param.graph.measure = nb::cast<bool>(given["by_vertices"]) ? PatchMeasure::Vertices : PatchMeasure::Area;
     param.graphWeights = GraphWeights(whole("graph_weights"));
+    if (given.contains("falloff")) // which another mover than handles does not have, nor a pickle of before
+        param.falloff = Falloff(whole("falloff"));
     param.weights = MappingWeights(whole("weights"));
     param.looseParts = LooseParts(whole("loose_parts"));
     param.influence = number("influence");

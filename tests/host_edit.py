@@ -471,6 +471,25 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
     transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
 
 
+def test_the_falloff_of_the_panel_is_that_of_the_method(window, tmp_path):
+    points, faces = tube(80, 64)
+    w = window(write_ply(tmp_path / "tube.ply", points, faces))
+    w.start_tool()
+    mark_two_regions(w)
+    w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
+    smooth = load(w.save("smooth.ply"))[0]
+    w.more()
+    w.do("mousemove", *w.place("falloff"), "click", 5, "click", 5) # the wheel: sharp
+    w.shot("sharp")
+    w.do("mousemove", *MIDDLE)
+    sharp = load(w.save("sharp.ply"))[0]
+    assert np.abs(sharp - smooth).max() > 0.02
+    w.key("ctrl+shift+Return")
+    w.wait("ms.apply_filter")
+    assert np.array_equal(load(w.save("bent.ply"))[0], sharp)
+    transforms_of(w, "generate_fcd_deformed_mesh", ", falloff=2, graph_layers=False")
+
+
 def marked_in(seen, plain):
     """Where the marks of fixed, of the handle and of what is outside are seen, by their colours, and were not in a plain view."""
     red, green, blue = seen[..., 0], seen[..., 1], seen[..., 2]

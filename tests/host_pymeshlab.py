@@ -21,7 +21,7 @@ DEFORM_DEFAULTS = {
     "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "handle_layer": 0, "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 0,
-    "random_seed": 1, "smoothness": 0.0058, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
+    "random_seed": 1, "smoothness": 0.0058, "falloff": 0, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "displacement": False, "stop_at_contact": False}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "displacement", "stop_at_contact"}
 POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True, "contact": False}

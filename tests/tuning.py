@@ -36,9 +36,21 @@ def hairpin():
     return points, faces.astype(np.int32), tags, {"transforms": "2: translate 0 0 30"}
 
 
+def disc():
+    """A sheet with a disc in its middle, which is lifted, and a rim."""
+    n = 121
+    x, y = np.meshgrid(np.linspace(-1.1, 1.1, n), np.linspace(-1.1, 1.1, n), indexing="ij")
+    corner = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    faces = np.vstack([np.stack([corner, corner + n, corner + 1], 1), np.stack([corner + 1, corner + n, corner + n + 1], 1)])
+    radius = np.hypot(x, y).ravel()
+    tags = np.select([radius > 1, radius < 0.1], [0.0, 2.0], 1.0)
+    return np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1), faces.astype(np.int32), tags, {"transforms": "2: translate 0 0 0.5"}
+
+
 # name: case, mode of the pictures, view, parameter, its values
 ROWS = {
     "smoothness": (lambda: benchmark("cylinder"), "plain", (0, -1, 0.1), "smoothness", [0.0005, 0.0058, 0.1]),
+    "falloff": (disc, "plain", (0.3, -1, 0.35), "falloff", ["Smooth", "Linear", "Sharp", "Constant"]),
     "patches": (lambda: benchmark("cactus"), "bend", (1, -2, 0.5), "initial_patches", [30, 300, 3000]),
     "influence": (lambda: benchmark("bar"), "bend", (1, -2, 0.5), "influence", [1.2, 4, 8]),
     "weights": (lambda: benchmark("bar"), "plain", (1, -2, 0.5), "graph_weights",

@@ -68,6 +68,15 @@ void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, Ke
                        "hold regions rather than many single vertices.");
     graph = MakeDeformationGraph(surface.graph, held.tag, surface.nodeArea, patches, param.graphWeights,
                                  progress.Slice(0.9, 1), param.shape);
+    WeighFalloff(graph, PartOfNodes(), param.falloff);
+}
+
+std::vector<Index> RegionDeformer::PartOfNodes() const {
+    std::vector<Index> part = patches.tag;
+    for (Index &tag : part)
+        if (const Index before = held.Original(tag); before >= 0) // not a point
+            tag = before;
+    return part;
 }
 
 HeldMotions RegionDeformer::Probe(int axis) const {

@@ -2,6 +2,7 @@
 #ifndef VCG_FCD_REGION_DEFORMER_H
 #define VCG_FCD_REGION_DEFORMER_H
 
+#include <vcg_ext/graph/falloff.h>
 #include <vcg_ext/graph/held_nodes.h>
 #include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/patches/surface_patches.h>
@@ -34,6 +35,7 @@ struct DeformerParam {
     GraphParam graph;
     Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
     GraphWeights graphWeights = GraphWeights::Border;
+    Falloff falloff = Falloff::Smooth; ///< of the motions of all handles
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
@@ -140,6 +142,8 @@ class RegionDeformer : public MovingRegion {
     void BuildGraph(const ReadRegion &read, const Progress &progress);
     /// \param count of patches to begin with \param rough as in PatchParam \param clusters from one to the next
     void MakeGraph(const ReadRegion &read, int count, bool rough, KeptClusters &clusters, const Progress &progress);
+    /// What holds each node: its tag, or 1 for none. Nodes that are held alone have that of what they belong to.
+    std::vector<Index> PartOfNodes() const;
     /// Gives nodes that are held alone the motion of what they belong to.
     void HoldOriginals(HeldMotions &m) const;
     /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, but for

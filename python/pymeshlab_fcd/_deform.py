@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from . import _inputs
 from ._deformation import Deformation
-from ._deformer import Deformer, Distances, GraphWeights, LooseParts, Transforms, renamed_weights
+from ._deformer import Deformer, Distances, Falloff, GraphWeights, LooseParts, Transforms, renamed_weights
 from ._inputs import Points
 from ._meshes import MeshLike
 from ._pose import Pose
@@ -32,6 +32,7 @@ def deform(
     percent: float = 100.0,
     steps: int = 1,
     smoothness: float = 0.0058,
+    falloff: Falloff = "smooth",
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -70,6 +71,8 @@ def deform(
         The pose is reached over so many.
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
+    falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
+        How the motion of a handle fades.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -119,7 +122,7 @@ def deform(
         What is probably not meant: nothing moves, flipped triangles, the shape did not converge.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
-        smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))._vertices.given_away()
 
@@ -135,6 +138,7 @@ def deformation(
     percent: float = 100.0,
     steps: int = 1,
     smoothness: float = 0.0058,
+    falloff: Falloff = "smooth",
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -174,6 +178,8 @@ def deformation(
         The pose is reached over so many.
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
+    falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
+        How the motion of a handle fades.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -227,7 +233,7 @@ def deformation(
     """
     told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
-        smoothness=smoothness, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3, least)

@@ -24,6 +24,7 @@ from ._progress import Progress, Report, report
 from ._warnings import NodeWarning, ScanLineWarning, SlitWarning, Told, warn
 
 GraphWeights = Literal["border", "uniform", "paper", "printed"]
+Falloff = Literal["smooth", "linear", "sharp", "constant"]
 Distances = Literal["surface", "euclidean"]
 LooseParts = Literal["follow", "stay"]
 Transforms = Mapping[int, Union[Motion, ArrayLike]]
@@ -168,6 +169,9 @@ class Deformer(Unchanging):
         each. Do not change them while the Deformer or a pose of it is used: that is an error then.
     smoothness : float, default 0.0058
         How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the paper).
+    falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
+        How the motion of a handle fades towards what else is held: `smooth` evenly, `linear` straight, with the bends near both ends, `sharp`
+        to a peak at the handle, `constant` with a plateau around the handle and the bend far from it.
     patches : int, default 0
         How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface is
         worth, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
@@ -229,6 +233,7 @@ class Deformer(Unchanging):
         normals: ArrayLike | None = None,
         copy: bool = True,
         smoothness: float = 0.0058,
+        falloff: Falloff = "smooth",
         patches: int = 0,
         target_radius: float = 0.0,
         seed: int = 1,
@@ -261,6 +266,7 @@ class Deformer(Unchanging):
             "loose_parts": _inputs.choice("loose_parts", loose_parts, ("follow", "stay")),
             "weld_distance": _inputs.number("weld_distance", weld_distance),
             "smoothness": _inputs.number("smoothness", smoothness),
+            "falloff": _inputs.choice("falloff", falloff, ("smooth", "linear", "sharp", "constant")),
             "max_iterations": _inputs.whole("max_iterations", max_iterations, 1),
             "tolerance": _inputs.number("tolerance", tolerance),
             "nodes": None if nodes is None else _inputs.finite("nodes", _inputs.rows("nodes", nodes)),

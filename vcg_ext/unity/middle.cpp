@@ -7,6 +7,7 @@
 #include <vcg_ext/graph/border_weights.cpp>       // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/coarse_graph.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/deformation_graph.cpp>    // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/graph/falloff.cpp>              // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/held_nodes.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/discretisation_error.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/graph_parts.cpp>          // NOLINT(bugprone-suspicious-include)

@@ -20,6 +20,7 @@ std::string withShape(ScriptCall call, const BendOptions &options) {
     const BendOptions usual;
     if (options.smoothness != usual.smoothness)
         call.with("smoothness", asTyped(options.smoothness));
+    call.with("falloff", int(options.falloff), int(usual.falloff));
     return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
 }
 

@@ -44,6 +44,8 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
     bool readOption(const std::string &key) {
         if (key == "smoothness") // numbers are as the panel has them
             options.smoothness = number("a smoothness from 0 to 10", 0, 10);
+        else if (key == "falloff")
+            options.falloff = vcg::fcd::Falloff(whole("0, 1, 2 or 3", 0, 3));
         else if (key == "detail")
             options.initialPatches = whole("a number of patches from 0 to 20000", 0, 20000);
         else if (key == "distances")
@@ -240,6 +242,8 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
                        ToText(options.initialPatches) + "\ndistances " + ToText(int(options.weights)) + "\nsymmetry " +
                        ToText(options.mirror) + "\naxes " + ToText(int(options.axes)) + "\npose " + ToText(state.pose) +
                        "\n";
+    if (options.falloff != vcg::fcd::Falloff::Smooth) // which versions without it read, too
+        text += "falloff " + ToText(int(options.falloff)) + "\n";
     for (const auto &[tag, point] : state.points)
         text += "point " + ToText(tag) + " " + numberOf(point.slot) + " " + ToText(point.radius) +
                 (point.isGrip ? " grip\n" : "\n");

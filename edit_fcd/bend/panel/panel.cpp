@@ -181,8 +181,8 @@ void BendPanel::addMarking(QWidget &place) {
 }
 
 void BendPanel::connectOptions() {
-    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, weightsChoice, through,
-                                                            stretch, graphs, poseSlider})
+    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, falloffChoice, weightsChoice,
+                                                            through, stretch, graphs, poseSlider})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     connectSlider(
         *poseSlider, [this] { emit poseBegins(); },
@@ -192,7 +192,7 @@ void BendPanel::connectOptions() {
         });
     connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
-    for (const QComboBox *choice : {mirrorAxis, axesChoice, weightsChoice})
+    for (const QComboBox *choice : {mirrorAxis, axesChoice, falloffChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
     connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
     connect(role, QOverload<int>::of(&QComboBox::activated), this, &BendPanel::roleChanged);
@@ -272,15 +272,15 @@ void BendPanel::setPose(int percent) {
     poseLabel->setText(QString("%1 %").arg(percent));
 }
 
-void BendPanel::setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes,
-                         int pose) {
+void BendPanel::setShape(const BendOptions &options) {
     const QSignalBlocker blocked(this);
-    smoothnessValue->setValue(smoothness);
-    patchCount->setValue(patches);
-    weightsChoice->setCurrentIndex(int(weights));
-    mirrorAxis->setCurrentIndex(mirror + 1);
-    axesChoice->setCurrentIndex(axes);
-    setPose(pose);
+    smoothnessValue->setValue(options.smoothness);
+    falloffChoice->setCurrentIndex(int(options.falloff));
+    patchCount->setValue(options.initialPatches);
+    weightsChoice->setCurrentIndex(int(options.weights));
+    mirrorAxis->setCurrentIndex(options.mirror + 1);
+    axesChoice->setCurrentIndex(int(options.axes));
+    setPose(int(options.pose));
 }
 
 void BendPanel::setStretch(bool shown) {

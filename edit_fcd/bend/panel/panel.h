@@ -59,6 +59,7 @@ class BendPanel : public QDockWidget {
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
     void keepSizes() const; ///< for the next panel, also of another day
     double smoothness() const { return smoothnessValue->value(); }
+    vcg::fcd::Falloff falloff() const { return vcg::fcd::Falloff(falloffChoice->currentIndex()); }
     int patches() const { return patchCount->value(); }
     vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
@@ -66,7 +67,7 @@ class BendPanel : public QDockWidget {
     int pose() const { return poseSlider->value(); }              ///< percent
     void setPose(int percent);
     /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
-    void setShape(double smoothness, int patches, vcg::fcd::MappingWeights weights, int mirror, int axes, int pose);
+    void setShape(const BendOptions &options);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
     /// Whether there is a surface whose stretch can be shown.
@@ -85,7 +86,7 @@ class BendPanel : public QDockWidget {
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, smoothness, patches, weights, mirror, axes, stretch
+    void optionsChanged(); ///< mode, pose, smoothness, falloff, patches, weights, mirror, axes, stretch
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
     void left();        ///< by Esc, in one of its fields
@@ -106,7 +107,7 @@ class BendPanel : public QDockWidget {
     void connectOptions();
 
     QButtonGroup *modes;
-    QComboBox *role, *mirrorAxis, *weightsChoice, *axesChoice;
+    QComboBox *role, *mirrorAxis, *falloffChoice, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue;
     QCheckBox *through, *stretch, *graphs;

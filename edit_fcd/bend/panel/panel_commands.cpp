@@ -101,6 +101,20 @@ void BendPanel::showParts() {
     tracePlaces(*this);
 }
 
+namespace {
+
+/// A row with what a parameter may be.
+QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
+    auto *choice = new QComboBox;
+    choice->setObjectName(name);
+    choice->addItems(words.values);
+    choice->setToolTip(words.help);
+    form.addRow(words.label, choice);
+    return choice;
+}
+
+} // namespace
+
 void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
@@ -112,6 +126,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     smoothnessValue->setSingleStep(0.002);
     smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
+    falloffChoice = addChoice(*form, "falloff", falloffText());
     patchCount = new CountBox;
     patchCount->setObjectName("patches");
     patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "
@@ -119,12 +134,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Detail", patchCount);
-    const ParameterText words = weightsText();
-    weightsChoice = new QComboBox;
-    weightsChoice->setObjectName("distances");
-    weightsChoice->addItems(words.values);
-    weightsChoice->setToolTip(words.help);
-    form->addRow(words.label, weightsChoice);
+    weightsChoice = addChoice(*form, "distances", weightsText());
     motionText = new QPlainTextEdit;
     motionText->setObjectName("motions");
     motionText->setFixedHeight(58);

@@ -55,6 +55,7 @@ void BendTool::makePanel() {
 void BendTool::takeOptions() {
     BendOptions &options = session->edit().options;
     options.smoothness = panel->smoothness();
+    options.falloff = panel->falloff();
     options.initialPatches = panel->patches();
     options.weights = panel->weights();
     options.mirror = panel->mirror();
@@ -65,8 +66,7 @@ void BendTool::takeOptions() {
 /// The panel shows the options of the session, which has gone back to others.
 void BendTool::showOptions() {
     const BendOptions &options = session->edit().options;
-    panel->setShape(options.smoothness, options.initialPatches, options.weights, options.mirror, int(options.axes),
-                    int(options.pose));
+    panel->setShape(options);
     panel->setStretch(options.stretch);
 }
 
