@@ -30,8 +30,10 @@ MeshModel &input(MeshDocument &document) {
 
 FilterFcd::FilterFcd() {
     announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, Compensate, PoseSequence, PoseInPlace,
-              ResetPose, CopyDeformation, SaveDeformation, TagSelection, TagsFromFiles, ClearTags, SaveTags,
-              SaveSession, LoadSession});
+              ResetPose, CopyDeformation, SaveDeformation, Tag, ClearTags, SaveSession, LoadSession, TagSelection,
+              TagsFromFiles, SaveTags});
+    for (const int id : {TagSelection, TagsFromFiles, SaveTags})
+        action(id)->setVisible(false); // neither in menus nor in the search
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
@@ -56,6 +58,7 @@ int FilterFcd::changes(int id) const {
     case LoadSession:
         return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER |
                MeshModel::MM_TRANSFMATRIX;
+    case Tag: // whose preview would write files
     case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case TagSelection:
     case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
@@ -107,8 +110,9 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     case ResetPose: return toRichParameters(ResetPoseParam());
     case CopyDeformation: return toRichParameters(CopyParam(), document);
     case SaveDeformation: return toRichParameters(SaveDeformationParam(), document);
-    case TagSelection: return toRichParameters(TagSelectionParam());
-    case TagsFromFiles: return toRichParameters(TagsFromFilesParam());
+    case Tag: return toRichParameters(TagParam(), document);
+    case TagSelection:
+    case TagsFromFiles: return toRichParameters(TagParam(), id == TagsFromFiles);
     case SaveTags: return toRichParameters(SaveTagsParam(), document);
     case SaveSession:
     case LoadSession: return sessionParameters(id == SaveSession);
@@ -139,13 +143,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     case CopyDeformation: return copy(parameters, document, layer, progress);
     case SaveDeformation: return save(parameters, document, progress);
     case ResetPose: resetPose(document, layer, resetPoseParam(parameters), toLog()); return {};
-    case TagSelection: {
-        const TagSelectionParam param = tagSelectionParam(parameters);
-        return reportTags(layer, tagSelection(document, layer, param), param.target);
-    }
+    case Tag:
+    case TagSelection:
     case TagsFromFiles: {
-        const TagsFromFilesParam param = tagsFromFilesParam(parameters);
-        return reportTags(layer, tagFromFiles(document, layer, param), param.target);
+        const TagParam param = id == Tag ? tagParam(parameters, document) : tagParam(parameters, id == TagsFromFiles);
+        const vcg::fcd::TagCount tags = tagLayer(document, layer, param, toLog());
+        return param.role == TagParam::AsTheyAre ? report(tags) : reportTags(layer, tags, param.target);
     }
     case ClearTags: return clearTags(document, layer);
     case SaveSession:

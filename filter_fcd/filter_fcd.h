@@ -29,12 +29,14 @@ class FilterFcd : public HostFilterPlugin {
         ResetPose,
         CopyDeformation,
         SaveDeformation,
+        Tag,
+        ClearTags,
+        SaveSession,
+        LoadSession,
+        // What Tag does, in three parts, for scripts of before: not shown.
         TagSelection,
         TagsFromFiles,
-        ClearTags,
-        SaveTags,
-        SaveSession,
-        LoadSession
+        SaveTags
     };
 
     FilterFcd();

@@ -19,8 +19,9 @@ RichParameterList toRichParameters(const PoseParam &param, const MeshDocument &d
 RichParameterList toRichParameters(const ResetPoseParam &param);
 RichParameterList toRichParameters(const CopyParam &param, const MeshDocument &document);
 RichParameterList toRichParameters(const SaveDeformationParam &param, const MeshDocument &document);
-RichParameterList toRichParameters(const TagSelectionParam &param);
-RichParameterList toRichParameters(const TagsFromFilesParam &param);
+RichParameterList toRichParameters(const TagParam &param, const MeshDocument &document);
+/// Of the filters for scripts that do a part of it: tag the selection, or all by a file.
+RichParameterList toRichParameters(const TagParam &param, bool fromFile);
 RichParameterList toRichParameters(const SaveTagsParam &param, const MeshDocument &document);
 /// The file of a session. \param saves it is written; otherwise, it is read
 RichParameterList sessionParameters(bool saves);
@@ -39,8 +40,8 @@ PoseParam poseParam(const RichParameterList &given, const MeshDocument &document
 ResetPoseParam resetPoseParam(const RichParameterList &list);
 CopyParam copyParam(const RichParameterList &list, const MeshDocument &document);
 SaveDeformationParam saveDeformationParam(const RichParameterList &list, const MeshDocument &document);
-TagSelectionParam tagSelectionParam(const RichParameterList &list);
-TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list);
+TagParam tagParam(const RichParameterList &list, const MeshDocument &document);
+TagParam tagParam(const RichParameterList &list, bool fromFile);
 SaveTagsParam saveTagsParam(const RichParameterList &list, const MeshDocument &document);
 
 /// The parameter that names HandleParam::likeLayer. Older scripts may lack it.

@@ -24,6 +24,7 @@ QString FilterFcd::filterName(int id) const {
     case ResetPose: return "FCD: Reset Pose";
     case CopyDeformation: return "FCD: Apply Deformation to Layer";
     case SaveDeformation: return "FCD: Save Deformation";
+    case Tag: return "FCD: Tag";
     case TagSelection: return "FCD: Tag Selection";
     case TagsFromFiles: return "FCD: Tags from Files";
     case ClearTags: return "FCD: Clear Tags";
@@ -47,6 +48,7 @@ QString FilterFcd::scriptName(int id) const {
     case ResetPose: return "apply_coord_fcd_reset";
     case CopyDeformation: return "generate_fcd_deformed_copy";
     case SaveDeformation: return "save_fcd_deformation";
+    case Tag: return "compute_fcd_tags";
     case TagSelection: return "compute_fcd_tags_from_selection";
     case TagsFromFiles: return "compute_fcd_tags_from_files";
     case ClearTags: return "clear_fcd_tags";
@@ -69,7 +71,7 @@ QString FilterFcd::filterInfo(int id) const {
     case DeformMesh:
         return shown() +
                QString("Bends a mesh of any size smoothly, with all its detail. Say what <b>stays</b> fixed and which "
-                       "<b>handles</b> move: run 'FCD: Tag Selection' on each, or select the vertices of the handle "
+                       "<b>handles</b> move: run 'FCD: Tag' on each, or select the vertices of the handle "
                        "and the faces that stay. Then say how the handles move. The rest follows; fixed vertices stay "
                        "to the bit. Any scan will do (unwelded, non-manifold, in pieces), and any point cloud. The "
                        "result is a new layer with all that the mesh carries. Motions are in world coordinates. Pose, "
@@ -156,25 +158,26 @@ QString FilterFcd::filterInfo(int id) const {
                    "fixed stays, to the bit. Log and file say how far any vertex is off. It is a binary PLY file: any "
                    "program shows the thinned surface.<br>The layers are not changed.") +
                reference;
-    case TagSelection:
+    case Tag:
         return "Says what the selected part of the mesh does when the layer is deformed. It stays <b>fixed</b>, is "
                "<b>free</b> to follow, is a <b>handle</b> that moves as you say, or lies <b>outside</b> the region of "
                "influence.<br>Select what stays and run this filter as <i>Fixed</i>. Select what moves and run it as "
                "<i>Handle</i>. Then run 'FCD: Deform Mesh'. Selected vertices and the vertices of selected faces "
-               "count. All else keeps its tag; without tags (no quality, or 0 everywhere) all else is free.<br>Changes "
-               "the quality, or an attribute, of the current layer and its colours, nothing else.";
-    case TagsFromFiles:
-        return "Tags the vertices of the current layer by a .sel file. Look at the tags, change them with 'FCD: Tag "
-               "Selection', or deform the layer.<br>Changes the quality, or an attribute, of the current layer and its "
-               "colours, nothing else.";
+               "count. All else keeps its tag; without tags (no quality, or 0 everywhere) all else is free.<br>Or "
+               "takes all tags from a file. The tags, and motions of the handles, can be written to files, which 'FCD: "
+               "Deform Mesh' reads with <i>Handles from: Files</i>.<br>Changes the quality, or an attribute, of the "
+               "current layer and its colours, nothing else.";
+    case TagSelection: return "For scripts of before: what 'FCD: Tag' does with the selection.";
+    case TagsFromFiles: return "For scripts of before: what 'FCD: Tag' does with a .sel file.";
     case ClearTags:
         return "Brings back the colours and the quality that the current layer had before it was tagged. A layer that "
                "had none has none again. New vertices get what was at their place, as long as the layer is not posed. "
                "Vertices that were coloured since, or whose place is not known, keep what they have; the log counts "
                "them.";
     case SaveTags:
-        return "Writes the tags of the vertices to a .sel file and, if wanted, the motions of the handles to a .def "
-               "file. 'FCD: Deform Mesh' with <i>Handles from: Files</i> reads them. The layer is not changed.";
+        return "For scripts of before: writes the tags of the vertices to a .sel file and, if wanted, the motions of "
+               "the "
+               "handles to a .def file, as 'FCD: Tag' does. The layer is not changed.";
     case SaveSession:
         return "Writes what no mesh file keeps of the current layer, to go on another day: its marks, the colours and "
                "the quality under the tags, its rest shapes, its poses and key frames, its handles, motions and line "

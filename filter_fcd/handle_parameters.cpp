@@ -16,10 +16,10 @@ void addHandles(RichParameterList &list, const HandleParam &handles, const MeshD
         "Handles from",
         "Where the tags are. A vertex with tag <b>0</b> is fixed, with <b>1</b> free, with <b>2, 3, ...</b> of handle "
         "2, 3, ..., and with a <b>negative</b> tag outside: it never moves.<ul><li><i>Vertex quality</i>: the quality "
-        "is the tag. 'FCD: Tag Selection' writes it.</li><li><i>Selection</i>: selected vertices are the handle, "
+        "is the tag. 'FCD: Tag' writes it.</li><li><i>Selection</i>: selected vertices are the handle, "
         "vertices of selected faces are fixed, the rest is free. The handle wins where both are "
         "selected.</li><li><i>Custom vertex attribute</i>: the attribute below.</li><li><i>Files</i>: the tag file "
-        "below.</li><li><i>Tags of the layer</i>: marks of the tool, or what 'FCD: Tag Selection' wrote, whatever the "
+        "below.</li><li><i>Tags of the layer</i>: marks of the tool, or what 'FCD: Tag' wrote, whatever the "
         "quality is now; without these, all is free.</li></ul>");
     addParameter<RichString>(list, Shown::Advanced, "tag_attribute", handles.tagAttribute, "Attribute with tags",
                              "Name of the scalar attribute per vertex that holds the tags. Only read when handles come "

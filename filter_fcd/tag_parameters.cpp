@@ -31,49 +31,83 @@ TagTarget target(const RichParameterList &list) {
     return target;
 }
 
-} // namespace
-
-RichParameterList toRichParameters(const TagSelectionParam &param) {
-    RichParameterList list;
-    addParameter<RichEnum>(
-        list, Shown::Always, "role", int(param.role),
-        QStringList() << "Fixed"
-                      << "Free"
-                      << "Handle"
-                      << "Outside",
-        "The selection is",
-        "What selected vertices, and the vertices of selected faces, become.<ul><li><i>Fixed</i>: stays where it is "
-        "(tag 0).</li><li><i>Free</i>: follows (tag 1).</li><li><i>Handle</i>: moves as you say (the tag is the number "
-        "below).</li><li><i>Outside</i>: is ignored, and never moves (tag -1).</li></ul>");
+void addRole(RichParameterList &list, const TagParam &param, bool all) {
+    QStringList roles = {"Fixed", "Free", "Handle", "Outside"};
+    QString help =
+        "What selected vertices, and the vertices of selected faces, become.<ul><li><i>Fixed</i>: stays where "
+        "it is (tag 0).</li><li><i>Free</i>: follows (tag 1).</li><li><i>Handle</i>: moves as you say (the "
+        "tag is the number below).</li><li><i>Outside</i>: is ignored, and never moves (tag -1).</li>";
+    if (all) {
+        roles << "(all tags are in the file below)"
+              << "(all tags stay as they are)";
+        help += "<li>Or take all tags from a file.</li><li>Or leave them, and only write files.</li>";
+    }
+    addParameter<RichEnum>(list, Shown::Always, "role", int(param.role), roles, "The selection is", help + "</ul>");
     addParameter<RichInt>(list, Shown::Always, "handle_number", param.handleNumber, "Handle number",
                           "Which handle the selection becomes: 2 is the first, 3 the second, and so on. Handles with "
                           "different numbers can move differently. Only read for handles.");
+}
+
+void addTagFile(RichParameterList &list, const TagParam &param) {
+    addParameter<host::RichFileParam>(
+        list, Shown::Always, "tag_file", param.tagFile, QStringList("*.sel"), "All tags from (.sel)",
+        "One tag a line, in the order of the vertices. Lines that begin with # are comments.");
+}
+
+} // namespace
+
+RichParameterList toRichParameters(const TagParam &param, bool fromFile) {
+    RichParameterList list;
+    if (fromFile)
+        addTagFile(list, param);
+    else
+        addRole(list, param, false);
     addTarget(list, param.target);
     return list;
 }
 
-TagSelectionParam tagSelectionParam(const RichParameterList &list) {
-    TagSelectionParam param;
-    param.role = TagSelectionParam::Role(enumValue(list, "role", 4));
-    param.handleNumber = list.getInt("handle_number");
+TagParam tagParam(const RichParameterList &list, bool fromFile) {
+    TagParam param;
+    param.role = fromFile ? TagParam::FromFile : TagParam::Role(enumValue(list, "role", 4));
+    if (fromFile)
+        param.tagFile = list.getOpenFileName("tag_file");
+    else
+        param.handleNumber = list.getInt("handle_number");
     param.target = target(list);
     param.validate();
     return param;
 }
 
-RichParameterList toRichParameters(const TagsFromFilesParam &param) {
+RichParameterList toRichParameters(const TagParam &param, const MeshDocument &document) {
+    DeformMeshParam deform;
+    deform.handles = param.save.handles;
     RichParameterList list;
-    addParameter<host::RichFileParam>(
-        list, Shown::Always, "tag_file", param.tagFile, QStringList("*.sel"), "Tag file (.sel)",
-        "One tag a line, in the order of the vertices. Lines that begin with # are comments.");
+    addRole(list, param, true);
+    addTagFile(list, param);
     addTarget(list, param.target);
+    addParameter<host::RichSaveFileParam>(
+        list, Shown::Advanced, "save_tag_file", param.save.tagFile, "*.sel", "Write tags to (.sel)",
+        "The file to write all tags to: one a line, in the order of the vertices. An existing file is replaced. "
+        "<b>Empty</b> (the default): none is written.");
+    addParameter<host::RichSaveFileParam>(
+        list, Shown::Advanced, "save_transform_file", param.save.transformFile, "*.def", "Write motions to (.def)",
+        "The file to write the motions below to: a 4x4 matrix for each handle, in world coordinates, for handle 2, 3, "
+        "and so on. An existing file is replaced. <b>Empty</b> (the default): none is written.");
+    list.addParam(toRichParameters(deform, document).getParameterByName("transforms"));
     return list;
 }
 
-TagsFromFilesParam tagsFromFilesParam(const RichParameterList &list) {
-    TagsFromFilesParam param;
+TagParam tagParam(const RichParameterList &list, const MeshDocument &document) {
+    TagParam param;
+    param.role = TagParam::Role(enumValue(list, "role", 6));
+    param.handleNumber = list.getInt("handle_number");
     param.tagFile = list.getOpenFileName("tag_file");
     param.target = target(list);
+    RichParameterList all = toRichParameters(DeformMeshParam(), document);
+    all.setValue("transforms", list.getParameterByName("transforms").value());
+    param.save.handles = deformMeshParam(all, document).handles;
+    param.save.tagFile = list.getSaveFileName("save_tag_file");
+    param.save.transformFile = list.getSaveFileName("save_transform_file");
     param.validate();
     return param;
 }

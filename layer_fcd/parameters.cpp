@@ -43,15 +43,16 @@ void SaveDeformationParam::validate() const {
         throw Error("deformation_file is empty. Give the .ply file to write the deformation to.");
 }
 
-void TagSelectionParam::validate() const {
+void TagParam::validate() const {
     if (role == Handle && handleNumber < 2)
         throw Error("handle_number is " + std::to_string(handleNumber) +
                     "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
-}
-
-void TagsFromFilesParam::validate() const {
-    if (tagFile.isEmpty())
+    if (role == FromFile && tagFile.isEmpty())
         throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
+    if (!save.tagFile.isEmpty() && !save.transformFile.isEmpty())
+        save.validate();
+    else if (role == AsTheyAre && save.tagFile.isEmpty() && save.transformFile.isEmpty())
+        throw Error("There is nothing to do: say what the selection becomes, or give a file to write.");
 }
 
 void SaveTagsParam::validate() const {

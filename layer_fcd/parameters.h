@@ -217,32 +217,26 @@ struct TagTarget {
     bool colorize = true; ///< colour the vertices by tag
 };
 
-/// What "FCD: Tag Selection" is asked for.
-struct TagSelectionParam {
-    enum Role { Fixed, Free, Handle, Outside };
-
-    Role role = Handle;
-    int handleNumber = 2; ///< the tag (Handle)
-    TagTarget target;
-
-    /// \throw vcg::fcd::Error
-    void validate() const;
-};
-
-/// What "FCD: Tags from Files" is asked for.
-struct TagsFromFilesParam {
-    QString tagFile; ///< .sel
-    TagTarget target;
-
-    /// \throw vcg::fcd::Error
-    void validate() const;
-};
-
-/// What "FCD: Save Tags" is asked for.
+/// Which tags and motions are written to files.
 struct SaveTagsParam {
     HandleParam handles;   ///< not from files, and without files
     QString tagFile;       ///< .sel
     QString transformFile; ///< .def, may be empty
+
+    /// \throw vcg::fcd::Error
+    void validate() const;
+};
+
+/// What "FCD: Tag" is asked for.
+struct TagParam {
+    /// What the selection becomes; or that the file has all tags, or that they stay as they are.
+    enum Role { Fixed, Free, Handle, Outside, FromFile, AsTheyAre };
+
+    Role role = Handle;
+    int handleNumber = 2; ///< the tag (Handle)
+    QString tagFile;      ///< .sel (FromFile)
+    TagTarget target;
+    SaveTagsParam save; ///< what is written then; no files: nothing. Its source is not read
 
     /// \throw vcg::fcd::Error
     void validate() const;

@@ -74,7 +74,7 @@ std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone, bool m
         throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
                                 "vertices yet. Set the quality to a tag per vertex (") +
                     tagMeaning +
-                    "), for example with 'FCD: Tag Selection' (compute_fcd_tags_from_selection) or 'Per Vertex Quality "
+                    "), for example with 'FCD: Tag' (compute_fcd_tags) or 'Per Vertex Quality "
                     "Function' (compute_scalar_by_function_per_vertex), or select the "
                     "handle and choose 'Selection' (1), an attribute (2) or files (3) as 'handles'.");
     return tag;

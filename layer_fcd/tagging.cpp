@@ -4,6 +4,7 @@
 
 #include "kept_aside.h"
 #include "layer_contents.h"
+#include "layer_matrix.h"
 #include "marks.h"
 #include "motion_sources.h"
 #include "save_files.h"
@@ -33,6 +34,21 @@ const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString
         return &attribute;
     }
     return nullptr;
+}
+
+/// Whether the tags can be kept there. \return the attribute, if it is there already \throw Error
+const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<int> &tag, const TagTarget &target) {
+    const vcg::PointerToAttribute *attribute = nullptr;
+    bool single = std::is_same<CVertexO::QualityType, float>::value;
+    if (!target.attribute.isEmpty()) {
+        attribute = scalarAttribute(mesh, target.attribute);
+        single = attribute ? host::isOfType<float>(*attribute) : std::is_same<Scalarm, float>::value;
+    }
+    for (std::size_t i = 0; i < tag.size() && single; ++i)
+        if (!mesh.vert[i].IsD() && double(float(tag[i])) != double(tag[i]))
+            throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
+                        " is too large to be kept in single precision. Use smaller numbers.");
+    return attribute;
 }
 
 } // namespace
@@ -84,16 +100,7 @@ vcg::Color4b colorOfTag(int tag) {
 TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag,
                    const TagTarget &target) {
     CMeshO &mesh = layer.cm;
-    const vcg::PointerToAttribute *attribute = nullptr;
-    bool single = std::is_same<CVertexO::QualityType, float>::value;
-    if (!target.attribute.isEmpty()) {
-        attribute = scalarAttribute(mesh, target.attribute);
-        single = attribute ? host::isOfType<float>(*attribute) : std::is_same<Scalarm, float>::value;
-    }
-    for (std::size_t i = 0; i < tag.size() && single; ++i)
-        if (!mesh.vert[i].IsD() && double(float(tag[i])) != double(tag[i]))
-            throw Error("The tag " + std::to_string(tag[i]) + " of vertex " + std::to_string(i) +
-                        " is too large to be kept in single precision. Use smaller numbers.");
+    const vcg::PointerToAttribute *attribute = expectFit(mesh, tag, target);
     const TagCount count = vcg::tri::CountTags(mesh, tag);
     if (target.colorize || target.attribute.isEmpty())
         keepAside(document, layer, target.colorize, target.attribute.isEmpty());
@@ -129,9 +136,10 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
     return count;
 }
 
-// --- FCD: Tag Selection ---
+namespace {
 
-TagCount tagSelection(const MeshDocument &document, MeshModel &layer, const TagSelectionParam &param) {
+/// The tags of \p layer with those of selected vertices, and of the vertices of selected faces, set.
+std::vector<int> withSelection(const MeshModel &layer, const TagParam &param) {
     const CMeshO &mesh = layer.cm;
     std::vector<char> selected = onSelectedFaces(layer);
     for (std::size_t i = 0; i < selected.size(); ++i)
@@ -139,65 +147,83 @@ TagCount tagSelection(const MeshDocument &document, MeshModel &layer, const TagS
             selected[i] = 1;
     if (std::find(selected.begin(), selected.end(), 1) == selected.end())
         throw Error("Nothing is selected. Select the vertices or faces to tag first.");
-
-    int wanted = param.handleNumber;
-    switch (param.role) {
-    case TagSelectionParam::Fixed: wanted = 0; break;
-    case TagSelectionParam::Free: wanted = 1; break;
-    case TagSelectionParam::Handle: break;
-    case TagSelectionParam::Outside: wanted = -1; break;
-    }
+    const int wanted = param.role == TagParam::Fixed     ? 0
+                       : param.role == TagParam::Free    ? 1
+                       : param.role == TagParam::Outside ? -1
+                                                         : param.handleNumber;
     std::vector<int> tag = presentTags(layer, param.target);
     for (std::size_t i = 0; i < tag.size(); ++i)
         if (selected[i])
             tag[i] = wanted;
-    return writeTags(document, layer, tag, param.target);
+    return tag;
 }
 
-// --- FCD: Tags from Files ---
-
-TagCount tagFromFiles(const MeshDocument &document, MeshModel &layer, const TagsFromFilesParam &param) {
+std::vector<int> tagsFor(const MeshModel &layer, const TagParam &param) {
+    if (param.role == TagParam::AsTheyAre)
+        return presentTags(layer, param.target);
+    if (param.role != TagParam::FromFile)
+        return withSelection(layer, param);
     HandleParam source;
     source.source = HandleParam::Files;
     source.tagFile = param.tagFile;
-    return writeTags(document, layer, readTags(layer, source), param.target);
+    return readTags(layer, source);
 }
 
-// --- FCD: Save Tags ---
+/// Matrices of handles 2, 3, ... as a file has them.
+std::vector<Eigen::Matrix4d> matricesFor(const MeshDocument &document, const MeshModel &layer,
+                                         const std::vector<int> &tag, const HandleParam &motions,
+                                         const Remark &remark) {
+    vcg::fcd::Handles handles;
+    handles.tag = tag;
+    handles.world = invertibleMatrixOf(layer);
+    const auto centers =
+        vcg::fcd::HandleCenters(tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); });
+    if (centers.empty())
+        throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
+                    "give no file for motions.");
+    readMotions(document, layer, nullptr, motions, centers, remark, handles);
+    const int last = handles.motion.rbegin()->first, most = 100000;
+    if (last > most)
+        throw Error("The largest handle number is " + std::to_string(last) +
+                    ", and the file would need a matrix for each number up to it. Number the handles 2, 3, ...");
+    std::vector<Eigen::Matrix4d> matrix(std::size_t(last) - 1, Eigen::Matrix4d::Identity());
+    for (const auto &[number, motion] : handles.motion)
+        matrix[std::size_t(number) - 2] = motion.matrix;
+    return matrix;
+}
+
+/// Writes the files that \p param names.
+void writeFiles(const MeshDocument &document, const MeshModel &layer, const std::vector<int> &tag,
+                const SaveTagsParam &param, const Remark &remark) {
+    std::vector<FileContent> files;
+    if (!param.tagFile.isEmpty()) {
+        std::vector<int> live;
+        live.reserve(std::size_t(layer.cm.vn));
+        for (std::size_t i = 0; i < tag.size(); ++i)
+            if (!layer.cm.vert[i].IsD())
+                live.push_back(tag[i]);
+        files.push_back({param.tagFile, vcg::fcd::TagText(live)});
+    }
+    if (!param.transformFile.isEmpty())
+        files.push_back(
+            {param.transformFile, vcg::fcd::TransformText(matricesFor(document, layer, tag, param.handles, remark))});
+    saveFiles(files);
+}
+
+} // namespace
+
+TagCount tagLayer(const MeshDocument &document, MeshModel &layer, const TagParam &param, const Remark &remark) {
+    const std::vector<int> tag = tagsFor(layer, param);
+    if (param.role != TagParam::AsTheyAre)
+        expectFit(layer.cm, tag, param.target);
+    writeFiles(document, layer, tag, param.save, remark); // before the layer is changed
+    return param.role == TagParam::AsTheyAre ? vcg::tri::CountTags(layer.cm, tag)
+                                             : writeTags(document, layer, tag, param.target);
+}
 
 TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
                   const Remark &remark) {
-    std::vector<int> tag;
-    std::vector<Eigen::Matrix4d> matrix;
-    if (param.transformFile.isEmpty()) {
-        tag = readTags(layer, param.handles);
-    } else {
-        vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
-        const auto centers =
-            vcg::fcd::HandleCenters(handles.tag, [&](std::size_t i) { return vcg::tri::PositionOf(layer.cm.vert[i]); });
-        if (centers.empty())
-            throw Error("No vertex belongs to a handle, so there are no motions to save. Tag a handle (2, 3, ...), or "
-                        "leave transform_file empty.");
-        readMotions(document, layer, nullptr, param.handles, centers, remark, handles);
-        const int last = handles.motion.rbegin()->first, most = 100000;
-        if (last > most)
-            throw Error("The largest handle number is " + std::to_string(last) +
-                        ", and the file would need a matrix for each number up to it. Number the handles 2, 3, ...");
-        matrix.assign(std::size_t(last) - 1, Eigen::Matrix4d::Identity());
-        for (const auto &[number, motion] : handles.motion)
-            matrix[std::size_t(number) - 2] = motion.matrix;
-        tag = handles.tag;
-    }
-    const TagCount count = vcg::tri::CountTags(layer.cm, tag);
-    std::vector<int> live;
-    live.reserve(std::size_t(layer.cm.vn));
-    for (std::size_t i = 0; i < tag.size(); ++i)
-        if (!layer.cm.vert[i].IsD())
-            live.push_back(tag[i]);
-
-    std::vector<FileContent> files{{param.tagFile, vcg::fcd::TagText(live)}};
-    if (!matrix.empty())
-        files.push_back({param.transformFile, vcg::fcd::TransformText(matrix)});
-    saveFiles(files);
-    return count;
+    const std::vector<int> tag = readTags(layer, param.handles);
+    writeFiles(document, layer, tag, param, remark);
+    return vcg::tri::CountTags(layer.cm, tag);
 }

@@ -18,11 +18,10 @@ vcg::fcd::TagCount writeTags(const MeshDocument &document, MeshModel &layer, con
                              const TagTarget &target);
 
 /// Tags the selected vertices, and the vertices of selected faces; the others keep their tags, or are free where the
-/// layer has none yet. \throw vcg::fcd::Error, and leaves the layer as it was
-vcg::fcd::TagCount tagSelection(const MeshDocument &document, MeshModel &layer, const TagSelectionParam &param);
-
-/// Tags all vertices as a file says. \throw vcg::fcd::Error, and leaves the layer as it was
-vcg::fcd::TagCount tagFromFiles(const MeshDocument &document, MeshModel &layer, const TagsFromFilesParam &param);
+/// layer has none yet. Or all vertices, as a file says. Writes the tags and motions to files, if asked for.
+/// \throw vcg::fcd::Error; layer and files are then as they were
+vcg::fcd::TagCount tagLayer(const MeshDocument &document, MeshModel &layer, const TagParam &param,
+                            const Remark &remark);
 
 /// Writes the tags, and the motions in world coordinates if asked for. \throw vcg::fcd::Error; the files are then as
 /// they were

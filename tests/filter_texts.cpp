@@ -53,7 +53,7 @@ int main(int argc, char **argv) {
     list << "# The filters\n\n"
             "What MeshLab's window and pymeshlab 2025.7 say of each filter. Its page has the parameters. MeshLab "
             "2020.09 "
-            "lacks the parameters `pose_steps`, `weld_distance`, `surface_layer`, `accuracy` and `inverse`.\n\n"
+            "lacks some of the newer parameters.\n\n"
             "| filter | in scripts | |\n|---|---|---|\n";
     for (QAction *action : plugin->actions()) {
         const auto id = plugin->ID(action);

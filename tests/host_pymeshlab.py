@@ -1773,8 +1773,11 @@ def test_patches_of_scans_are_nearly_uniform(shared, name, tmp_path):
 
 # --- tags without a calculator ------------------------------------------------------------------------------------------
 
-TAG, READ, SAVE = "compute_fcd_tags_from_selection", "compute_fcd_tags_from_files", "save_fcd_tags"
+TAGS = "compute_fcd_tags"
+TAG, READ, SAVE = "compute_fcd_tags_from_selection", "compute_fcd_tags_from_files", "save_fcd_tags" # its parts, for scripts
 HELPER_DEFAULTS = {
+    TAGS: {"role": 2, "handle_number": 2, "tag_file": "", "tag_attribute": "", "colorize": True, "save_tag_file": "", "save_transform_file": "",
+           "transforms": ""},
     TAG: {"role": 2, "handle_number": 2, "tag_attribute": "", "colorize": True},
     READ: {"tag_file": "", "tag_attribute": "", "colorize": True},
     SAVE: {"handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "",
@@ -1937,6 +1940,51 @@ def test_tags_from_files(tmp_path):
     in_place(ms, SAVE, may_change=(), tag_file=str(tmp_path / "again.sel"))
     assert (np.loadtxt(tmp_path / "again.sel") == tags).all()
     assert ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))["outside_vertices"] == (tags < 0).sum() > 0
+
+
+@pytest.mark.parametrize("attribute", ["", "other"])
+def test_one_filter_does_what_its_parts_do(tmp_path, attribute):
+    parts, whole = untagged_bone(), untagged_bone()
+    for role, condition in enumerate(["x < 0.25", "x < 0.1", "x > 0.75", "x > 0.9"]):
+        given = dict(role=role, handle_number=3, tag_attribute=attribute, colorize=role < 3)
+        results = []
+        for ms, name in ((parts, TAG), (whole, TAGS)):
+            select(ms, condition)
+            results.append(ms.apply_filter(name, **given))
+        assert results[0] == results[1]
+    text = "3: translate 0 0 0.5"
+    parts.apply_filter(SAVE, handles=2 if attribute else 0, tag_attribute=attribute or "fcd_tag", tag_file=str(tmp_path / "a.sel"),
+                       transform_file=str(tmp_path / "a.def"), transforms=text)
+    before = state(whole.current_mesh())
+    told = whole.apply_filter(TAGS, role=5, tag_attribute=attribute, save_tag_file=str(tmp_path / "b.sel"), save_transform_file=str(tmp_path / "b.def"),
+                              transforms=text)
+    assert told == results[1] and all(before[key].tobytes() == value.tobytes() for key, value in state(whole.current_mesh()).items())
+    for ending in (".sel", ".def"):
+        assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+    for ms, name, role in ((parts, READ, {}), (whole, TAGS, {"role": 4})):
+        select(ms, "x < 2")
+        ms.apply_filter(TAG, role=1)
+        ms.apply_filter(name, tag_file=str(tmp_path / "a.sel"), tag_attribute=attribute, **role)
+    one, other = state(parts.current_mesh()), state(whole.current_mesh())
+    assert one.keys() == other.keys() and all(one[key].tobytes() == other[key].tobytes() for key in one)
+
+
+@pytest.mark.parametrize("given, message", [
+    (dict(role=4), "tag_file is empty"), (dict(role=5), "There is nothing to do"),
+    (dict(role=2, handle_number=1), "handle_number is 1"), (dict(role=2), "Nothing is selected"),
+    (dict(role=2, selected=True, save_tag_file="no/such/folder/t.sel"), "no/such/folder"),
+    (dict(role=0, selected=True, save_transform_file="t.def"), "No vertex belongs to a handle"),
+    (dict(role=2, selected=True, save_tag_file="t.sel", save_transform_file="t.sel"), "are the same file"),
+    (dict(role=2, selected=True, save_transform_file="t.def", transforms="2: turn"), "turn")])
+def test_tags_that_cannot_be_made_or_saved_change_nothing(tmp_path, monkeypatch, given, message):
+    monkeypatch.chdir(tmp_path)
+    ms = untagged_bone()
+    select(ms, "x > 0.75" if given.pop("selected", False) else "")
+    before = state(ms.current_mesh())
+    with pytest.raises(pymeshlab.PyMeshLabException, match=message):
+        ms.apply_filter(TAGS, **given)
+    after = state(ms.current_mesh())
+    assert all(before[key].tobytes() == after[key].tobytes() for key in before) and not list(tmp_path.iterdir())
 
 
 def test_tags_of_a_mesh_with_deleted_vertices(tmp_path):

@@ -16,7 +16,7 @@ from conftest import SAMPLES, record, settle
 
 WIDTH, HEIGHT = 1366, 768
 FILTERS = ["FCD: Build Deformation Graph", "FCD: Deform Mesh", "FCD: Pose in Place", "FCD: Reset Pose",
-           "FCD: Apply Deformation to Layer", "FCD: Save Deformation", "FCD: Tag Selection", "FCD: Tags from Files", "FCD: Save Tags"]
+           "FCD: Apply Deformation to Layer", "FCD: Save Deformation", "FCD: Tag"]
 
 
 class Screen:
@@ -261,9 +261,9 @@ class Window:
 
     def tag(self, *keys):
         count = sum("outside vertices" in line for line in self.lines())
-        window = self.dialog("FCD: Tag Selection")
-        self.choose(window, -60, -212, *keys)
-        self.picture(f"tag {keys[0]}")
+        window = self.dialog("FCD: Tag")
+        self.choose(window, -60, -321, *keys)
+        self.picture(f"tag {len(keys)}")
         self.apply(window)
         self.wait_for_log("outside vertices", count + 1)
         self.finish(window)
@@ -273,7 +273,7 @@ class Window:
         self.select(f"z < {low}")
         self.tag("Home")
         self.select(f"z > {high}")
-        self.tag("End", "Up")
+        self.tag("Home", "Down", "Down")
 
     def preview(self, x):
         """The dialog of a pose in place by x, with its preview on."""

@@ -79,11 +79,12 @@ def tag(w, out):
     f.select("y < 0.3")
     f.tag("Home")
     f.select("(y > 0.7) && (abs(x - 0.5) < 0.1)")
-    dialog = f.dialog("FCD: Tag Selection")
-    f.choose(dialog, -60, -212, "End", "Up")
+    dialog = f.dialog("FCD: Tag")
+    f.choose(dialog, -60, -321, "Home", "Down", "Down")
     f.apply(dialog)
     f.wait_for_log("outside vertices", 2)
-    write(w.picture(), out / "tag.png", (200, 0, 1366, 740), 950)
+    f.x("windowmove", "--sync", dialog, 946, 92) # beside the mesh
+    write(w.picture(), out / "tag.png", (200, 90, 1366, 740), 950)
     f.finish(dialog)
     f.select("y > 2") # nothing
     return f
