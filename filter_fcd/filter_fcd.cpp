@@ -10,6 +10,8 @@
 #include <layer_fcd/results.h>
 #include <layer_fcd/tagging.h>
 
+#include <QGuiApplication>
+
 using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
@@ -32,8 +34,9 @@ FilterFcd::FilterFcd() {
     announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, Compensate, PoseSequence, PoseInPlace,
               ResetPose, CopyDeformation, SaveDeformation, Tag, ClearTags, SaveSession, LoadSession, TagSelection,
               TagsFromFiles, SaveTags});
-    for (const int id : {TagSelection, TagsFromFiles, SaveTags})
-        action(id)->setVisible(false); // neither in menus nor in the search
+    if (qobject_cast<QGuiApplication *>(QCoreApplication::instance())) // else there is nothing to see
+        for (const int id : {TagSelection, TagsFromFiles, SaveTags})
+            action(id)->setVisible(false); // neither in menus nor in the search
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }

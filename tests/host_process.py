@@ -93,6 +93,12 @@ print(*set(after) - set(before))
     assert set(NAMES) <= set(out)
 
 
+def test_loading_says_nothing():
+    """Without a window, Qt warns of what only a window has."""
+    done = subprocess.run([sys.executable, "-c", f"import pymeshlab\npymeshlab.load_plugin({str(PLUGIN)!r})"], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_nothing_but_the_entry_of_a_plugin_is_exported():
     symbols = subprocess.run(["nm", "-D", "--defined-only", str(PLUGIN)], stdout=subprocess.PIPE, text=True, check=True).stdout
     assert sorted(line.split()[2] for line in symbols.splitlines()) == ["qt_plugin_instance", "qt_plugin_query_metadata"]
