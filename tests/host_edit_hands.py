@@ -1545,6 +1545,14 @@ def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
     show_percent(w, 0, 50)
     assert np.array_equal(load(w.save("typed.ply"))[0], half)
 
+    w.do("mousemove", *at(1), "keydown", "shift", "mousedown", 1, "mousemove", *at(0.8), "mousemove", *at(0.5), "mouseup", 1, "keyup", "shift")
+    w.do("mousemove", X, Y + 200)
+    w.shot("moved")
+    answer(w, "saveposes", "Save poses", str(tmp_path / "moved.csv"))
+    assert (tmp_path / "moved.csv").read_text().endswith("\n0,smooth,0\n0.5,smooth,100\n")
+    assert np.array_equal(load(w.save("moved.ply"))[0], half) # the shape stays
+    w.key("ctrl+z")
+
     w.click(at(0))
     w.do("mousemove", X, Y + 200)
     w.shot("first")

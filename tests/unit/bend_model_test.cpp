@@ -629,6 +629,14 @@ TEST(FrameScale, IsWhereFramesAndMarksAre) {
     const FrameScale crowded{{0, 0.01, 0.02}, 24, 0, 4};
     EXPECT_EQ(crowded.keyAt(2.5, 4), 1U) << "the nearest of several";
 
+    EXPECT_EQ(bar.movedTo(1, 60.9), 1 + 25 / 24.) << "to the nearest frame";
+    EXPECT_EQ(bar.movedTo(1, 200), 3 - 1 / 24.) << "a frame before the next";
+    EXPECT_EQ(bar.movedTo(1, -50), 1 + 1 / 24.);
+    EXPECT_EQ(bar.movedTo(2, 202), 5) << "beyond the bar";
+    EXPECT_EQ(bar.movedTo(0, -14), 0.5);
+    EXPECT_EQ(bar.movedTo(0, -500), 0) << "no animation begins before 0";
+    EXPECT_EQ(crowded.movedTo(1, 3), 0.01) << "there is no room";
+
     const FrameScale odd{{0, 0.1}, 24, 0, 100}; // the last key frame lies between two frames
     EXPECT_EQ(odd.last(), 3) << "as FrameTimes has it";
     EXPECT_EQ(odd.timeOf(3), 0.1);

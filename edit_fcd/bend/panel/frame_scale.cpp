@@ -35,3 +35,14 @@ double FrameScale::timeAt(double x, double reach) const {
     const double length = key.back() - key.front(), share = width > 0 ? std::clamp((x - left) / width, 0.0, 1.0) : 0;
     return timeOf(int(std::lround(share * length * rate)));
 }
+
+double FrameScale::movedTo(std::size_t which, double x) const {
+    const double length = key.back() - key.front();
+    const double frame = width > 0 ? std::round((x - left) / width * length * rate) : 0;
+    double time = std::max(0.0, key.front() + frame / rate);
+    if (which + 1 < key.size())
+        time = std::min(time, key[which + 1] - 1 / rate);
+    if (which > 0)
+        time = std::max(time, key[which - 1] + 1 / rate);
+    return which + 1 < key.size() && time >= key[which + 1] ? key[which] : std::max(0.0, time); // no room: it stays
+}

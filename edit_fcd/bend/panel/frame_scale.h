@@ -22,6 +22,9 @@ struct FrameScale {
     std::optional<std::size_t> keyAt(double x, double reach) const;
     /// That of the mark within \p reach, or else of the nearest frame. \pre there is a key frame
     double timeAt(double x, double reach) const;
+    /// Where a key frame that is drawn to \p x goes: a whole number of frames from the first one, as far as at least a
+    /// frame is left to the key frames before and after it. \pre there are two
+    double movedTo(std::size_t which, double x) const;
 };
 
 #endif

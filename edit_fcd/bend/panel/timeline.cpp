@@ -4,6 +4,7 @@
 #include "edit_fcd/bend/panel/timeline.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <QMouseEvent>
 #include <QPainter>
@@ -18,7 +19,7 @@ const double grasp = 4;                       // so near, a mark is meant
 BendTimeline::BendTimeline(QWidget *parent) : QWidget(parent) {
     setObjectName("timeline");
     setToolTip("The key frames, with the numbers of their frames, 24 a second from the first one on. A click on a mark "
-               "shows that key frame; a drag shows what is between them");
+               "shows that key frame; a drag shows what is between them; Shift and a drag move a mark");
     setFocusPolicy(Qt::NoFocus); // keys stay with the view
     setFixedHeight(30);
 }
@@ -31,6 +32,7 @@ void BendTimeline::show(const std::vector<double> &times) {
     if (times == key)
         return;
     key = times;
+    moved.reset();
     update();
 }
 
@@ -73,7 +75,8 @@ void BendTimeline::paintEvent(QPaintEvent *) {
         painter.drawLine(QPointF(x, 0), QPointF(x, height() - 14));
         number(*shown);
     }
-    for (const double time : key) {
+    for (std::size_t i = 0; i < key.size(); ++i) {
+        const double time = moved == i ? movedTime : key[i];
         const QPointF middle(at.xOf(time), markAt);
         const QPointF corners[] = {middle + QPointF(0, -markSize), middle + QPointF(markSize, 0),
                                    middle + QPointF(0, markSize), middle + QPointF(-markSize, 0)};
@@ -87,17 +90,33 @@ void BendTimeline::paintEvent(QPaintEvent *) {
 void BendTimeline::mousePressEvent(QMouseEvent *event) {
     if (event->button() != Qt::LeftButton || key.empty())
         return;
+    if (event->modifiers() & Qt::ShiftModifier) {
+        moved = key.size() > 1 ? scale().keyAt(event->localPos().x(), grasp) : std::nullopt;
+        movedTime = moved ? key[*moved] : 0;
+        return;
+    }
     isDragged = true;
     emit begins(scale().timeAt(event->localPos().x(), grasp));
 }
 
 void BendTimeline::mouseMoveEvent(QMouseEvent *event) {
-    if (isDragged && !key.empty())
+    if (moved) {
+        movedTime = scale().movedTo(*moved, event->localPos().x());
+        update();
+    } else if (isDragged && !key.empty())
         emit goes(scale().timeAt(event->localPos().x(), grasp));
 }
 
 void BendTimeline::mouseReleaseEvent(QMouseEvent *event) {
-    if (event->button() != Qt::LeftButton || !isDragged)
+    if (event->button() != Qt::LeftButton)
+        return;
+    if (const auto which = std::exchange(moved, std::nullopt)) {
+        update();
+        if (movedTime != key[*which])
+            emit keyMoved(int(*which), movedTime);
+        return;
+    }
+    if (!isDragged)
         return;
     isDragged = false;
     emit ends();

@@ -9,7 +9,8 @@
 
 #include "edit_fcd/bend/panel/frame_scale.h"
 
-/// The key frames as marks on a bar, with the numbers of their frames; a press, and a drag, lead to others.
+/// The key frames as marks on a bar, with the numbers of their frames; a press, and a drag, lead to others. A mark is
+/// drawn to another time with Shift.
 class BendTimeline : public QWidget {
     Q_OBJECT
 
@@ -25,6 +26,7 @@ class BendTimeline : public QWidget {
     void begins(double time); ///< what the mouse was pressed at: a key frame, or else a frame
     void goes(double time);
     void ends();
+    void keyMoved(int which, double time);
 
   protected:
     void paintEvent(QPaintEvent *event) override;
@@ -38,6 +40,8 @@ class BendTimeline : public QWidget {
     std::vector<double> key;
     std::optional<double> shown;
     bool isDragged = false;
+    std::optional<std::size_t> moved; ///< key frame that is drawn
+    double movedTime = 0;             ///< to where
 };
 
 #endif

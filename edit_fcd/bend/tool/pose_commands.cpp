@@ -70,15 +70,18 @@ void BendTool::connectPoses() {
         if (ScrubInteraction *going = scrub())
             going->end();
     });
-    when(frames, &BendKeyList::edited, [this](int row, double time, int easing) {
+    const auto set = [this](int row, double time, std::optional<int> easing) {
         changeFrame(row, [&] {
             session->change();
             std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
             frames[std::size_t(row)].time = time;
-            frames[std::size_t(row)].easing = vcg::fcd::Easing(easing);
+            if (easing)
+                frames[std::size_t(row)].easing = vcg::fcd::Easing(*easing);
             session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
         });
-    });
+    };
+    when(frames, &BendKeyList::edited, [set](int row, double time, int easing) { set(row, time, easing); });
+    when(bar, &BendTimeline::keyMoved, [set](int row, double time) { set(row, time, {}); });
     when(frames, &BendKeyList::removed, [this](int row) {
         changeFrame(row, [&] {
             session->change();
