@@ -413,6 +413,15 @@ TEST(BendModel, TheMirrorHasAnotherHandleThere) {
     EXPECT_EQ(mirrored(bent.model, 4), 0) << "it is in the middle, though another one is near";
     setMotion(bent.model, {{2, {MotionStep::Rotate({0, 0, 1}, 30), MotionStep::Translate({1, 2, 3})}}});
     EXPECT_EQ(motionTextOf(bent.model.state, 3), "rotate -0 -0 -1 30 translate -1 2 3");
+    const Eigen::Vector3d joint(0.4, 0.1, 0.05), there(-0.4, 0.1, 0.05);
+    setPivot(bent.model, 2, motionAt(bent.model, 2) * joint);
+    ASSERT_TRUE(handleOf(bent.model.state, 2).pivot && handleOf(bent.model.state, 3).pivot);
+    EXPECT_LT((*handleOf(bent.model.state, 2).pivot - joint).norm(), 1e-12);
+    EXPECT_LT((*handleOf(bent.model.state, 3).pivot - there).norm(), 1e-12) << "at rest, as the pose is mirrored, too";
+    setPivot(bent.model, 3, {});
+    EXPECT_FALSE(handleOf(bent.model.state, 2).pivot || handleOf(bent.model.state, 3).pivot);
+    setPivot(bent.model, 4, joint);
+    EXPECT_FALSE(handleOf(bent.model.state, 5).pivot) << "it has no twin";
     setMotion(bent.model, {{4, {MotionStep::Translate({1, 0, 0})}}});
     EXPECT_EQ(motionOf(bent.model.state, 5).size(), 0U);
     EXPECT_TRUE(isTwin(bent.model, bent.nearest({0.5, 0.25, 0}), bent.nearest({-0.5, 0.25, 0})));

@@ -182,11 +182,18 @@ void setPose(BendModel &model, double percent) {
 }
 
 void setPivot(BendModel &model, int tag, const std::optional<Eigen::Vector3d> &place) {
-    BendHandle changed = handleOf(model.state, tag);
-    changed.pivot.reset();
+    std::optional<Eigen::Vector3d> atRest;
     if (place)
-        changed.pivot = motionAt(model, tag).inverse() * *place;
-    setHandle(model.state, tag, std::move(changed));
+        atRest = motionAt(model, tag).inverse() * *place;
+    const auto set = [&](int each, const std::optional<Eigen::Vector3d> &pivot) {
+        BendHandle changed = handleOf(model.state, each);
+        changed.pivot = pivot;
+        setHandle(model.state, each, std::move(changed));
+    };
+    const int other = mirrored(model, tag);
+    set(tag, atRest);
+    if (other)
+        set(other, atRest ? std::optional<Eigen::Vector3d>(mirrorOf(model) * *atRest) : atRest);
 }
 
 void forgetGone(BendModel &model) {

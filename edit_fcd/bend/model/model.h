@@ -61,7 +61,7 @@ void setMotionText(BendModel &model, int tag, const std::string &text);
 /// \throw vcg::fcd::Error when it is not a text of motions, or not of the handles here
 void setMotions(BendModel &model, const std::string &text);
 void setPose(BendModel &model, double percent);
-/// \param place in the pose, none: the handle's middle
+/// Of a handle, and of the one on the other side of the mirror. \param place in the pose, none: the handle's middle
 void setPivot(BendModel &model, int tag, const std::optional<Eigen::Vector3d> &place);
 
 /// What no handle is any more is forgotten.
