@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 FLOORS = ["shape_constants.h", "base", "warp", "line", "handles", "surface", "contact", "patches", "graph", "solve", "map", "field", "region_deformer.h", "deformer.h", "fit", "fit.h", "straighten", "straighten.h", "symmetry", "symmetrize.h", "compensate.h", "sequence",
           "centroidal_deformation.h"]
-SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "straightener.cpp": "straighten.h", "symmetrizer.cpp": "symmetrize.h", "compensator.cpp": "compensate.h"}  # of a door, at its floor
+SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_curves.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "straightener.cpp": "straighten.h", "symmetrizer.cpp": "symmetrize.h", "compensator.cpp": "compensate.h"}  # of a door, at its floor
 VCG = {"centroidal_deformation.h": "reads VCG meshes"}
 # Of a tool, what the window's loop calls is guarded: by LayerTool's when(), later() and every().
 # The rooms of edit_fcd: what each may include of the others, but for its own. What is a folder's alone is defined in it.
