@@ -186,8 +186,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     return contents;
 }
 
-SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file,
-                            const std::function<void(const std::string &)> &checkTool) {
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file) {
     CMeshO &mesh = layer.cm;
     const std::string name = inQuotes(file);
     const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
@@ -244,12 +243,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     if (from.has("poses"))
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
     std::shared_ptr<ToolState> tool;
-    if (from.has("tool")) {
-        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, name));
-        if (checkTool)
-            checkTool(tool->text);
-    }
-
+    if (from.has("tool"))
+        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, file));
     if (from.has("pairs"))
         if (auto pairs = pairsOf(from, "pairs", live); !pairs.empty())
             next.pairs = std::make_shared<const std::vector<FitPair>>(std::move(pairs));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_text.h"
 #include "session_tools.h" // which includes others before Qt
 
 #include "layer_contents.h"
@@ -15,7 +16,7 @@ QCborMap mapOf(const ToolState &tool) {
             {QString("matrix"), arrayOf(std::move(matrix))}};
 }
 
-ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file) {
+ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const QString &file) {
     ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
     const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
     for (int k = 0; k < 16; ++k)
@@ -31,9 +32,10 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
     const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
                         (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
     if (!isSame && !now.matrix().isIdentity(0))
-        throw Error(file + " is of a layer with another matrix than " + inQuotes(layer) +
+        throw Error(inQuotes(file) + " is of a layer with another matrix than " + inQuotes(layer) +
                     " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
                     "again, which brings the matrix of then.");
+    readBendText(tool.text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // or says what is wrong
     return tool;
 }
 

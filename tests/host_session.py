@@ -268,6 +268,23 @@ def test_what_the_tool_knows_goes_through_filters(tmp_path):
     assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
 
 
+@pytest.mark.parametrize("state, what", [
+    ("FCD bend 2\n", "line 1: expected 'FCD bend 1': this is of another version of the tool"), ("", "line 1: expected 'FCD bend 1'"),
+    ("FCD bend 1\npose 50\nbend 2\n", "line 3: expected an option, or what is known of a handle, found 'bend'"),
+    ("FCD bend 1\npose 201\n", "line 2: expected a percentage from 0 to 200, found '201'"),
+    ("FCD bend 1\npoint 2 1000000 0.1\n", "line 2: expected a vertex of the layer, found '1000000'"),
+    ("FCD bend 1\n\nmotions 2: turn\n", "line 3: motions that cannot be"), ("FCD bend 1\npose 50 60\n", "line 2: expected the end of the line, found '60'")])
+def test_a_text_that_the_tool_would_refuse_is_refused(tmp_path, state, what):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    file.write_bytes(with_tool(data, state=state))
+    refused(reopened(ms, tmp_path), f"s.fcd', {what}", session_file=str(file))
+    file.write_bytes(with_tool(data, state="FCD bend 1\nmark 2 0 5\npoint 3 7 0.1 grip\nmotions 2: rotate 0 0 1 20\n"))
+    assert reopened(ms, tmp_path).apply_filter(LOAD, session_file=str(file))["tool"]
+
+
 def test_a_layer_without_a_matrix_gets_that_of_its_session(tmp_path):
     """Motions of the tool are told in the world. As a project has it, it is rounded."""
     ms, _, shapes = posed()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/state_text.h"
+#include "bend_text.h"
 
 #include <vcg_ext/base/words.h>
 
