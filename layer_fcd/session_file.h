@@ -28,9 +28,11 @@
 ///       "tool"               what FCD: Bend knows besides: {"state": a text, as bend_text.h tells;
 ///                            "posed": whether the layer has the pose of that, and not the shape that it begins from;
 ///                            "matrix": of the layer, column by column}
-///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the target,
-///       in
-///                            the world, 3; each only where that end is there}, ...]
+///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the
+///                            target, in the world, 3; each only where that end is there}, ...]
+///       "fit"                its options: {"stiffness", "start", "largest_distance", "weights", "target_weights": as
+///                            FitOptions has them, enumerations by their numbers; "target": name of the layer that
+///                            it is fitted to, or ""}
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 
@@ -40,9 +42,11 @@ struct SessionContents {
     bool tool = false; ///< handles, motions and a line, as FCD: Bend knows them
     int earlier = 0;   ///< rest shapes
     int poses = 0;
-    int pairs = 0;          ///< of landmarks, as FCD: Fit knows them
-    int moved = 0;          ///< vertices that have another position since it was loaded
-    bool hasMatrix = false; ///< the layer has the matrix of then since
+    int pairs = 0;           ///< of landmarks, as FCD: Fit knows them
+    bool fitOptions = false; ///< of that tool
+    std::string unfit;       ///< what of these does not go with the layers that are there; or empty
+    int moved = 0;           ///< vertices that have another position since it was loaded
+    bool hasMatrix = false;  ///< the layer has the matrix of then since
 };
 
 /// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot

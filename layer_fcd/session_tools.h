@@ -15,7 +15,9 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
-/// The same, read. \throw vcg::fcd::Error what is wrong with the file
-std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live);
+/// And the rest of what that tool was told.
+QCborMap mapOf(const FitToolState &fit);
+/// Both, read; null where the session has neither. \throw vcg::fcd::Error what is wrong with the file
+std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live);
 
 #endif

@@ -30,11 +30,11 @@ def on_target(x, y=0.0):
     return on_template(x, y + 0.3 * (1 - x * x))
 
 
-def open_two(window, tmp_path):
-    """A straight tube, current, and one that is bent like a bow. Returns the first one's points and faces, too."""
+def open_two(window, tmp_path, *others):
+    """A straight tube, current, and one that is bent like a bow, and others before. Returns the first one's points and faces, too."""
     target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
     points, faces = tube_of(np.linspace(-1, 1, 60), 24, 0.25)
-    return window(write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces)), points, faces
+    return window(*others, write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces)), points, faces
 
 
 def place_pairs(w):

@@ -50,26 +50,32 @@ void FitSession::resume(const FitState &state) {
     now.applies = 0;
 }
 
-void FitSession::takeKeptPairs() {
+void FitSession::takeKept() {
     const LayerState *its = LayerState::of(layer);
-    const auto pairs = its ? its->pairs : nullptr;
-    if (pairs == keptPairs)
+    const auto fit = its ? its->fit : nullptr;
+    if (fit == kept)
         return;
-    keptPairs = pairs;
-    const std::vector<FitPair> taken = pairs ? *pairs : std::vector<FitPair>();
-    if (taken == now.pairs)
+    kept = fit;
+    const FitToolState taken = fit ? *fit : FitToolState();
+    chosenTarget = taken.target;
+    if (taken.pairs == now.pairs && taken.options == now.options)
         return;
     change();
-    setPairs(taken);
+    setPairs(taken.pairs);
+    setOptions(taken.options);
 }
 
-void FitSession::keepPairs() {
-    if (keptPairs ? *keptPairs == now.pairs : now.pairs.empty())
+void FitSession::keep(const MeshModel *target) {
+    FitToolState next{now.pairs, now.options, chosenTarget};
+    const bool isTold = !next.pairs.empty() || next.isSet();
+    if (isTold && next.target.empty() && target) // another document may have its layers in another order
+        next.target = target->label().toStdString();
+    if (kept ? *kept == next : !isTold)
         return;
-    if (!now.pairs.empty())
-        LayerState::made(document, layer).pairs = keptPairs = std::make_shared<const std::vector<FitPair>>(now.pairs);
+    if (isTold)
+        LayerState::made(document, layer).fit = kept = std::make_shared<const FitToolState>(std::move(next));
     else if (LayerState *its = LayerState::of(layer))
-        its->pairs = keptPairs = nullptr;
+        its->fit = kept = nullptr;
 }
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {

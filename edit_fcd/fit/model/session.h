@@ -16,20 +16,6 @@
 /// What a layer that is fitted shows.
 enum class FitShape { Rest, Landmarks, Pulled };
 
-/// What the panel sets.
-struct FitOptions {
-    double stiffness = 1;
-    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
-    double largestDistance = 0;                             ///< world units; 0: no limit
-    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; no attributes.
-    FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
-
-    bool operator==(const FitOptions &other) const {
-        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance &&
-               weights == other.weights && targetWeights == other.targetWeights;
-    }
-};
-
 /// What is undone and redone.
 struct FitState {
     std::vector<FitPair> pairs;
@@ -60,10 +46,14 @@ class FitSession {
     const FitState &state() const { return now; }
     /// Takes up a state of an earlier session of the same layer.
     void resume(const FitState &state);
-    /// The pairs that the layer keeps, where they are not those that this has left with it: undo takes that back.
-    void takeKeptPairs();
-    /// The layer keeps the pairs, for another session and for files.
-    void keepPairs();
+    /// The pairs and options that the layer keeps, where they are not those that this has left with it: undo takes that
+    /// back.
+    void takeKept();
+    /// The layer keeps the pairs and options, for another session and for files. \param target that is shown, or null
+    void keep(const MeshModel *target);
+    /// Name of the layer that this one is fitted to, as a person has chosen it; empty: the first other one.
+    const std::string &targetName() const { return chosenTarget; }
+    void setTargetName(const std::string &name) { chosenTarget = name; }
     std::uint64_t restShape() const { return shapeAtRest; } ///< as shapeOf tells it
     double diagonal() const { return rest.diagonal(); }
 
@@ -144,9 +134,10 @@ class FitSession {
     bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
-    std::shared_ptr<const std::vector<FitPair>> keptPairs; ///< that the layer got here, or that were taken from it
-    History<FitState> history{1000};                       // each is some pairs
-    std::vector<std::uint64_t> applied;                    ///< the rest shapes of before each apply
+    std::string chosenTarget;
+    std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
+    History<FitState> history{1000};          // each is some pairs
+    std::vector<std::uint64_t> applied;       ///< the rest shapes of before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;

@@ -15,10 +15,9 @@
 
 namespace {
 
-// Of the slider: from 0.01 to 100, in hundredths of a power of ten.
-const int mostStiff = 200;
-
+// The slider has hundredths of a power of ten.
 double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
+int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
 
 } // namespace
 
@@ -142,7 +141,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     auto *stiff = new QHBoxLayout;
     stiffness = new QSlider(Qt::Horizontal);
     stiffness->setObjectName("stiffness");
-    stiffness->setRange(-mostStiff, mostStiff);
+    stiffness->setRange(placeOf(FitOptions::leastStiffness), placeOf(FitOptions::mostStiffness));
     stiffness->setToolTip("How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths "
                           "over noise and holes");
     stiffnessText = new QLabel("1");
@@ -176,7 +175,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
-    largest->setRange(0, 1e9);
+    largest->setRange(0, FitOptions::mostDistance);
     largest->setSpecialValueText("no limit");
     largest->setToolTip("What is farther than this from the target has no counterpart there");
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
@@ -232,7 +231,7 @@ FitOptions FitPanel::options() const {
 
 void FitPanel::showOptions(const FitOptions &options) {
     const QSignalBlocker blocked(this);
-    stiffness->setValue(int(std::lround(100 * std::log10(options.stiffness))));
+    stiffness->setValue(placeOf(options.stiffness));
     start->setCurrentIndex(int(options.start));
     largest->setValue(options.largestDistance);
     weights->setCurrentIndex(int(options.weights));

@@ -128,7 +128,7 @@ void FitTool::refresh() {
     panel->showState(stateText());
     panel->showShape(session->state().shape);
     if (layer())
-        session->keepPairs();
+        session->keep(target());
     std::vector<FitPairRow> rows;
     const std::vector<FitPair> &pairs = session->state().pairs;
     rows.reserve(pairs.size());

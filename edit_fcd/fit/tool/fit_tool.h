@@ -48,6 +48,7 @@ class FitTool : public LayerTool {
     MeshModel *target() const; ///< null when there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
+    void takeTarget(const MeshModel &fitted);
     void leave();
     void close() override;
     bool isReady();
