@@ -81,6 +81,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (!param.curveFile.isEmpty() && param.landmarksOnly)
         throw Error("Curves lead onto the target, of which nothing else than landmarks counts. Leave 'curves_file' or "
                     "'landmarks_only' out.");
+    curves = param.curves;
     if (!param.curveFile.isEmpty())
         curves = vcg::fcd::ReadCurveFile(QFile::encodeName(param.curveFile).toStdString());
     surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })

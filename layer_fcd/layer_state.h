@@ -116,10 +116,12 @@ struct FitToolState {
     std::vector<FitPair> pairs;
     FitOptions options;
     std::string target; ///< name of the layer that it is fitted to; empty: the first other one
+    std::string curves; ///< file with curves that lead it, UTF-8; empty: none
 
-    bool isSet() const { return !target.empty() || !(options == FitOptions()); } ///< besides the pairs
+    /// Besides the pairs.
+    bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
     bool operator==(const FitToolState &other) const {
-        return pairs == other.pairs && options == other.options && target == other.target;
+        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves;
     }
 };
 

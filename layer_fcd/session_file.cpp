@@ -146,6 +146,8 @@ std::string unfitOf(const FitToolState &fit, const MeshDocument &document, const
     const MeshModel *target = layerNamed(fit.target, document, layer);
     if (!fit.target.empty() && !target)
         add("no other layer is called " + inQuotes(QString::fromStdString(fit.target)) + ", its target");
+    if (!fit.curves.empty() && !QFile::exists(QString::fromStdString(fit.curves)))
+        add("its curves are not there, " + inQuotes(QString::fromStdString(fit.curves)));
     if (fit.options.weights == FitMeshParam::WeightsQuality && !hasQuality(layer))
         add("this layer has no quality, which says what counts");
     if (target && fit.options.targetWeights == FitMeshParam::WeightsQuality && !hasQuality(*target))

@@ -59,7 +59,8 @@ QCborMap mapOf(const FitToolState &fit) {
             {QString("largest_distance"), fit.options.largestDistance},
             {QString("weights"), int(fit.options.weights)},
             {QString("target_weights"), int(fit.options.targetWeights)},
-            {QString("target"), QString::fromStdString(fit.target)}};
+            {QString("target"), QString::fromStdString(fit.target)},
+            {QString("curves"), QString::fromStdString(fit.curves)}};
 }
 
 static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live) {
@@ -91,6 +92,7 @@ std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices
         options.weights = FitMeshParam::Weights(its.whole("weights", FitMeshParam::WeightsSelection));
         options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsSelection));
         fit.target = its.text("target");
+        fit.curves = its.text("curves");
     }
     const bool isEmpty = fit.pairs.empty() && !fit.isSet();
     return isEmpty ? nullptr : std::make_shared<const FitToolState>(std::move(fit));

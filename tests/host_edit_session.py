@@ -9,7 +9,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_fit import answer, on_target, open_two, place_pairs, pull, save_pairs
+from host_edit_fit import answer, on_target, open_two, place_pairs, pull, save_pairs, write_curves
 from host_edit_hands import keep_pose, tube_with_poses
 from host_edit_state import PULL, import_another
 
@@ -182,6 +182,7 @@ def test_options_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     w.do("mousemove", x + width // 2, y + height // 2, "click", "--repeat", 3, 4)
     w.click(w.place("start"))
     w.key("Home", "Return")
+    answer(w, "curves", "Load curves", str(write_curves(tmp_path / "curves.csv", 20)))
     pull(w)
     w.shot("told")
     pulled = load(w.save("pulled.ply"))[0]
@@ -206,8 +207,10 @@ def test_options_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     assert not np.array_equal(load(w.save("by_defaults.ply"))[0], pulled)
 
     w = another(other, tmp_path / "template.ply")
-    by_filter(Filters(w), "FCD: Load Session", tmp_path / "fit.fcd", "no other layer is called 'scan.ply', its target.")
+    (tmp_path / "curves.csv").unlink()
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "fit.fcd", "no other layer is called 'scan.ply', its target, and its curves are not there, ")
     w.start_tool("FCD: Fit")
+    w.wait("The curves of the layer 'template.ply' are left out: Cannot open '")
     w.wait("The layer 'template.ply' was fitted to 'scan.ply', which is not here: open it and choose this layer again, or choose another target.")
     w.shot("target_is_not_here")
 

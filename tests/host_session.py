@@ -265,11 +265,11 @@ def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
     assert "FCD: a layer is gone, and with it its 2 pairs of landmarks of 'FCD: Fit'" in said.out + said.err
 
 
-FIT = {"stiffness": 10 ** 0.37, "start": 3, "largest_distance": 0.25, "weights": 1, "target_weights": 2, "target": "scän.ply"}
+FIT = {"stiffness": 10 ** 0.37, "start": 3, "largest_distance": 0.25, "weights": 1, "target_weights": 2, "target": "scän.ply", "curves": ""}
 
 
 def test_options_of_a_fit_go_along(tmp_path, capfd):
-    """With what does not go with the layers that are there. As in host_fit.py, what is logged comes before any error."""
+    """With what does not go with the layers that are there."""
     ms, _, _ = posed()
     file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
     ms.apply_filter(SAVE, session_file=str(file))
@@ -289,18 +289,25 @@ def test_options_of_a_fit_go_along(tmp_path, capfd):
 
     again.add_mesh(pymeshlab.Mesh(np.eye(3)), "bare")  # without quality
     again.set_current_mesh(0)
-    for weights, words in (((1, 1), "the target has no quality, which says what counts"), ((0, 1), "the target has no quality"), ((1, 0), "")):
-        file.write_bytes(with_part(data, "fit", {**FIT, "target": "bare", "weights": weights[0], "target_weights": weights[1]}))
+    for weights, words in (((1, 1), "the target has no quality, which says what counts"), ((0, 1), "the target has no quality"), ((1, 0), ""),
+                           ((0, 0, "/no/such.csv"), "its curves are not there, '/no/such.csv'.")):
+        file.write_bytes(with_part(data, "fit", {**FIT, "target": "bare", "weights": weights[0], "target_weights": weights[1], "curves": "".join(weights[2:])}))
         capfd.readouterr()
         again.apply_filter(LOAD, session_file=str(file))
         said = capfd.readouterr().err
         assert words in said and ("Of 'FCD: Fit'" in said) == bool(words) and "this layer has no quality" not in said
 
+
+def test_options_of_a_fit_that_cannot_be_are_refused(tmp_path):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
     for key, wrong, what in (("stiffness", 0, "stiffness is out of range"), ("stiffness", 1000, "stiffness is out of range"), ("stiffness", "1", "stiffness is no number"),
                              ("start", 4, "start is out of range"), ("start", -1, "start is out of range"), ("start", 0.5, "start is no whole number"),
                              ("weights", 3, "weights is out of range"), ("target_weights", 1.5, "target_weights is no whole number"),
                              ("largest_distance", -1, "largest_distance is out of range"), ("largest_distance", float("nan"), "largest_distance is out of range"),
-                             ("target", 5, "target is no text")):
+                             ("target", 5, "target is no text"), ("curves", True, "curves is no text")):
         file.write_bytes(with_part(data, "fit", {**FIT, key: wrong}))
         refused(reopened(ms, tmp_path), what, session_file=str(file))
     for wrong in ({}, 5, []):

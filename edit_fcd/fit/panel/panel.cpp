@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include <QFileInfo>
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
@@ -96,7 +97,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 void FitPanel::addPairs(QBoxLayout &column) {
     list = new FitPairList;
     list->setObjectName("pairs");
-    list->setFixedHeight(148); // five pairs; so all of the panel fits 768 pixels
+    list->setFixedHeight(120); // four pairs; so all of the panel fits 768 pixels
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -180,6 +181,13 @@ void FitPanel::addShape(QBoxLayout &column) {
     largest->setToolTip("What is farther than this from the target has no counterpart there");
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
     form->addRow("Largest distance", largest);
+    auto *lines = new QHBoxLayout;
+    curves = button("curves", "", "", LoadCurves);
+    noCurves = button("nocurves", "Without", "The pull goes by no curves", ClearCurves);
+    lines->addWidget(curves, 1);
+    lines->addWidget(noCurves);
+    form->addRow("Curves", lines);
+    showCurves(QString());
     column.addLayout(form);
     distance = new QCheckBox("Show distance");
     distance->setObjectName("distance");
@@ -251,6 +259,16 @@ void FitPanel::showLegend(double most) {
     if (most > 0)
         text += "<span style='background: rgb(150, 150, 150); color: black'>&nbsp;none&nbsp;</span>";
     legend->setText(text);
+}
+
+void FitPanel::showCurves(const QString &file) {
+    const QString name = QFileInfo(file).fileName();
+    curves->setText(name.isEmpty() ? QString("Load ...")
+                                   : curves->fontMetrics().elidedText(name, Qt::ElideMiddle, 120));
+    curves->setToolTip((file.isEmpty() ? QString() : file.toHtmlEscaped() + "<br>") +
+                       "Lines on both layers that slide along each other when this one is pulled: lips, a ridge, a "
+                       "tooth's margin. A table (.csv) as 'FCD: Fit to Layer' reads it");
+    noCurves->setEnabled(!file.isEmpty());
 }
 
 void FitPanel::showProgress(int percent) {

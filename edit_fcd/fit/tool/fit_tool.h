@@ -61,6 +61,7 @@ class FitTool : public LayerTool {
     void act(int key);
 
     void chooseFiles(bool load);
+    void setCurves(const std::string &file);
     void click();
     void dragTo();
     bool place(bool isTarget);

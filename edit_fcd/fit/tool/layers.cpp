@@ -60,7 +60,9 @@ void FitTool::open(MeshModel &newModel) {
         else if (before)
             session->setPairs(before->state().pairs);
     }
-    session->takeKept();
+    const std::string wrong = session->takeKept();
+    if (!wrong.empty())
+        say("The curves of the layer " + inQuotes(newModel) + " are left out: " + wrong, true);
     takeTarget(newModel);
     enterLayer(newModel);
     selected = -1;
