@@ -47,6 +47,7 @@ FitParam fitParamOf(const nb::dict &given) {
 
 std::vector<Eigen::Vector3d> pointsOf(const Rows &rows) {
     std::vector<Eigen::Vector3d> points;
+    points.reserve(rows.shape(0));
     for (std::size_t k = 0; k < rows.shape(0); ++k)
         points.emplace_back(rowOf(rows.data(), k));
     return points;
@@ -115,6 +116,7 @@ nb::list readCurves(const nb::bytes &content, const std::string &name) {
 
 nb::list Fitting::along(const std::vector<FileCurve> &curves) const {
     std::vector<CurvePair> pairs;
+    pairs.reserve(curves.size());
     for (const auto &[name, file, line, source, target] : curves)
         pairs.push_back({{name.c_str(), name.size()}, pointsOf(source), pointsOf(target), line, file});
     const vcg::fcd::CurveLead lead = [&] {

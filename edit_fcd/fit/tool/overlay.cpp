@@ -73,6 +73,7 @@ void drawCurves(const FitSession &session, const FitMarks &marks) {
     beginOver();
     for (std::size_t c = 0; c < lines->curves.size(); ++c) {
         std::vector<Eigen::Vector3d> source;
+        source.reserve(lines->curves[c].source.size());
         for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k)
             source.push_back(session.cornerOf(c, k));
         if (marks.showsTarget)
